@@ -22,6 +22,7 @@
 #include "network/coordinates.hpp"
 #include "network/gradient.hpp"
 #include "network/neighbours.hpp"
+#include "network/place_cache.hpp"
 #include "network/router_message.hpp"
 #include "network/trickle.hpp"
 #include "network/turns.hpp"
@@ -34,19 +35,21 @@ struct router_config {
   channels_config paths;     ///< sizes of tables and queues; a sink's are larger at least; the next
   collection_config packets; ///< too
   trickle_config beacons;
-  tick_setting tick;              ///< the sink's (CLK-03)
-  duration report_period = 8min;  ///< a mote tells the sink where it is, at least so often;
-  duration report_gap = 5s;       ///< when that has changed, so long after it said anything; twice
-                                  ///< as long with each time that it goes on changing
-  duration question_timeout = 3s; ///< for the sink's answer where a mote is. In a crowd,
-  duration question_gap = 5s;     ///< where floods cost much, it is asked again while it does not
-  unsigned asks_max = 3;          ///< know, or we do not know where we are; so often at most
-  std::size_t questions_max = 2;  ///< in flight
-  std::size_t places_max = 1000;  ///< of motes, that the sink remembers
-  std::size_t direct_max = 4;     ///< packets for neighbours in flight
-  duration relay_spread = 150ms;  ///< a clock round is passed on within this time,
-  unsigned relay_copies = 3;      ///< unless it has been heard so often until then
-  duty_window duty;               ///< when radios are on
+  tick_setting tick;               ///< the sink's (CLK-03)
+  duration report_period = 8min;   ///< a mote tells the sink where it is, at least so often;
+  duration report_gap = 5s;        ///< when that has changed, so long after it said anything; twice
+                                   ///< as long with each time that it goes on changing
+  duration question_timeout = 3s;  ///< for the sink's answer where a mote is. In a crowd,
+  duration question_gap = 5s;      ///< where floods cost much, it is asked again while it does not
+  unsigned asks_max = 3;           ///< know, or we do not know where we are; so often at most
+  std::size_t questions_max = 2;   ///< in flight
+  std::size_t places_max = 1000;   ///< of motes, that the sink remembers,
+  std::size_t places_kept = 16;    ///< and a mote, which learns them from what passes by,
+  duration place_lifetime = 10min; ///< for so long
+  std::size_t direct_max = 4;      ///< packets for neighbours in flight
+  duration relay_spread = 150ms;   ///< a clock round is passed on within this time,
+  unsigned relay_copies = 3;       ///< unless it has been heard so often until then
+  duty_window duty;                ///< when radios are on
   /// A beacon comes within this time of a change of coordinates, and as often from those that look
   /// for a route, but for no longer than seek_length; and for these not more often than help_gap.
   duration change_beacon = 1s;
@@ -206,7 +209,9 @@ private:
   void begin(const question& x, std::optional<virtual_coordinates> place, router_outputs& out,
              instant now);
   [[nodiscard]] surroundings around(instant now) const;
-  [[nodiscard]] std::optional<virtual_coordinates> known_place(mote_id x) const;
+  [[nodiscard]] std::optional<virtual_coordinates> known_place(mote_id x, instant now) const;
+  void learn_place(mote_id x, virtual_coordinates place, instant now);
+  void learn_from(std::uint8_t am_type, byte_view payload, instant now);
   [[nodiscard]] frame_out frame_for(purpose why, mote_id to, std::uint8_t am_type, bytes payload);
 
   router_config config_;
@@ -231,7 +236,7 @@ private:
   std::vector<frame_out> waiting_directs_;  ///< of them, for their turn
   std::map<std::uint64_t, mote_id> handed_; ///< unicasts: to whom
   std::vector<question> questions_;
-  std::map<mote_id, virtual_coordinates> places_; ///< at the sink
+  place_cache places_;
   std::optional<virtual_coordinates> told_place_;
   mote_id told_parent_ = no_mote;
   instant reported_;                  ///< when it told the sink last
