@@ -16,6 +16,7 @@
 #include "actors/serial_line.hpp"
 #include "actors/sink.hpp"
 #include "apps/tables.hpp"
+#include "config/slot_check.hpp"
 #include "scheduler/coordinator.hpp"
 #include "scheduler/spawn.hpp"
 
@@ -134,6 +135,7 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.smepp = groups_of(self, island, mote);
   if (x.smepp)
     x.smepp_kept = std::make_shared<smepp::kept>(first_kept(self->state.process.starts));
+  x.node.access = config::access_of(self->state.description.radio, island);
   x.node.layer.synaptic.tick_period = self->state.description.tick;
   x.node.layer.messages.answer_slack = self->state.answer_slack;
   const auto programs = configs_of(programs_among(mote.apps));
