@@ -15,6 +15,9 @@ constexpr duration radio_try_max = 115 * 320us + 4300us + 900us;
 constexpr duration radio_round_max = 4 * radio_try_max;
 
 constexpr duration offer_lifetime = 5s; ///< what nobody has taken up by then is void
+/// Of a squared distance in virtual coordinates: so much farther the next mote may be where nobody
+/// is nearer. Several motes have the same coordinates, and the way leads round them.
+constexpr std::uint32_t sidestep = 5;
 constexpr int turns_spare =
     6; ///< turns that set-up may take beside one a hop: many take several hops
 constexpr int hops_likely = 8;           ///< of a route that nobody knows
@@ -82,28 +85,32 @@ channels_outputs channels::connect(channel_id channel, mote_id destination,
 
 /// The next mote: the destination, if it is a good neighbour; else a good one that is nearer to it.
 /// Where there is none, the same among other neighbours: one that has just started is not a good
-/// one yet. Who does not know where it is itself leaves it to the mote above it in the tree.
+/// one yet. Then a good one that is about as far from it as we are. Who does not know where it is
+/// itself leaves it to the mote above it in the tree.
 std::optional<mote_id> channels::nearer(const entry& x, const surroundings& around) {
   const bool is_untried = x.second_try != x.wish.destination;
   const auto is_destination = [&](const nearby_mote& y) { return y.mote == x.wish.destination; };
   for (const auto* among : {&around.motes, &around.heard}) {
     if (std::ranges::any_of(*among, is_destination) && is_untried)
       return x.wish.destination;
-    if (const auto next = nearest(x, *among, around))
+    if (const auto next = nearest(x, *among, around, 0))
       return next;
   }
+  if (const auto next = nearest(x, around.motes, around, sidestep))
+    return next;
   const bool may_ascend = x.wish.place && !around.own_place && around.parent != no_mote &&
                           around.parent != x.previous && around.parent != x.second_try;
   return may_ascend ? std::optional(around.parent) : std::nullopt;
 }
 
 /// The one nearest to the destination that is nearer than we are, as far as we know where we are.
+/// @param slack the squared distance may be so much greater, and less one
 std::optional<mote_id> channels::nearest(const entry& x, const std::vector<nearby_mote>& among,
-                                         const surroundings& around) {
+                                         const surroundings& around, std::uint32_t slack) {
   if (!x.wish.place)
     return std::nullopt;
   std::optional<mote_id> best;
-  auto least = around.own_place ? squared_distance(*around.own_place, *x.wish.place)
+  auto least = around.own_place ? squared_distance(*around.own_place, *x.wish.place) + slack
                                 : std::numeric_limits<std::uint32_t>::max();
   for (const auto& y : among) {
     if (!y.place || y.mote == x.second_try || y.mote == x.previous)

@@ -250,8 +250,10 @@ private:
   void go_on(channel_id id, entry& x, const surroundings& around, channels_outputs& out,
              instant now);
   [[nodiscard]] static std::optional<mote_id> nearer(const entry& x, const surroundings& around);
-  [[nodiscard]] static std::optional<mote_id>
-  nearest(const entry& x, const std::vector<nearby_mote>& among, const surroundings& around);
+  [[nodiscard]] static std::optional<mote_id> nearest(const entry& x,
+                                                      const std::vector<nearby_mote>& among,
+                                                      const surroundings& around,
+                                                      std::uint32_t slack);
   [[nodiscard]] static bool may_be_near(const entry& x, const surroundings& around);
   void flood(channel_id id, entry& x, const surroundings& around, instant now);
   static void note_copy(flood_copies& x, std::uint8_t hops, std::uint8_t own_hops);

@@ -28,7 +28,7 @@ public:
   void keep_epoch(std::uint16_t epoch);
 
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
-  [[nodiscard]] std::size_t footprint() const { return motes_max_ * (2 + 3 + 2) + 2; }
+  [[nodiscard]] std::size_t footprint() const { return motes_max_ * (2 + 3 + 1) + 2; }
 
 private:
   struct entry {

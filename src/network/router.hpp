@@ -44,7 +44,7 @@ struct router_config {
   unsigned asks_max = 3;           ///< know, or we do not know where we are; so often at most
   std::size_t questions_max = 2;   ///< in flight
   std::size_t places_max = 1000;   ///< of motes, that the sink remembers,
-  std::size_t places_kept = 16;    ///< and a mote, which learns them from what passes by,
+  std::size_t places_kept = 6;     ///< and a mote, which learns them from what passes by,
   duration place_lifetime = 10min; ///< for so long
   std::size_t direct_max = 4;      ///< packets for neighbours in flight
   duration relay_spread = 150ms;   ///< a clock round is passed on within this time,
