@@ -18,6 +18,7 @@
 #include "actors/serial_line.hpp"
 #include "actors/sink.hpp"
 #include "apps/tables.hpp"
+#include "config/slot_check.hpp"
 #include "scheduler/coordinator.hpp"
 #include "scheduler/spawn.hpp"
 
@@ -155,6 +156,7 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   if (x.smepp)
     x.smepp_kept = std::make_shared<smepp::kept>(first_kept(self->state.process.starts));
   x.node.tables = tables_of(self, island.id, configs_of(programs_among(mote.apps)), traffic);
+  x.node.access = config::access_of(self->state.description.radio, island);
   x.seed = self->state.description.seed;
   x.radio = radio;
   x.air = air;

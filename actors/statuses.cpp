@@ -171,6 +171,7 @@ network_status status_of(mote_address address, const mote::sink& x, instant own,
   status.network.lost = lost_of(losses_of(x));
   report::add_counters(status.network.counters, "registrar", x.joining());
   report::add_counters(status.network.counters, "sink", x.counters());
+  report::add_counters(status.network.counters, "slots", x.slots().counters());
   return status;
 }
 

@@ -552,6 +552,15 @@ void layer::on_tick(std::uint32_t tick, instant now) {
   dispatch();
 }
 
+std::vector<layer::vector_end> layer::vector_ends() const {
+  std::vector<vector_end> found;
+  for (const auto& x : synaptic_.out_ends()) {
+    const bool is_near = x.channel && !is_tunnel(*x.channel);
+    found.push_back({x.size, x.channel.has_value(), is_near ? x.channel : std::nullopt});
+  }
+  return found;
+}
+
 bool layer::wants_ticks() const {
   return synaptic_.open_channels() > 0 ||
          std::ranges::any_of(programs_, [](const auto& x) { return x->wants_ticks(); });

@@ -220,6 +220,13 @@ public:
     streams_.set_answer_slack(x);
     synaptic_.set_answer_slack(x);
   }
+  /// Where vectors of this node go, as far as they go to other nodes.
+  struct vector_end {
+    std::size_t size = 0; ///< elements
+    bool connected = false;
+    std::optional<stream::channel_handle> channel{}; ///< of Network; nothing: through the sink
+  };
+  [[nodiscard]] std::vector<vector_end> vector_ends() const;
   void set_slot(duration offset) { synaptic_.set_slot(std::max(offset, config_.slot_min)); }
 
   void on_time(instant now); ///< harmless before deadline()

@@ -8,6 +8,7 @@
 #include "config/model_readers.hpp"
 #include "config/reach.hpp"
 #include "config/size_check.hpp"
+#include "config/slot_check.hpp"
 #include "radio/tossim_files.hpp"
 
 namespace rubicon::config {
@@ -177,8 +178,8 @@ void island_motes::read_mote(table_reader& in) {
   if (has_place)
     placed_at_[out.id] = in.at("position_m");
   note_flows(out.id, profile.apps, in.problems());
-  note_programs(profile.apps, 1, in.problems());
   island_.motes.push_back(std::move(out));
+  note_programs(profile.apps, island_.motes.size() - 1, in.problems());
 }
 
 void island_motes::read_group(table_reader& in) {
@@ -219,11 +220,11 @@ void island_motes::read_group(table_reader& in) {
   add_group(in, first, count, like, prefix);
   for (auto i = begin; i < island_.motes.size(); ++i)
     note_flows(island_.motes[i].id, profile.apps, in.problems());
-  note_programs(profile.apps, island_.motes.size() - begin, in.problems());
+  note_programs(profile.apps, begin, in.problems());
 }
 
-/// So many motes have these programs.
-void island_motes::note_programs(const std::vector<placed_app>& placed, std::size_t motes,
+/// The motes from `begin` on have these programs.
+void island_motes::note_programs(const std::vector<placed_app>& placed, std::size_t begin,
                                  complaints& problems) {
   const auto programs = programs_of(placed);
   const auto one = apps::traffic_of(island_.id, programs);
@@ -231,8 +232,10 @@ void island_motes::note_programs(const std::vector<placed_app>& placed, std::siz
     return; // no vectors
   vectors_at_ = placed.back().channel_at;
   check_tick(programs, island_.id, with_.tick, vectors_at_, problems);
-  for (std::size_t i = 0; i < motes; ++i)
+  for (auto i = begin; i < island_.motes.size(); ++i) {
     traffic_ += one;
+    programs_at_[island_.motes[i].id] = vectors_at_;
+  }
 }
 
 void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_t count,
@@ -354,6 +357,9 @@ void island_motes::finish(complaints& problems) {
             [](const auto& a, const auto& b) { return a.id < b.id; });
   check_reach(problems);
   check_tick(traffic_, island_.serial, with_.tick, vectors_at_, problems);
+  if (!programs_at_.empty() && !island_.duty.enabled) // where radios sleep channels have schedules
+    check_slots(slot_needs(island_, range_m_, access_of(with_.radio, island_), programs_at_),
+                with_.tick, problems);
   for (const auto& [flow, from] : flows_) {
     if (flow.to != broadcast_mote && !receivers_.contains(flow.to))
       problems.add(flow.to_at, "mote `" + name_of(flow.to) + "` has no app = \"receiver\"");

@@ -55,7 +55,7 @@ private:
   [[nodiscard]] bool check_node(mote_id id, const std::string& name, mark at,
                                 complaints& problems) const;
   void note_flows(mote_id from, const std::vector<placed_app>& apps, complaints& problems);
-  void note_programs(const std::vector<placed_app>& placed, std::size_t motes,
+  void note_programs(const std::vector<placed_app>& placed, std::size_t begin,
                      complaints& problems);
   [[nodiscard]] std::string name_of(mote_id id) const;
 
@@ -70,8 +70,9 @@ private:
   std::map<placed_flow, mote_id> flows_; ///< and the first mote that sends so
   std::map<mote_id, mote_id> relays_;    ///< and where each passes on to
   std::set<mote_id> receivers_;
-  apps::traffic traffic_; ///< of all motes with synaptic channels
-  mark vectors_at_;       ///< the last of these
+  apps::traffic traffic_;               ///< of all motes with synaptic channels
+  std::map<mote_id, mark> programs_at_; ///< of these
+  mark vectors_at_;                     ///< the last of these
 };
 
 } // namespace rubicon::config

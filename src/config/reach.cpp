@@ -30,7 +30,7 @@ public:
   }
 
   /// Takes out those within range of `x`.
-  void take_near(const position& x, std::vector<position>& taken) {
+  void take_near(const position& x, std::vector<std::size_t>& taken) {
     const auto middle = cube_of(x, range_m_);
     for (std::int64_t i = 0; i < 27; ++i) {
       const auto found =
@@ -41,7 +41,7 @@ public:
         const auto& y = places_[each];
         if (math::length(x.x_m - y.x_m, x.y_m - y.y_m, x.z_m - y.z_m) > range_m_)
           return false;
-        taken.push_back(y);
+        taken.push_back(each);
         return true;
       });
     }
@@ -66,12 +66,29 @@ private:
 std::vector<std::size_t> out_of_reach(const position& from, const std::vector<position>& places,
                                       double range_m) {
   waiting_places waiting(places, range_m);
-  std::vector<position> reached{from};
-  for (std::size_t i = 0; i < reached.size(); ++i) {
-    const auto next = reached[i]; // a copy: `reached` grows
-    waiting.take_near(next, reached);
-  }
+  std::vector<std::size_t> reached;
+  waiting.take_near(from, reached);
+  for (std::size_t i = 0; i < reached.size(); ++i)
+    waiting.take_near(places[reached[i]], reached);
   return waiting.left();
+}
+
+std::vector<unsigned> hops_from(const std::vector<position>& places, std::size_t from,
+                                double range_m) {
+  waiting_places waiting(places, range_m);
+  std::vector<unsigned> hops(places.size());
+  std::vector<std::size_t> reached;
+  const auto go_on = [&](std::size_t at, unsigned steps) {
+    const auto before = reached.size();
+    waiting.take_near(places[at], reached);
+    for (auto i = before; i < reached.size(); ++i)
+      hops[reached[i]] = steps;
+  };
+  go_on(from, 1);
+  for (std::size_t i = 0; i < reached.size(); ++i)
+    go_on(reached[i], reached[i] == from ? 1 : hops[reached[i]] + 1);
+  hops[from] = 0;
+  return hops;
 }
 
 } // namespace rubicon::config

@@ -14,4 +14,9 @@ namespace rubicon::config {
 [[nodiscard]] std::vector<std::size_t>
 out_of_reach(const position& from, const std::vector<position>& places, double range_m);
 
+/// How many steps of at most `range_m` lead from the place of index `from` to each; 0 also where
+/// none do. @param range_m > 0
+[[nodiscard]] std::vector<unsigned> hops_from(const std::vector<position>& places, std::size_t from,
+                                              double range_m);
+
 } // namespace rubicon::config

@@ -115,8 +115,8 @@ duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock,
 bool duty_cycle::is_due(instant now, const network::clock_sync& clock) {
   const auto time = clock.at(now);
   const auto margin = guard(now, clock);
-  schedule_.set(window_key,
-                {island_time{}, in_us(config_.period), in_us(config_.before), in_us(config_.window)});
+  schedule_.set(window_key, {island_time{}, in_us(config_.period), in_us(config_.before),
+                             in_us(config_.window)});
   std::erase_if(served_, [&](const auto& x) {
     if (x.first > now)
       return false;

@@ -41,7 +41,7 @@ join_outputs join_client::on_message(mote_id source, const management& message, 
       state_ = state::joined;
       refused_pause_ = config_.refused_pause;
       sink_ = source;
-      out.emplace_back(island_joined{reply->island, source, reply->slot, reply->aliases});
+      out.emplace_back(island_joined{reply->island, source, reply->aliases});
       if (condition_ != mote_condition{})
         out.emplace_back(to_registrar{keep_alive{incarnation_, condition_, device_}});
     }

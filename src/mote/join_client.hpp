@@ -23,8 +23,7 @@ struct to_registrar {
 struct island_joined {
   island_id island;
   mote_id sink;
-  std::uint16_t slot = 0;              ///< as in join_reply
-  std::vector<island_id> aliases = {}; ///< the same
+  std::vector<island_id> aliases = {}; ///< as in join_reply
 };
 
 /// The sink has forgotten us; joining starts again.

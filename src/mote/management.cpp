@@ -16,7 +16,7 @@ struct encoder {
     out.octet(1).big(x.sequence).big(x.incarnation).append(x.descriptor);
   }
   void operator()(const join_reply& x) const {
-    out.octet(2).big(x.sequence).big(x.island.value).big(x.mote.value).big(x.time_ms).big(x.slot);
+    out.octet(2).big(x.sequence).big(x.island.value).big(x.mote.value).big(x.time_ms);
     for (const auto alias : x.aliases)
       out.octet(static_cast<std::uint8_t>(alias.value));
   }
@@ -32,8 +32,17 @@ struct encoder {
       out.big(x.device);
   }
   void operator()(const rejoin_prompt&) const { out.octet(6); }
-  void operator()(const slot_notice&) const { out.octet(7); }
+  void operator()(const slot_notice& x) const {
+    out.octet(7).big(x.units);
+    write(x.slot);
+  }
   void operator()(const join_refusal& x) const { out.octet(8).big(x.sequence); }
+  void operator()(const slot_grant& x) const {
+    out.octet(9);
+    write(x.slot);
+  }
+
+  void write(const network::slot_run& x) const { out.big(x.first).big(x.units); }
 };
 
 /// A join_request or a join_confirm, which have the same layout.
@@ -53,10 +62,19 @@ join_reply read_reply(byte_reader& in) {
   x.island = island_id{in.big<std::uint32_t>()};
   x.mote = mote_id{in.big<std::uint16_t>()};
   x.time_ms = in.big<std::uint32_t>();
-  x.slot = in.big<std::uint16_t>();
   while (in.ok() && in.remaining() > 0 && x.aliases.size() < aliases_max)
     x.aliases.emplace_back(in.octet());
   return x;
+}
+
+network::slot_run read_slot(byte_reader& in) {
+  const auto first = in.big<std::uint16_t>();
+  return {first, in.big<std::uint16_t>()};
+}
+
+slot_notice read_notice(byte_reader& in) {
+  const auto units = in.big<std::uint16_t>();
+  return {units, read_slot(in)};
 }
 
 /// @param is_sound false if a flag is unknown, or the device's number is there and 0
@@ -105,10 +123,13 @@ result<management> decode_management(byte_view octets) {
     x = rejoin_prompt{};
     break;
   case 7:
-    x = slot_notice{};
+    x = read_notice(in);
     break;
   case 8:
     x = join_refusal{in.big<std::uint16_t>()};
+    break;
+  case 9:
+    x = slot_grant{read_slot(in)};
     break;
   default:
     return in.ok() ? errc::unsupported : errc::truncated;

@@ -9,6 +9,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/error.hpp"
+#include "network/tick_plan.hpp"
 
 namespace rubicon::mote {
 
@@ -29,7 +30,6 @@ struct join_reply {
   island_id island;
   mote_id mote;                   ///< the address the mote is to use
   std::uint32_t time_ms = 0;      ///< the sink's clock
-  std::uint16_t slot = 0;         ///< in which the mote sends its synaptic vectors (SYN-16)
   std::vector<island_id> aliases; ///< of the island (GW-14), 1..254 each, at most aliases_max
 
   friend bool operator==(const join_reply&, const join_reply&) = default;
@@ -71,9 +71,20 @@ struct rejoin_prompt {
   friend bool operator==(const rejoin_prompt&, const rejoin_prompt&) = default;
 };
 
-/// Mote to sink: I send synaptic vectors in my slot (SYN-16).
+/// Mote to sink: my synaptic vectors take so many units of each tick, and I have this slot for them
+/// (SYN-16).
 struct slot_notice {
+  std::uint16_t units = 0; ///< 0: I send none
+  network::slot_run slot;
+
   friend bool operator==(const slot_notice&, const slot_notice&) = default;
+};
+
+/// Sink to mote: this is your slot; no units: there is no room for so many.
+struct slot_grant {
+  network::slot_run slot;
+
+  friend bool operator==(const slot_grant&, const slot_grant&) = default;
 };
 
 /// Sink to mote: another mote has your address, and is a member (ADR-04).
@@ -84,7 +95,7 @@ struct join_refusal {
 };
 
 using management = std::variant<join_request, join_reply, join_confirm, leave_notice, keep_alive,
-                                rejoin_prompt, slot_notice, join_refusal>;
+                                rejoin_prompt, slot_notice, join_refusal, slot_grant>;
 
 [[nodiscard]] bytes encode(const management& x);
 

@@ -15,9 +15,11 @@ namespace {
 constexpr duration expiry_min = 5min; ///< of a channel without packets,
 constexpr int expiry_intervals = 10;  ///< or so many of its intervals
 
-// SYN-16: one of those who send in slots tells the sink; another does when it is gone.
-constexpr duration notice_spread = 5s;
-constexpr duration notice_period = 30s;
+// SYN-16: who sends vectors asks the sink for a slot, and again before the sink forgets it.
+constexpr duration notice_spread = 500ms;
+constexpr duration notice_period = 60s;
+constexpr duration grant_wait = 2s;   ///< beside turns
+constexpr duration settle_wait = 10s; ///< for channels that come about one after the other
 
 /// What a scheduled packet takes from end to end: ten hops, and some more.
 constexpr duration route_max = 10 * network::channel_slot;
@@ -143,17 +145,19 @@ void node::take(join_outputs from_join, node_outputs& out, instant now) {
       },
       [&](const island_joined& x) {
         island_ = x.island;
-        slot_ = x.slot;
+        slot_ = {};
         gateways_ = {gateway_of(island_)};
         for (const auto alias : x.aliases)
           gateways_.push_back(gateway_of(alias));
-        has_told_ = false;
+        units_told_ = 0;
         use_layer().on_joined(x.island, now);
         duty_.set_member(true);
         out.emplace_back(membership{true, x.island});
       },
       [&](const island_lost&) {
         use_layer().on_left(now);
+        slot_ = {};
+        tells_at_.reset();
         duty_.set_member(false);
         out.emplace_back(membership{});
       },
@@ -173,10 +177,25 @@ void node::take(join_outputs from_join, node_outputs& out, instant now) {
 
 void node::on_management(const management_in& x, node_outputs& out, instant now) {
   const auto message = decode_management(x.octets);
-  if (message)
+  if (const auto* grant = message ? std::get_if<slot_grant>(&*message) : nullptr)
+    on_grant(*grant, now);
+  else if (message)
     take(join_.on_message(x.origin, *message, now, packets_.router().tree().root()), out, now);
   else
     ++counters_.malformed;
+}
+
+/// A refusal stands until the next notice.
+void node::on_grant(const slot_grant& x, instant now) {
+  slot_ = x.slot;
+  if (tells_at_ && (slot_.units == units_told_ || slot_.units == 0))
+    tells_at_ = next_notice(now);
+}
+
+/// Nothing while there is nothing to say.
+std::optional<instant> node::next_notice(instant now) {
+  return units_told_ > 0 ? std::optional(now + notice_period - rng_.between(0s, notice_period / 4))
+                         : std::nullopt;
 }
 
 // What comes.
@@ -244,6 +263,7 @@ node_outputs node::on_time(instant now) {
     use_layer().on_actuator_arrived(name, x.target(), now);
   }
   send_paced(out, now);
+  send_slotted(out, now);
   settle(out, now);
   return out;
 }
@@ -254,6 +274,8 @@ instant node::deadline() const {
   due = *earliest(due, earliest(joins_at_, tells_at_));
   for (const auto& [channel, x] : paced_)
     due = std::min(due, x.due);
+  if (!slotted_.empty())
+    due = std::min(due, slotted_.front().due);
   for (const auto& [name, x] : actuators_)
     due = *earliest(due, x.deadline());
   return due;
@@ -271,19 +293,44 @@ void node::tick(instant now) {
     return;
   }
   const network::tick_plan plan(setting->period);
-  const auto slot = plan.slot(slot_);
-  has_slot_ = slot.has_value();
+  const auto slot = plan.begin(slot_);
   use_layer().set_slot(slot.value_or(plan.has_free_part() ? plan.free_from(plan.shares) : 0ns));
   if (const auto next = clock_.update(now, shared.at(now), *setting)) {
-    slot_is_free_ = has_slot_;
+    slot_left_ = slot ? slot_.units * plan.unit : 0ns;
     use_layer().on_tick(next->number, now);
   }
   watch_slots(now);
 }
 
-/// A slot is as long as one frame of it: what more is to be sent at that tick waits as others do.
-bool node::takes_slot(bool wanted) {
-  return wanted && std::exchange(slot_is_free_, false);
+/// When a packet that is under way for so long may leave in our slot of this tick; nothing: what is
+/// left of it is too short, so that the packet waits as others do.
+std::optional<instant> node::take_slot(duration passage, instant now) {
+  if (slot_left_ + config_->access.space < passage)
+    return std::nullopt;
+  slot_left_ -= passage;
+  const auto begin = std::max(now, slot_at_);
+  slot_at_ = begin + passage;
+  return begin;
+}
+
+/// Of each tick, for our vectors. Channels come about one after the other, and are counted
+/// together.
+std::uint16_t node::units_wanted(instant now) {
+  std::vector<vector_flow> flows;
+  bool all_connected = true;
+  for (const auto& x : layer_->vector_ends()) {
+    const auto hops = x.channel ? packets_.router().paths().hops(channel_of(*x.channel)) : 0;
+    if (x.connected)
+      flows.push_back({x.size, hops.value_or(1)});
+    all_connected = all_connected && x.connected;
+  }
+  if (all_connected)
+    settles_.reset();
+  else if (!settles_)
+    settles_ = now + settle_wait;
+  if (settles_ && now < *settles_)
+    return units_told_;
+  return units_of(flows, layer_->synaptic().config().packet_max, config_->access);
 }
 
 /// Ticks count from now on, or no more. @returns whether that is new
@@ -294,15 +341,14 @@ bool node::heed_ticks(instant now) {
   return clock_.deadline().has_value() != had_ticks;
 }
 
-/// Whether others need to be told that slots are in use, which in an island that sleeps they are
-/// not: its channels have schedules.
+/// Whether the sink is to be asked for another slot. In an island that sleeps there are none: its
+/// channels have schedules.
 void node::watch_slots(instant now) {
-  if (!joined() || config_->duty.enabled || !layer_->synaptic().sends()) {
-    tells_at_.reset();
-    has_told_ = false;
-  } else if (!tells_at_ && packets_.router().clock().slots_used() == 0) {
+  if (!joined() || config_->duty.enabled)
+    return;
+  const auto units = units_wanted(now);
+  if (std::exchange(units_told_, units) != units)
     tells_at_ = now + rng_.between(0s, notice_spread);
-  }
 }
 
 void node::tell_slot(node_outputs& out, instant now) {
@@ -310,12 +356,13 @@ void node::tell_slot(node_outputs& out, instant now) {
     return;
   tells_at_.reset();
   const auto& router = packets_.router();
-  if (!has_told_ && router.clock().slots_used() > 0)
-    return; // another has
-  has_told_ = true;
-  tells_at_ = now + notice_period;
+  if (slot_.units == units_told_) // the sink answers to what it does not agree with
+    tells_at_ = next_notice(now);
+  else if (units_told_ > 0)
+    tells_at_ = now + grant_wait + 2 * (1 + router.tree().hops()) * router.turn_wait(now);
   join_.on_sent(now);
-  take(packets_.send_management(router.tree().root(), encode(slot_notice{}), now), out, now);
+  take(packets_.send_management(router.tree().root(), encode(slot_notice{units_told_, slot_}), now),
+       out, now);
 }
 
 void node::take(packet_service_outputs from_packets, node_outputs& out, instant now) {
@@ -418,15 +465,9 @@ void node::settle(node_outputs& out, instant now) {
 
 void node::perform(communication::layer_output& x, node_outputs& out, instant now) {
   std::visit(overloads{
-                 [&](transport::to_network& y) {
-                   const acting_on its(y.from);
-                   route(y, out, now);
-                 },
+                 [&](transport::to_network& y) { carry_in_slot(std::move(y), out, now); },
                  [&](const communication::channel_wanted& y) { connect(y, out, now); },
-                 [&](communication::channel_packet& y) {
-                   const acting_on its(y.from);
-                   pace(std::move(y), out, now);
-                 },
+                 [&](communication::channel_packet& y) { pace(std::move(y), out, now); },
                  [&](const communication::channel_unwanted& y) {
                    take(packets_.router().disconnect(channel_of(y.channel), now), out, now);
                  },
@@ -444,9 +485,7 @@ void node::perform(communication::layer_output& x, node_outputs& out, instant no
 void node::pace(communication::channel_packet x, node_outputs& out, instant now) {
   const auto turn = duty_.next_turn(channel_of(x.channel), now, packets_.router().clock());
   if (!turn) {
-    const auto how =
-        takes_slot(x.in_slot) ? network::departure::in_slot : network::departure::in_turn;
-    send_on(x.channel, std::move(x.octets), how, out, now);
+    carry_in_slot(std::move(x), out, now);
     return;
   }
   auto& waiting = paced_[x.channel];
@@ -457,6 +496,45 @@ void node::pace(communication::channel_packet x, node_outputs& out, instant now)
     waiting.packets.pop_front();
   }
   waiting.packets.emplace_back(std::move(x.octets), x.from);
+}
+
+/// Packets of vectors leave one after the other in our slot, if it has room for them; others at
+/// once, which means in their turn.
+template <class Packet>
+void node::carry_in_slot(Packet x, node_outputs& out, instant now) {
+  const auto begin = x.in_slot ? take_slot(passage_of(x), now) : std::nullopt;
+  if (begin && *begin > now)
+    slotted_.push_back({*begin, std::move(x)});
+  else
+    carry(std::move(x), begin.has_value(), out, now);
+}
+
+void node::send_slotted(node_outputs& out, instant now) {
+  while (!slotted_.empty() && slotted_.front().due <= now) {
+    auto next = std::move(slotted_.front());
+    slotted_.pop_front();
+    std::visit([&](auto& x) { carry(std::move(x), true, out, now); }, next.what);
+  }
+}
+
+duration node::passage_of(const communication::channel_packet& x) const {
+  const auto hops = packets_.router().paths().hops(channel_of(x.channel));
+  return network::passage(x.octets.size(), hops.value_or(1), config_->access);
+}
+
+duration node::passage_of(const transport::to_network& x) const {
+  return network::passage_up(x.segment.size(), config_->access);
+}
+
+void node::carry(communication::channel_packet x, bool in_slot, node_outputs& out, instant now) {
+  const acting_on its(x.from);
+  const auto how = in_slot ? network::departure::in_slot : network::departure::in_turn;
+  send_on(x.channel, std::move(x.octets), how, out, now);
+}
+
+void node::carry(transport::to_network x, bool in_slot, node_outputs& out, instant now) {
+  const acting_on its(x.from);
+  route(x, in_slot, out, now);
 }
 
 /// One at each turn, in order: who reads a stream drops what newer records have overtaken. Turns
@@ -504,7 +582,7 @@ void node::heed_waits(instant now) {
 }
 
 /// To a mote of the own island, or through the sink (RTG-04).
-void node::route(transport::to_network& x, node_outputs& out, instant now) {
+void node::route(transport::to_network& x, bool in_slot, node_outputs& out, instant now) {
   const bool is_local = x.destination.island == island_ && x.destination.mote != no_mote;
   const network::island_packet packet{x.destination.island, x.destination.mote, x.channel,
                                       std::move(x.segment)};
@@ -519,7 +597,7 @@ void node::route(transport::to_network& x, node_outputs& out, instant now) {
   const auto sink = packets_.router().tree().root();
   if (!is_local || packet.mote == sink)
     join_.on_sent(now);
-  take(packets_.send(is_local ? packet.mote : sink, packet, now, takes_slot(x.in_slot)), out, now);
+  take(packets_.send(is_local ? packet.mote : sink, packet, now, in_slot), out, now);
 }
 
 void node::connect(const communication::channel_wanted& x, node_outputs& out, instant now) {

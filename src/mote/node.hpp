@@ -28,6 +28,7 @@
 #include "mote/join_client.hpp"
 #include "mote/nonvolatile.hpp"
 #include "mote/packet_service.hpp"
+#include "mote/vector_slot.hpp"
 #include "synaptic/rubicon_clock.hpp"
 
 namespace rubicon::mote {
@@ -52,6 +53,7 @@ struct node_config {
   std::uint64_t transducer_seed = 0; ///< of random walks: the same in all lives of a mote
   /// Never nullptr; motes that are alike share one.
   std::shared_ptr<const node_tables> tables = std::make_shared<const node_tables>();
+  network::access_times access; ///< of every radio of the island, at least
   duty_config duty;
 };
 
@@ -186,7 +188,7 @@ private:
   void perform(communication::layer_output& x, node_outputs& out, instant now);
   void on_management(const management_in& x, node_outputs& out, instant now);
   void on_packet(const network::island_packet& x, instant now);
-  void route(transport::to_network& x, node_outputs& out, instant now);
+  void route(transport::to_network& x, bool in_slot, node_outputs& out, instant now);
   void connect(const communication::channel_wanted& x, node_outputs& out, instant now);
   void carry_out(const communication::sample_wanted& x, instant now);
   void carry_out(const communication::transducers_wanted& x, instant now);
@@ -195,10 +197,20 @@ private:
   void ask_to_join(bytes description, node_outputs& out, instant now);
   void tick(instant now);
   bool heed_ticks(instant now);
-  [[nodiscard]] bool takes_slot(bool wanted);
+  [[nodiscard]] std::optional<instant> take_slot(duration passage, instant now);
+  [[nodiscard]] std::uint16_t units_wanted(instant now);
+  void on_grant(const slot_grant& x, instant now);
+  [[nodiscard]] std::optional<instant> next_notice(instant now);
   void watch_slots(instant now);
   void tell_slot(node_outputs& out, instant now);
+  void send_slotted(node_outputs& out, instant now);
   void pace(communication::channel_packet x, node_outputs& out, instant now);
+  [[nodiscard]] duration passage_of(const communication::channel_packet& x) const;
+  [[nodiscard]] duration passage_of(const transport::to_network& x) const;
+  void carry(communication::channel_packet x, bool in_slot, node_outputs& out, instant now);
+  void carry(transport::to_network x, bool in_slot, node_outputs& out, instant now);
+  template <class Packet>
+  void carry_in_slot(Packet x, node_outputs& out, instant now);
   void send_paced(node_outputs& out, instant now);
   void send_on(stream::channel_handle channel, bytes octets, network::departure how,
                node_outputs& out, instant now);
@@ -223,11 +235,17 @@ private:
   std::optional<instant> joins_at_;
   island_id island_;
   std::vector<peer_id> gateways_;
-  std::uint16_t slot_ = 0;          ///< its number
-  bool has_slot_ = false;           ///< there are so many
-  bool slot_is_free_ = false;       ///< at this tick
-  std::optional<instant> tells_at_; ///< the sink, that it sends in its slot
-  bool has_told_ = false;
+  network::slot_run slot_;          ///< as the sink has granted it
+  duration slot_left_{};            ///< at this tick, for packets that begin
+  instant slot_at_;                 ///< at this time
+  std::uint16_t units_told_ = 0;    ///< needed, as the sink is to know
+  std::optional<instant> tells_at_; ///< the sink how long a slot its vectors need
+  std::optional<instant> settles_;  ///< channels that are not open yet are not waited for
+  struct slotted {
+    instant due;
+    std::variant<communication::channel_packet, transport::to_network> what;
+  };
+  std::deque<slotted> slotted_; ///< further packets of vectors, for their part of the slot
   std::optional<communication::layer>
       layer_; ///< always there once constructed; programs point to it
   /// Most frames do not concern the layer: what it last said is kept while nobody uses it.

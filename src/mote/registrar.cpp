@@ -50,12 +50,11 @@ registrar_outputs registrar::on_frame(mote_id source, byte_view payload, instant
       return {};
     const bool announced = found->second.announced;
     members_.erase(found);
+    slots_.forget(source);
     if (!announced)
       return {};
     return {network::mote_left{source, network::leave_cause::notice}};
   }
-  if (std::holds_alternative<slot_notice>(*message) && members_.contains(source))
-    slots_used_until_ = now + config_.slots_hold;
   if (const auto* alive = std::get_if<keep_alive>(&*message)) {
     const auto found = members_.find(source);
     if (found != members_.end() && differ(found->second.device, alive->device)) {
@@ -68,7 +67,9 @@ registrar_outputs registrar::on_frame(mote_id source, byte_view payload, instant
     else if (found != members_.end() && found->second.confirmed)
       return prompt(source, now); // what we hold is not of this life
   }
-  if (std::holds_alternative<keep_alive>(*message) || std::holds_alternative<slot_notice>(*message))
+  if (const auto* notice = std::get_if<slot_notice>(&*message))
+    return on_slot_notice(source, *notice, now);
+  if (std::holds_alternative<keep_alive>(*message))
     return on_heard(source, now);
   return {}; // a reply or a prompt of another sink within earshot
 }
@@ -98,9 +99,7 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
     ++counters_.refused;
     return {};
   }
-  const auto slot = found == members_.end() ? free_slot() : found->second.slot;
   auto& entry = members_[source];
-  entry.slot = slot;
   const bool same_life = entry.confirmed && entry.incarnation == x.incarnation;
   // A mote is the same all its life: one of the two descriptors is a lie. Ask it.
   const bool contradicts = same_life && entry.descriptor != x.descriptor;
@@ -189,6 +188,16 @@ registrar_outputs registrar::on_heard(mote_id source, instant now) {
                   entry); // its confirm may be lost, but only a mote with our reply sends this
 }
 
+/// Who has moved aside for it is told, too.
+registrar_outputs registrar::on_slot_notice(mote_id source, const slot_notice& x, instant now) {
+  auto out = on_heard(source, now);
+  if (!members_.contains(source))
+    return out;
+  for (const auto mote : slots_.on_notice(source, x.units, x.slot, now))
+    out.emplace_back(to_mote{mote, slot_grant{slots_.slot_of(mote)}});
+  return out;
+}
+
 registrar_outputs registrar::on_describe(mote_id mote, instant now) {
   if (mote == broadcast_mote) {
     roster_pages_.clear();
@@ -207,8 +216,7 @@ registrar_outputs registrar::on_time(instant now) {
   registrar_outputs out;
   if (next_expiry_ && *next_expiry_ <= now)
     out = expire(now);
-  if (slots_used_until_ && *slots_used_until_ <= now)
-    slots_used_until_.reset();
+  slots_.on_time(now);
   if (roster_due_ && *roster_due_ <= now)
     out.emplace_back(next_roster_page(now));
   return out;
@@ -281,27 +289,8 @@ std::deque<network::roster> registrar::compile_roster() {
 to_mote registrar::reply_to(mote_id mote, const member& x, instant now) const {
   const auto since_start =
       std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch());
-  return {mote,
-          join_reply{x.sequence, config_.island, mote,
-                     static_cast<std::uint32_t>(since_start.count()), x.slot, config_.aliases}};
-}
-
-std::uint16_t registrar::free_slot() const {
-  std::vector<bool> taken(members_.size() + 1);
-  for (const auto& [mote, entry] : members_) {
-    if (entry.slot < taken.size())
-      taken[entry.slot] = true;
-  }
-  return static_cast<std::uint16_t>(std::ranges::find(taken, false) - taken.begin());
-}
-
-std::size_t registrar::slots_used() const {
-  if (!slots_used_until_)
-    return 0;
-  std::size_t used = 0;
-  for (const auto& [mote, entry] : members_)
-    used = std::max<std::size_t>(used, entry.slot + 1U);
-  return used;
+  return {mote, join_reply{x.sequence, config_.island, mote,
+                           static_cast<std::uint32_t>(since_start.count()), config_.aliases}};
 }
 
 void registrar::wake_at(instant t) {
@@ -309,7 +298,7 @@ void registrar::wake_at(instant t) {
 }
 
 std::optional<instant> registrar::deadline() const {
-  return earliest(slots_used_until_, earliest(next_expiry_, roster_due_));
+  return earliest(slots_.deadline(), earliest(next_expiry_, roster_due_));
 }
 
 std::size_t registrar::members() const {

@@ -13,6 +13,7 @@
 #include "core/fields.hpp"
 #include "core/time.hpp"
 #include "mote/management.hpp"
+#include "mote/slot_table.hpp"
 #include "network/sink_event.hpp"
 
 namespace rubicon::mote {
@@ -43,7 +44,7 @@ struct registrar_config {
   std::size_t members_max = 1000;
   duration prompt_pause = 1s; ///< between two rejoin prompts to one mote
   duration roster_period = 10s;
-  duration slots_hold = 2min;       ///< slots count as used so long after a slot_notice
+  duration slots_hold = 200s;       ///< a slot is its mote's so long after a slot_notice
   duration roster_page_gap = 250ms; ///< between two pages: a serial queue is short
 };
 
@@ -67,7 +68,7 @@ inline constexpr int keep_alives_max = 3;
 class registrar {
 public:
   registrar() = default;
-  explicit registrar(registrar_config config) : config_(config) {}
+  explicit registrar(registrar_config config) : config_(config), slots_(config.slots_hold) {}
 
   [[nodiscard]] registrar_outputs start(instant now);
 
@@ -87,8 +88,9 @@ public:
 
   [[nodiscard]] std::size_t members() const; ///< confirmed ones
 
-  /// So many slots, the first ones, are members' who send synaptic vectors, as some of them do.
-  [[nodiscard]] std::size_t slots_used() const;
+  /// Of members who send synaptic vectors.
+  [[nodiscard]] const slot_table& slots() const { return slots_; }
+  void set_slot_room(std::size_t units) { slots_.set_room(units); }
   [[nodiscard]] const registrar_counters& counters() const { return counters_; }
 
 private:
@@ -100,7 +102,6 @@ private:
     std::uint32_t incarnation = 0;
     std::uint32_t type = 0;
     std::uint32_t device = 0; ///< 0: not told
-    std::uint16_t slot = 0;   ///< the lowest that no other member has
     bytes descriptor;
     duration window{};
     mote_condition condition; ///< as it has told last
@@ -123,7 +124,7 @@ private:
   [[nodiscard]] std::deque<network::roster> compile_roster();
   [[nodiscard]] network::sink_event next_roster_page(instant now);
   [[nodiscard]] to_mote reply_to(mote_id mote, const member& x, instant now) const;
-  [[nodiscard]] std::uint16_t free_slot() const;
+  [[nodiscard]] registrar_outputs on_slot_notice(mote_id source, const slot_notice& x, instant now);
   void wake_at(instant t);
 
   registrar_config config_;
@@ -134,7 +135,7 @@ private:
   std::deque<network::roster> roster_pages_; ///< that are still to be sent
   instant roster_began_;
   std::optional<instant> roster_due_; ///< the next page, or the next roster
-  std::optional<instant> slots_used_until_;
+  slot_table slots_;
   std::optional<instant> next_expiry_; ///< no member needs attention before this
   registrar_counters counters_;
 };

@@ -5,6 +5,7 @@
 
 #include "core/overloads.hpp"
 #include "network/am.hpp"
+#include "network/tick_plan.hpp"
 #include "network/wire.hpp"
 
 namespace rubicon::mote {
@@ -139,8 +140,11 @@ instant sink::deadline() const {
 
 /// Lets the frames go that may.
 sink_outputs sink::finish(sink_outputs out, instant now) {
-  packets_.router().use_slots(registrar_.slots_used(), now);
-  for (auto& x : duty_.update(now, packets_.router().clock(), packets_.router().search())) {
+  auto& router = packets_.router();
+  if (const auto tick = router.clock().tick(now))
+    registrar_.set_slot_room(network::tick_plan(tick->period).units());
+  router.use_slots(registrar_.slots().used(), now);
+  for (auto& x : duty_.update(now, router.clock(), router.search())) {
     if (auto* frame = std::get_if<network::frame_out>(&x))
       out.emplace_back(std::move(*frame));
   }

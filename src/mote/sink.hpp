@@ -79,6 +79,7 @@ public:
   [[nodiscard]] std::size_t members() const { return registrar_.members(); }
   [[nodiscard]] const sink_counters& counters() const { return counters_; }
   [[nodiscard]] const registrar_counters& joining() const { return registrar_.counters(); }
+  [[nodiscard]] const slot_table& slots() const { return registrar_.slots(); }
   [[nodiscard]] const packet_service& packets() const { return packets_; }
   [[nodiscard]] const network::time_reference& time() const { return time_; }
   [[nodiscard]] const gateway_lines& lines() const { return lines_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 
 namespace rubicon::network {
 
@@ -14,6 +15,9 @@ constexpr duration radio_try_max = 115 * 320us + 4300us + 900us;
 constexpr duration radio_round_max = 4 * radio_try_max;
 
 constexpr duration offer_lifetime = 5s; ///< what nobody has taken up by then is void
+/// Of a squared distance in virtual coordinates: so much farther the next mote may be where nobody
+/// is nearer. Several motes have the same coordinates, and the way leads round them.
+constexpr std::uint32_t sidestep = 5;
 constexpr int turns_spare =
     6; ///< turns that set-up may take beside one a hop: many take several hops
 constexpr int hops_likely = 8;           ///< of a route that nobody knows
@@ -79,17 +83,36 @@ channels_outputs channels::connect(channel_id channel, mote_id destination,
   return out;
 }
 
-/// The good neighbour nearest to the destination that is nearer than we are; the destination itself
-/// if it is one.
+/// The next mote: the destination, if it is a good neighbour; else a good one that is nearer to it.
+/// Where there is none, the same among other neighbours: one that has just started is not a good
+/// one yet. Then a good one that is about as far from it as we are. Who does not know where it is
+/// itself leaves it to the mote above it in the tree.
 std::optional<mote_id> channels::nearer(const entry& x, const surroundings& around) {
+  const bool is_untried = x.second_try != x.wish.destination;
   const auto is_destination = [&](const nearby_mote& y) { return y.mote == x.wish.destination; };
-  if (std::ranges::any_of(around.motes, is_destination) && x.second_try != x.wish.destination)
-    return x.wish.destination;
-  if (!x.wish.place || !around.own_place)
+  for (const auto* among : {&around.motes, &around.heard}) {
+    if (std::ranges::any_of(*among, is_destination) && is_untried)
+      return x.wish.destination;
+    if (const auto next = nearest(x, *among, around, 0))
+      return next;
+  }
+  if (const auto next = nearest(x, around.motes, around, sidestep))
+    return next;
+  const bool may_ascend = x.wish.place && !around.own_place && around.parent != no_mote &&
+                          around.parent != x.previous && around.parent != x.second_try;
+  return may_ascend ? std::optional(around.parent) : std::nullopt;
+}
+
+/// The one nearest to the destination that is nearer than we are, as far as we know where we are.
+/// @param slack the squared distance may be so much greater, and less one
+std::optional<mote_id> channels::nearest(const entry& x, const std::vector<nearby_mote>& among,
+                                         const surroundings& around, std::uint32_t slack) {
+  if (!x.wish.place)
     return std::nullopt;
   std::optional<mote_id> best;
-  auto least = squared_distance(*around.own_place, *x.wish.place);
-  for (const auto& y : around.motes) {
+  auto least = around.own_place ? squared_distance(*around.own_place, *x.wish.place) + slack
+                                : std::numeric_limits<std::uint32_t>::max();
+  for (const auto& y : among) {
     if (!y.place || y.mote == x.second_try || y.mote == x.previous)
       continue;
     const auto distance = squared_distance(*y.place, *x.wish.place);
@@ -129,11 +152,14 @@ void channels::go_on(channel_id id, entry& x, const surroundings& around, channe
     queue(previous, {id, dead_end_message{}}, now);
     return;
   }
-  flood(id, x, now);
+  flood(id, x, around, now);
 }
 
-void channels::flood(channel_id id, entry& x, instant now) {
+void channels::flood(channel_id id, entry& x, const surroundings& around, instant now) {
   ++counters_.floods;
+  ++(!x.wish.place       ? counters_.floods_place_unknown
+     : !around.own_place ? counters_.floods_self_unknown
+                         : counters_.floods_dead_end);
   x.next.reset();
   auto wish = one_hop_on(x.wish);
   wish.flooded = true;
@@ -330,7 +356,7 @@ void channels::take(mote_id from, channel_id id, dead_end_message&, const surrou
   }
   auto& x = found->second;
   if (x.second_try) { // its other neighbour led nowhere either
-    flood(id, x, now);
+    flood(id, x, around, now);
     return;
   }
   x.second_try = from;
@@ -533,15 +559,21 @@ std::optional<instant> channels::deadline() const {
   return next;
 }
 
-std::optional<duration> channels::latency_bound(channel_id channel) const {
+std::optional<std::uint8_t> channels::hops(channel_id channel) const {
   const auto found = entries_.find(channel);
-  if (found == entries_.end() || !found->second.open)
+  return found == entries_.end() || !found->second.open ? std::nullopt
+                                                        : std::optional(found->second.wish.hops);
+}
+
+std::optional<duration> channels::latency_bound(channel_id channel) const {
+  const auto length = hops(channel);
+  if (!length)
     return std::nullopt;
-  const auto& x = found->second;
+  const auto& x = entries_.at(channel);
   const auto own = config_.data_rounds_max * radio_round_max +
                    2 * config_.round_pause * (config_.data_rounds_max - 1);
   const auto before = static_cast<std::int64_t>(2 * config_.queue_max) * radio_try_max;
-  return x.wish.hops * (before + own + duration(x.wish.schedule.interval));
+  return *length * (before + own + duration(x.wish.schedule.interval));
 }
 
 std::vector<channel_id> channels::table() const {

@@ -45,8 +45,11 @@ struct channels_counters {
   std::uint64_t connected = 0;
   std::uint64_t accepted = 0; ///< as destination
   std::uint64_t backtracks = 0;
-  std::uint64_t floods = 0; ///< begun here; over connects: the share of fallbacks (NET-12)
-  std::uint64_t broken = 0; ///< next or previous mote did not answer
+  std::uint64_t floods = 0; ///< begun here; over connects: the share of fallbacks (NET-12), since
+  std::uint64_t floods_place_unknown = 0; ///< nobody had said where the destination is,
+  std::uint64_t floods_self_unknown = 0;  ///< or we did not know where we are,
+  std::uint64_t floods_dead_end = 0;      ///< or no neighbour was nearer, of those that answered
+  std::uint64_t broken = 0;               ///< next or previous mote did not answer
   std::uint64_t expired = 0;
   std::uint64_t refused = 0;      ///< no room here
   std::uint64_t packets_sent = 0; ///< from this end
@@ -58,9 +61,10 @@ struct channels_counters {
   std::uint64_t strays = 0;           ///< for channels that do not pass here
   std::uint64_t malformed = 0;
 };
-RUBICON_FIELDS(channels_counters, connects, connected, accepted, backtracks, floods, broken,
-               expired, refused, packets_sent, packets_forwarded, packets_received, packets_lost,
-               duplicates, crowded_out, strays, malformed);
+RUBICON_FIELDS(channels_counters, connects, connected, accepted, backtracks, floods,
+               floods_place_unknown, floods_self_unknown, floods_dead_end, broken, expired, refused,
+               packets_sent, packets_forwarded, packets_received, packets_lost, duplicates,
+               crowded_out, strays, malformed);
 
 /// A good neighbour, and where it is if that is known.
 struct nearby_mote {
@@ -72,6 +76,8 @@ struct nearby_mote {
 struct surroundings {
   std::optional<virtual_coordinates> own_place;
   std::vector<nearby_mote> motes; ///< good neighbours (NET-10)
+  std::vector<nearby_mote> heard; ///< other neighbours, of whose links too little is known
+  mote_id parent = no_mote;       ///< in the tree
   bool is_crowd = false;          ///< there may be more than the table of neighbours holds
   duration turn_wait{};           ///< that a frame may have to wait before it leaves, at each hop
 };
@@ -185,6 +191,9 @@ public:
   /// @returns nothing: no end of such an open channel is here
   [[nodiscard]] std::optional<duration> latency_bound(channel_id channel) const;
 
+  /// Of the whole path. @returns nothing: the channel is not open here
+  [[nodiscard]] std::optional<std::uint8_t> hops(channel_id channel) const;
+
   /// Channels that begin, pass or end here, ascending (NET-02).
   [[nodiscard]] std::vector<channel_id> table() const;
   [[nodiscard]] const channels_counters& counters() const { return counters_; }
@@ -241,8 +250,12 @@ private:
   void go_on(channel_id id, entry& x, const surroundings& around, channels_outputs& out,
              instant now);
   [[nodiscard]] static std::optional<mote_id> nearer(const entry& x, const surroundings& around);
+  [[nodiscard]] static std::optional<mote_id> nearest(const entry& x,
+                                                      const std::vector<nearby_mote>& among,
+                                                      const surroundings& around,
+                                                      std::uint32_t slack);
   [[nodiscard]] static bool may_be_near(const entry& x, const surroundings& around);
-  void flood(channel_id id, entry& x, instant now);
+  void flood(channel_id id, entry& x, const surroundings& around, instant now);
   static void note_copy(flood_copies& x, std::uint8_t hops, std::uint8_t own_hops);
   void end_flood(channel_id id);
   [[nodiscard]] unsigned rounds_of_flood(channel_id id) const;

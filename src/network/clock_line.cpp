@@ -11,14 +11,14 @@ namespace {
 
 using std::chrono::microseconds;
 
-constexpr microseconds fit_noise{30}; ///< of a point, at least
-constexpr duration span_min = 3s;     ///< of points that tell a rate,
-constexpr duration span_max = 5min;   ///< and of those that tell it well: older ones are not used;
-constexpr duration span_short = 30s;  ///< nor those older than this of a crystal that wanders fast
-constexpr duration gap_told = 5s;     ///< between points that show whether the rate changes
-constexpr double wander_min = 1e-8;   ///< 1/s, what noise may hide: +-9 ppm in an hour
-constexpr double wander_margin = 2; ///< over what was seen, which forgets
-constexpr double believed = 0.7;      ///< of what was assumed, when one point shows less
+constexpr microseconds fit_noise{30};  ///< of a point, at least
+constexpr duration span_min = 3s;      ///< of points that tell a rate,
+constexpr duration span_max = 5min;    ///< and of those that tell it well: older ones are not used;
+constexpr duration span_short = 30s;   ///< nor those older than this of a crystal that wanders fast
+constexpr duration gap_told = 5s;      ///< between points that show whether the rate changes
+constexpr double wander_min = 1e-8;    ///< 1/s, what noise may hide: +-9 ppm in an hour
+constexpr double wander_margin = 2;    ///< over what was seen, which forgets
+constexpr double believed = 0.7;       ///< of what was assumed, when one point shows less
 constexpr double wander_memory = 1800; ///< s, within which it does
 
 std::int64_t us_of(instant x) {
@@ -93,8 +93,9 @@ duration clock_line::span_wanted() const {
   if (wander_seen_ <= 0)
     return span_max;
   const auto best = std::sqrt(static_cast<double>(fit_noise.count()) * 1e-6 / wander_seen_);
-  return best >= seconds(span_max) ? span_max
-                                   : std::max(span_short, duration(static_cast<duration::rep>(best * 1e9)));
+  return best >= seconds(span_max)
+             ? span_max
+             : std::max(span_short, duration(static_cast<duration::rep>(best * 1e9)));
 }
 
 /// Least squares through the newest points that span long enough; the line goes on from the newest.

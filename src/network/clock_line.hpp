@@ -13,9 +13,9 @@
 namespace rubicon::network {
 
 /// Least squares over the newest points gives offset and rate; before points are far enough apart
-/// the rate is the one known before, or none. A crystal's rate wanders, as its temperature does: how
-/// fast is measured by how far the line misses each new point, and decides how old a point may be to
-/// be used, and for how long the line keeps a promised bound.
+/// the rate is the one known before, or none. A crystal's rate wanders, as its temperature does:
+/// how fast is measured by how far the line misses each new point, and decides how old a point may
+/// be to be used, and for how long the line keeps a promised bound.
 class clock_line {
 public:
   using microseconds = std::chrono::microseconds;

@@ -14,8 +14,8 @@ using std::chrono::microseconds;
 
 constexpr unsigned period_bits = 13;
 constexpr microseconds tells_network_time{std::int64_t{1} << 47}; ///< added to tick.from
-constexpr double doubt_steps = 8;   ///< in which a doubt doubles
-constexpr double rate_unit = 1e-8;  ///< of the network time
+constexpr double doubt_steps = 8;                                 ///< in which a doubt doubles
+constexpr double rate_unit = 1e-8;                                ///< of the network time
 
 } // namespace
 

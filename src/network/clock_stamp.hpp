@@ -25,7 +25,7 @@ struct network_line {
 /// hundredths of a ppm).
 struct clock_stamp {
   mote_id root;
-  std::uint8_t era = 0; ///< the root's time has begun anew so often; wraps, and the next too
+  std::uint8_t era = 0;       ///< the root's time has begun anew so often; wraps, and the next too
   std::uint16_t sequence = 0; ///< of the root's broadcast that this derives from
   island_time time;           ///< when the beacon was handed to the radio; 48 bits of microseconds
   /// From then to its start-of-frame delimiter on the air, microseconds: the radio writes it.

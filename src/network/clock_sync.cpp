@@ -11,13 +11,13 @@ namespace {
 
 using std::chrono::microseconds;
 
-constexpr std::uint16_t rounds_missed_max = 64; ///< in a row
-constexpr microseconds leap_min{1000};          ///< of the network time: sent at once
+constexpr std::uint16_t rounds_missed_max = 64;         ///< in a row
+constexpr microseconds leap_min{1000};                  ///< of the network time: sent at once
 constexpr microseconds network_ahead_max = 24h * 36525; ///< more is nonsense
-constexpr microseconds hop_noise{15};           ///< of a stamp: clocks are read to a microsecond or so
-constexpr microseconds better_min{200};         ///< who is less in doubt needs no other's stamp
-constexpr duration beacon_gap = 20ms;           ///< between two that are not the same one
-constexpr duration dispute_gap = 10s;           ///< a root that is disputed repeats itself so often
+constexpr microseconds hop_noise{15};   ///< of a stamp: clocks are read to a microsecond or so
+constexpr microseconds better_min{200}; ///< who is less in doubt needs no other's stamp
+constexpr duration beacon_gap = 20ms;   ///< between two that are not the same one
+constexpr duration dispute_gap = 10s;   ///< a root that is disputed repeats itself so often
 constexpr microseconds time_max{std::int64_t{1} << 46}; ///< 2.2 years, within what a stamp holds
 
 /// Whether a round can have followed another.

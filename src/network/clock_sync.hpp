@@ -20,17 +20,17 @@ namespace rubicon::network {
 struct clock_sync_config {
   mote_id self;
   bool is_root = false;
-  std::uint8_t era = 0;         ///< the root's last one: it begins the next
-  duration period_first = 1s;   ///< between the root's broadcasts when it has started or something
-                                ///< has changed;
-  unsigned first_rounds = 4;    ///< after so many each gap is twice as long as the one before,
-  duration period = 1min;       ///< up to this, or what a mote has requested,
-  duration period_least = 10s;  ///< but not less than this;
+  std::uint8_t era = 0;          ///< the root's last one: it begins the next
+  duration period_first = 1s;    ///< between the root's broadcasts when it has started or something
+                                 ///< has changed;
+  unsigned first_rounds = 4;     ///< after so many each gap is twice as long as the one before,
+  duration period = 1min;        ///< up to this, or what a mote has requested,
+  duration period_least = 10s;   ///< but not less than this;
   duration request_hold = 15min; ///< so long a request holds
-  duration resume_wait = 3s;    ///< a root that starts listens so long for the time it had before
-  duration resume_more = 300ms; ///< or so long after it was told
-  duration stale_after = 3min;  ///< without a round of the root: it may have begun anew
-  tick_setting tick;            ///< the root's, unless it learns the one it had before
+  duration resume_wait = 3s;     ///< a root that starts listens so long for the time it had before
+  duration resume_more = 300ms;  ///< or so long after it was told
+  duration stale_after = 3min;   ///< without a round of the root: it may have begun anew
+  tick_setting tick;             ///< the root's, unless it learns the one it had before
 };
 
 /// What a stamp was worth.
@@ -54,12 +54,12 @@ enum class stamp_value : std::uint8_t {
 /// until no round has come for stale_after; then whatever comes is news.
 ///
 /// Within an era a mote takes a point (own time, island time) from the first stamp of each round,
-/// and from any other that is less in doubt than it is itself: so the time flows from those who know
-/// it better to those who know it less, and never in a circle. A point farther off the line than
-/// both doubts explain is in dispute: until another stamp agrees with the line, or with the point,
-/// the doubt is as large as the difference, and the mote asks. The line is then kept, or begins anew
-/// at the point. A mote that has been silent in its neighbours' ears (distrust()) believes the first
-/// stamp that comes.
+/// and from any other that is less in doubt than it is itself: so the time flows from those who
+/// know it better to those who know it less, and never in a circle. A point farther off the line
+/// than both doubts explain is in dispute: until another stamp agrees with the line, or with the
+/// point, the doubt is as large as the difference, and the mote asks. The line is then kept, or
+/// begins anew at the point. A mote that has been silent in its neighbours' ears (distrust())
+/// believes the first stamp that comes.
 ///
 /// The island's time is never set by anybody but the root: ticks, windows of sleeping radios and
 /// schedules of channels depend on it. What the time is elsewhere is told beside it: how far the

@@ -78,11 +78,13 @@ void coordinates::on_beacon(mote_id source, const coordinates_part& x, const nei
   note_own_sequence(x);
   if (!links.find(source))
     return;
-  const auto at = std::ranges::lower_bound(rows_, source, {}, &row::mote);
+  auto at = std::ranges::lower_bound(rows_, source, {}, &row::mote);
   if (at != rows_.end() && at->mote == source)
     at->part = x;
   else
-    rows_.insert(at, row{source, x});
+    at = rows_.insert(at, row{source, x});
+  if (const auto place = place_in(*at))
+    at->place = place;
 }
 
 void coordinates::take_decisions(const coordinates_part& x) {
@@ -109,6 +111,12 @@ void coordinates::decide(std::uint16_t epoch, const std::array<mote_id, anchor_c
       states_[i] = state{anchors[i], hops_unknown, 0, {}, {}};
   }
   candidate_ = {};
+  if (is_complete()) { // places of before mean nothing any more
+    place_epoch_ = epoch_;
+    last_place_.reset();
+    for (auto& x : rows_)
+      x.place.reset();
+  }
   changed_ = true;
 }
 
@@ -219,6 +227,8 @@ bool coordinates::update(const neighbours& links, instant now) {
     moved = moved || states_[i].hops != states_before[i].hops;
   if (moved)
     ++counters_.changes;
+  if (const auto here = place())
+    last_place_ = here;
   const auto candidate = best_candidate(links);
   if (candidate != candidate_) {
     candidate_ = candidate;
@@ -303,12 +313,26 @@ std::optional<virtual_coordinates> coordinates::place() const {
   return x;
 }
 
-std::optional<virtual_coordinates> coordinates::place_of(mote_id neighbour) const {
+const coordinates::row* coordinates::find(mote_id neighbour) const {
   const auto at = std::ranges::lower_bound(rows_, neighbour, {}, &row::mote);
-  if (at == rows_.end() || at->mote != neighbour || !is_complete() || !speaks_of(*at, anchor_x) ||
-      !speaks_of(*at, anchor_y) || !speaks_of(*at, anchor_z))
+  return at == rows_.end() || at->mote != neighbour ? nullptr : &*at;
+}
+
+std::optional<virtual_coordinates> coordinates::place_of(mote_id neighbour) const {
+  const auto* const x = find(neighbour);
+  return x != nullptr ? place_in(*x) : std::nullopt;
+}
+
+std::optional<virtual_coordinates> coordinates::likely_place_of(mote_id neighbour) const {
+  const auto* const x = find(neighbour);
+  return x != nullptr ? x->place : std::nullopt;
+}
+
+std::optional<virtual_coordinates> coordinates::place_in(const row& x) const {
+  if (!is_complete() || !speaks_of(x, anchor_x) || !speaks_of(x, anchor_y) ||
+      !speaks_of(x, anchor_z))
     return {};
-  const auto& anchors = at->part.anchors;
+  const auto& anchors = x.part.anchors;
   return virtual_coordinates{anchors[anchor_x].hops, anchors[anchor_y].hops,
                              anchors[anchor_z].hops};
 }
@@ -333,10 +357,10 @@ std::optional<mote_id> coordinates::greedy_step(virtual_coordinates destination,
 std::size_t coordinates::footprint(std::size_t capacity) {
   // a row, beside the neighbour's own, which has the id: epoch, which anchors it agrees on with us,
   // sequence and hops of each, candidate
-  constexpr std::size_t row_octets = 2 + 1 + anchor_count * 3 + 4;
+  constexpr std::size_t row_octets = 2 + 1 + anchor_count * 3 + 4 + 3; // and its last place
   // an anchor: id, hops, sequence, when it progressed in seconds, what was told
   constexpr std::size_t state_octets = 2 + 1 + 2 + 2 + 4;
-  return capacity * row_octets + anchor_count * state_octets + 2 + 2 + 4 + 3 * 4;
+  return capacity * row_octets + anchor_count * state_octets + 2 + 2 + 4 + 3 * 4 + 3;
 }
 
 } // namespace rubicon::network

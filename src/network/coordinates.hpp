@@ -135,6 +135,12 @@ public:
   /// A neighbour's, as it last told; nothing if it does not know them or follows another epoch.
   [[nodiscard]] std::optional<virtual_coordinates> place_of(mote_id neighbour) const;
 
+  /// The same, or where it was last: an anchor may be out of reach for a while, as long as a mote
+  /// in between restarts, and nobody has moved; and until all anchors of a new epoch are elected,
+  /// everybody goes by those of the one before.
+  [[nodiscard]] std::optional<virtual_coordinates> likely_place() const { return last_place_; }
+  [[nodiscard]] std::optional<virtual_coordinates> likely_place_of(mote_id neighbour) const;
+
   /// The greedy step (NET-10): the good neighbour closest to `destination` in coordinate space and
   /// closer than this mote, of equals the lowest id; nothing at a dead end.
   [[nodiscard]] std::optional<mote_id> greedy_step(virtual_coordinates destination,
@@ -144,6 +150,7 @@ public:
   [[nodiscard]] mote_id anchor_id(anchor x) const { return states_[x].mote; }
   [[nodiscard]] hop_distance hops_to(anchor x) const { return states_[x].hops; }
   [[nodiscard]] std::uint16_t epoch() const { return epoch_; }
+  [[nodiscard]] std::uint16_t place_epoch() const { return place_epoch_; } ///< of likely_place()
   [[nodiscard]] const coordinates_counters& counters() const { return counters_; }
 
   /// Octets of the state on a mote with `capacity` neighbours.
@@ -153,6 +160,7 @@ private:
   struct row {
     mote_id mote;
     coordinates_part part;
+    std::optional<virtual_coordinates> place{}; ///< the last known
   };
 
   struct state {
@@ -163,6 +171,8 @@ private:
     feasibility told;
   };
 
+  [[nodiscard]] const row* find(mote_id neighbour) const;
+  [[nodiscard]] std::optional<virtual_coordinates> place_in(const row& x) const;
   void prune(const neighbours& links);
   void take_decisions(const coordinates_part& x);
   void decide(std::uint16_t epoch, const std::array<mote_id, anchor_count>& anchors);
@@ -187,6 +197,8 @@ private:
   std::uint16_t own_sequence_ = 0; ///< as an anchor
   std::array<state, anchor_count> states_;
   anchor_candidate candidate_; ///< the best we know of
+  std::optional<virtual_coordinates> last_place_;
+  std::uint16_t place_epoch_ = 0;
   coordinates_counters counters_;
 
   bool changed_ = false; ///< since the last update()

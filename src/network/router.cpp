@@ -11,7 +11,10 @@ namespace rubicon::network {
 namespace {
 
 constexpr unsigned purpose_bits = 2;
-constexpr duration lost_pause = 1s; ///< then it is seen again whether the time is known
+/// A settled anchor tells of itself every 8 minutes at most: so long the way to it may be broken
+/// after a mote in between has restarted. Meanwhile everybody goes by the places that it had.
+constexpr duration anchor_patience = 10min;
+constexpr duration lost_pause = 1s;      ///< then it is seen again whether the time is known
 constexpr duration sleeping_round = 30s; ///< between rounds of the clock where radios sleep
 
 neighbours_config links_of(const router_config& config) {
@@ -63,12 +66,15 @@ clock_sync_config clock_of(const router_config& config) {
 router::router(router_config config, random_stream rng, instant now)
     : config_(config), rng_(rng), links_(links_of(config)),
       tree_({.self = config.self, .is_root = config.is_sink}),
-      place_({.self = config.self, .is_sink = config.is_sink}, now),
+      place_({.self = config.self, .is_sink = config.is_sink, .anchor_patience = anchor_patience},
+             now),
       timer_(beacons_of(config), random_stream(rng_.next()), now), reported_(now),
       seek_end_(now + config.seek_length), report_gap_(config.report_gap),
       helped_(now - config.help_gap), answered_(now - config.answer_gap_awake), silent_(now),
       requested_(now - config.period_request_gap) {
   clock_ = clock_sync(clock_of(config), now);
+  places_ = config_.is_sink ? place_cache(config_.places_max, 0s)
+                            : place_cache(config_.places_kept, config_.place_lifetime);
   auto packets = config.packets;
   packets.self = config_.self;
   packets.is_root = config_.is_sink;
@@ -216,11 +222,8 @@ void router::on_content(collected x, router_outputs& out, instant now) {
   if (auto* content = std::get_if<user_content>(&*message)) {
     out.emplace_back(content_in{origin, x.by_flood, std::move(content->content)});
   } else if (const auto* report = std::get_if<place_report>(&*message)) {
-    if (report->place && config_.is_sink) {
-      if (places_.size() >= config_.places_max && !places_.contains(x.origin))
-        places_.clear(); // forgetting costs a detour until the next report
-      places_[x.origin] = *report->place;
-    }
+    if (report->place && config_.is_sink)
+      learn_place(x.origin, *report->place, now);
   } else if (std::holds_alternative<sequence_request>(*message)) {
     if (config_.is_sink && may_hasten(now)) {
       tree_.hasten();
@@ -231,9 +234,12 @@ void router::on_content(collected x, router_outputs& out, instant now) {
       clock_.request_period(wanted->period, now);
   } else if (const auto* asked = std::get_if<place_question>(&*message)) {
     if (config_.is_sink)
-      send_router_message(x.origin, place_answer{asked->mote, known_place(asked->mote)}, out, now);
+      send_router_message(x.origin, place_answer{asked->mote, known_place(asked->mote, now)}, out,
+                          now);
   } else {
     const auto& answer = std::get<place_answer>(*message);
+    if (answer.place)
+      learn_place(answer.mote, *answer.place, now);
     for (auto q = questions_.begin(); q != questions_.end();) {
       if (q->destination != answer.mote) {
         ++q;
@@ -251,11 +257,39 @@ void router::on_content(collected x, router_outputs& out, instant now) {
   }
 }
 
-std::optional<virtual_coordinates> router::known_place(mote_id x) const {
+std::optional<virtual_coordinates> router::known_place(mote_id x, instant now) const {
   if (x == config_.self)
-    return place_.place();
-  const auto found = places_.find(x);
-  return found == places_.end() ? place_.place_of(x) : std::optional(found->second);
+    return place_.likely_place();
+  const auto found = places_.find(x, now);
+  return found ? found : place_.likely_place_of(x);
+}
+
+void router::learn_place(mote_id x, virtual_coordinates place, instant now) {
+  if (x != config_.self)
+    places_.learn(x, place, now);
+}
+
+/// What others are told on its way over us: a mote's report to the sink, the sink's answer to a
+/// mote, and where a channel is to lead.
+void router::learn_from(std::uint8_t am_type, byte_view payload, instant now) {
+  if (am_type == am::channel) {
+    const auto x = decode_channel_message(payload);
+    const auto* wish = x ? std::get_if<connect_message>(&x->content) : nullptr;
+    if (wish != nullptr && wish->place)
+      learn_place(wish->destination, *wish->place, now);
+  } else if (am_type == am::up) {
+    const auto x = decode_up(payload);
+    const auto message = x ? decode_router_message(x->content) : errc::truncated;
+    const auto* report = message ? std::get_if<place_report>(&*message) : nullptr;
+    if (report != nullptr && report->place)
+      learn_place(x->origin, *report->place, now);
+  } else {
+    const auto x = decode_down(payload);
+    const auto message = x ? decode_router_message(x->content) : errc::truncated;
+    const auto* answer = message ? std::get_if<place_answer>(&*message) : nullptr;
+    if (answer != nullptr && answer->place)
+      learn_place(answer->mote, *answer->place, now);
+  }
 }
 
 // Channels.
@@ -266,13 +300,14 @@ std::pair<channel_id, router_outputs> router::connect(mote_id destination,
   router_outputs out;
   keep_turns(now);
   const question x{paths_.next_id(), destination, schedule, expiry, now + answer_wait(now)};
-  const bool must_ask = !config_.is_sink && !links_.good(destination) &&
+  const auto place = known_place(destination, now);
+  const bool must_ask = !config_.is_sink && !place && !links_.good(destination) &&
                         questions_.size() < config_.questions_max && has_route();
   if (must_ask) {
     questions_.push_back(x);
     ask(x, out, now);
   } else {
-    begin(x, known_place(destination), out, now);
+    begin(x, place, out, now);
   }
   return {x.channel, std::move(out)};
 }
@@ -324,12 +359,15 @@ router_outputs router::refuse(channel_id channel, instant now) {
 
 surroundings router::around(instant now) const {
   surroundings x;
-  x.own_place = place_.place();
+  x.own_place = place_.likely_place();
   x.is_crowd = links_.is_full();
   x.turn_wait = turn_wait(now);
+  x.parent = tree_.has_route() ? tree_.parent() : no_mote;
   for (const auto& each : links_.all()) {
     if (each.good)
-      x.motes.push_back({each.mote, place_.place_of(each.mote)});
+      x.motes.push_back({each.mote, place_.likely_place_of(each.mote)});
+    else
+      x.heard.push_back({each.mote, place_.likely_place_of(each.mote)});
   }
   return x;
 }
@@ -495,12 +533,12 @@ void router::answer(const clock_stamp& x, instant now) {
   answered_ = now;
   answers_ = 0;
   ++counters_.answers;
-  answer_due_ = now + rng_.between(0s, sleeps ? config_.answer_spread : config_.answer_spread_awake);
+  answer_due_ =
+      now + rng_.between(0s, sleeps ? config_.answer_spread : config_.answer_spread_awake);
 }
 
 time_knowledge router::knowledge(instant now) const {
-  if (!clock_.synchronised() ||
-      (config_.duty.enabled() && !config_.duty.knows_time(now, clock_)))
+  if (!clock_.synchronised() || (config_.duty.enabled() && !config_.duty.knows_time(now, clock_)))
     return clock_.is_disputed() ? time_knowledge::doubted : time_knowledge::none;
   if (clock_.is_disputed())
     return time_knowledge::doubted;
@@ -576,6 +614,7 @@ void router::settle(router_outputs& out, instant now) {
   }
   if (place_.update(links_, now))
     timer_.shorten(now, change_beacon());
+  places_.keep_epoch(place_.place_epoch());
   take(packets_.on_route(tree_.parent(), tree_.cost(), now), out, now);
 }
 
@@ -583,8 +622,12 @@ void router::settle(router_outputs& out, instant now) {
 std::optional<instant> router::report_due() const {
   if (config_.is_sink || !tree_.has_route())
     return std::nullopt;
-  const bool has_changed = place_.place() != told_place_ || tree_.parent() != told_parent_;
-  return reported_ + (has_changed ? report_gap_ : config_.report_period);
+  const auto here = place_.likely_place();
+  const bool has_changed = here != told_place_ || tree_.parent() != told_parent_;
+  const bool is_first = here && !told_place_; // till then channels to us are looked for everywhere
+  return reported_ + (is_first      ? config_.report_gap
+                      : has_changed ? report_gap_
+                                    : config_.report_period);
 }
 
 void router::report(router_outputs& out, instant now) {
@@ -593,7 +636,7 @@ void router::report(router_outputs& out, instant now) {
     return;
   const bool is_restless = now - reported_ < config_.report_period;
   report_gap_ = is_restless ? std::min(2 * report_gap_, config_.report_period) : config_.report_gap;
-  told_place_ = place_.place();
+  told_place_ = place_.likely_place();
   reported_ = now;
   if (turn_wait(now) > 0s) // who has begun with others does not go on with them
     reported_ -= rng_.between(0s, config_.report_period / 4);
@@ -615,10 +658,12 @@ router_outputs router::on_frame(mote_id source, std::uint8_t am_type, byte_view 
   case am::down:
   case am::flood:
     links_.hear(source, now);
+    learn_from(am_type, payload, now);
     take(packets_.on_frame(source, am_type, payload, now), out, now);
     break;
   case am::channel:
     links_.hear(source, now);
+    learn_from(am_type, payload, now);
     take(paths_.on_frame(source, payload, around(now), now), out);
     break;
   case am::local:
@@ -734,7 +779,7 @@ std::size_t router::footprint() const {
   const auto motes = links_.config().capacity;
   return links_.footprint() + gradient::footprint(motes) + coordinates::footprint(motes) +
          turns::footprint() + trickle::footprint() + clock_sync::footprint() +
-         packets_.footprint() + paths_.footprint() + config_.direct_max * 12 +
+         packets_.footprint() + paths_.footprint() + places_.footprint() + config_.direct_max * 12 +
          config_.questions_max * 24 + 32;
 }
 

@@ -22,6 +22,7 @@
 #include "network/coordinates.hpp"
 #include "network/gradient.hpp"
 #include "network/neighbours.hpp"
+#include "network/place_cache.hpp"
 #include "network/router_message.hpp"
 #include "network/time_search.hpp"
 #include "network/trickle.hpp"
@@ -33,21 +34,23 @@ namespace rubicon::network {
 struct own_router_config {
   mote_id self;
   bool is_sink = false;
-  tick_setting tick;              ///< the sink's (CLK-03)
-  duration report_period = 8min;  ///< a mote tells the sink where it is, at least so often;
-  duration report_gap = 5s;       ///< when that has changed, so long after it said anything; twice
-                                  ///< as long with each time that it goes on changing
-  duration question_timeout = 3s; ///< for the sink's answer where a mote is. In a crowd,
-  duration question_gap = 5s;     ///< where floods cost much, it is asked again while it does not
-  unsigned asks_max = 3;          ///< know, or we do not know where we are; so often at most
-  std::size_t questions_max = 2;  ///< in flight
-  std::size_t places_max = 1000;  ///< of motes, that the sink remembers
-  std::size_t direct_max = 4;     ///< packets for neighbours in flight
-  duration relay_spread = 150ms;  ///< a clock round is passed on within this time,
-  unsigned relay_copies = 3;      ///< and again, unless it has been received so often,
-  unsigned relays_max = 3;        ///< so often at most
-  duration relay_pause = 1s;      ///< between, where radios are always on
-  duty_window duty;               ///< when radios are on
+  tick_setting tick;               ///< the sink's (CLK-03)
+  duration report_period = 8min;   ///< a mote tells the sink where it is, at least so often;
+  duration report_gap = 5s;        ///< when that has changed, so long after it said anything; twice
+                                   ///< as long with each time that it goes on changing
+  duration question_timeout = 3s;  ///< for the sink's answer where a mote is. In a crowd,
+  duration question_gap = 5s;      ///< where floods cost much, it is asked again while it does not
+  unsigned asks_max = 3;           ///< know, or we do not know where we are; so often at most
+  std::size_t questions_max = 2;   ///< in flight
+  std::size_t places_max = 1000;   ///< of motes, that the sink remembers,
+  std::size_t places_kept = 6;     ///< and a mote, which learns them from what passes by,
+  duration place_lifetime = 10min; ///< for so long
+  std::size_t direct_max = 4;      ///< packets for neighbours in flight
+  duration relay_spread = 150ms;   ///< a clock round is passed on within this time,
+  unsigned relay_copies = 3;       ///< and again, unless it has been received so often,
+  unsigned relays_max = 3;         ///< so often at most
+  duration relay_pause = 1s;       ///< between, where radios are always on
+  duty_window duty;                ///< when radios are on
   /// A beacon comes within this time of a change of coordinates, and as often from those that look
   /// for a route, but for no longer than seek_length; and for these not more often than help_gap.
   duration change_beacon = 1s;
@@ -55,7 +58,7 @@ struct own_router_config {
   duration help_gap = 2s;
   duration sequence_gap = 20s; ///< between requests for the sink's next sequence number, and
                                ///< between the sink's answers, and two windows more
-  std::uint8_t era = 0;          ///< the sink's last one (clock_sync)
+  std::uint8_t era = 0;        ///< the sink's last one (clock_sync)
   /// Who knows the time answers one who asks within answer_spread, unless others have: a window is
   /// short. Where radios are always on there may be many of them.
   duration answer_spread = 30ms;
@@ -65,7 +68,7 @@ struct own_router_config {
   duration answer_gap_awake = 1s;
   /// A mote whose unicasts fail in so many windows, and which receives nothing, doubts its time.
   unsigned silent_windows_max = 3;
-  duration period_request_gap = 1min; ///< between requests for more rounds of the clock,
+  duration period_request_gap = 1min;   ///< between requests for more rounds of the clock,
   duration period_request_spread = 10s; ///< each sent within this, unless another's has helped
 };
 
@@ -107,11 +110,11 @@ struct router_counters {
   std::uint64_t unknown_type = 0; ///< frames of an AM type that is not Network's
   std::uint64_t questions = 0;    ///< where a mote is
   std::uint64_t unanswered = 0;
-  std::uint64_t detours = 0; ///< packets for a neighbour that went by the sink after all
-  std::uint64_t asks = 0;    ///< beacons that ask for the time
-  std::uint64_t answers = 0; ///< to those of others
-  std::uint64_t disputes = 0; ///< stamps that did not fit what was known
-  std::uint64_t silences = 0; ///< nobody answered any more: the time was doubted
+  std::uint64_t detours = 0;         ///< packets for a neighbour that went by the sink after all
+  std::uint64_t asks = 0;            ///< beacons that ask for the time
+  std::uint64_t answers = 0;         ///< to those of others
+  std::uint64_t disputes = 0;        ///< stamps that did not fit what was known
+  std::uint64_t silences = 0;        ///< nobody answered any more: the time was doubted
   std::uint64_t period_requests = 0; ///< for more rounds of the clock
   std::uint64_t sequence_requests = 0;
 };
@@ -225,7 +228,9 @@ private:
   void begin(const question& x, std::optional<virtual_coordinates> place, router_outputs& out,
              instant now);
   [[nodiscard]] surroundings around(instant now) const;
-  [[nodiscard]] std::optional<virtual_coordinates> known_place(mote_id x) const;
+  [[nodiscard]] std::optional<virtual_coordinates> known_place(mote_id x, instant now) const;
+  void learn_place(mote_id x, virtual_coordinates place, instant now);
+  void learn_from(std::uint8_t am_type, byte_view payload, instant now);
   [[nodiscard]] frame_out frame_for(purpose why, mote_id to, std::uint8_t am_type, bytes payload);
 
   own_router_config config_;
@@ -251,14 +256,14 @@ private:
   std::vector<frame_out> waiting_directs_;  ///< of them, for their turn
   std::map<std::uint64_t, mote_id> handed_; ///< unicasts: to whom
   std::vector<question> questions_;
-  std::map<mote_id, virtual_coordinates> places_; ///< at the sink
+  place_cache places_;
   std::optional<virtual_coordinates> told_place_;
   mote_id told_parent_ = no_mote;
-  instant reported_;                  ///< when it told the sink last
-  instant seek_end_;                  ///< it has looked for a route long enough
-  duration report_gap_{};             ///< from then to the next report of a change
-  std::optional<instant> hastened_;   ///< when it last asked for a sequence number, or told one
-  instant helped_;                    ///< when it last sent a beacon soon for those without a route
+  instant reported_;                ///< when it told the sink last
+  instant seek_end_;                ///< it has looked for a route long enough
+  duration report_gap_{};           ///< from then to the next report of a change
+  std::optional<instant> hastened_; ///< when it last asked for a sequence number, or told one
+  instant helped_;                  ///< when it last sent a beacon soon for those without a route
   time_search search_;
   std::uint64_t steps_ = 0;           ///< of the clock, as far as the search knows
   std::optional<instant> answer_due_; ///< to one who asks for the time,

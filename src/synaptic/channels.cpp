@@ -159,9 +159,12 @@ void channels::send_stop(row& x, outputs& todo, bool in_slot) {
   todo.emplace_back(send_on_channel{*x.channel, encode(stop_message{*x.last_tick}), in_slot});
 }
 
-bool channels::sends() const {
-  return std::any_of(rows_.begin(), rows_.end(),
-                     [](const row& x) { return x.is_active && x.channel; });
+std::vector<channels::out_end> channels::out_ends() const {
+  std::vector<out_end> found;
+  for (const auto& x : rows_)
+    if (x.is_out && !x.loops && (x.is_active || is_opening(x)))
+      found.push_back({x.channel, x.shape.size});
+  return found;
 }
 
 outputs channels::on_time(instant now) {

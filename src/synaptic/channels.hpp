@@ -120,8 +120,13 @@ public:
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
 
-  /// Vectors leave at some ticks, over channels.
-  [[nodiscard]] bool sends() const;
+  /// An out end whose vectors leave at some ticks, or will as soon as it is open.
+  struct out_end {
+    std::optional<channel_handle> channel{}; ///< nothing: it is still to come
+    std::size_t size = 0;                    ///< elements
+  };
+  /// Those of channels to other nodes, in order of creation.
+  [[nodiscard]] std::vector<out_end> out_ends() const;
 
   [[nodiscard]] std::size_t open_channels() const { return rows_.size(); } ///< entries in use
   [[nodiscard]] std::size_t early_channels() const { return early_.size(); }

@@ -36,6 +36,12 @@ std::vector<float> read_values(byte_reader& from) {
   return values;
 }
 
+/// Of a SYN_VECTOR of so many octets.
+std::size_t values_in(std::size_t packet_max) {
+  assert(packet_max >= vector_header_size + value_size);
+  return (packet_max - vector_header_size) / value_size;
+}
+
 /// @returns whether the kind is known
 bool read_fields(std::uint8_t kind, byte_reader& from, message& x) {
   switch (kind) {
@@ -77,8 +83,7 @@ bytes encode(const message& x) {
 
 std::vector<bytes> encode_vector(std::uint32_t tick, std::span<const float> values,
                                  std::size_t packet_max) {
-  assert(packet_max >= vector_header_size + value_size);
-  const auto part_max = (packet_max - vector_header_size) / value_size;
+  const auto part_max = values_in(packet_max);
   std::vector<bytes> packets;
   for (std::size_t first = 0; first < values.size(); first += part_max) {
     const auto part = values.subspan(first, std::min(part_max, values.size() - first));
@@ -86,6 +91,14 @@ std::vector<bytes> encode_vector(std::uint32_t tick, std::span<const float> valu
                                             std::vector<float>(part.begin(), part.end())}));
   }
   return packets;
+}
+
+std::vector<std::size_t> vector_packets(std::size_t elements, std::size_t packet_max) {
+  const auto part_max = values_in(packet_max);
+  std::vector<std::size_t> octets;
+  for (std::size_t first = 0; first < elements; first += part_max)
+    octets.push_back(vector_header_size + std::min(part_max, elements - first) * value_size);
+  return octets;
 }
 
 result<message> decode_message(byte_view octets) {

@@ -74,6 +74,9 @@ inline constexpr std::size_t value_size = 4;
 [[nodiscard]] std::vector<bytes> encode_vector(std::uint32_t tick, std::span<const float> values,
                                                std::size_t packet_max);
 
+/// Octets of each of them. @pre as there
+[[nodiscard]] std::vector<std::size_t> vector_packets(std::size_t elements, std::size_t packet_max);
+
 /// Errors: truncated, too_long, bad_value (size or divisor 0), unsupported (unknown kind). Whether
 /// the channel has such indices the in end knows.
 [[nodiscard]] result<message> decode_message(byte_view octets);

@@ -165,7 +165,7 @@ private:
   bytes management() {
     const auto word = [this] { return static_cast<std::uint16_t>(rng_.below(0x10000)); };
     const auto small = static_cast<std::uint32_t>(rng_.chance(0.5) ? rng_.below(4) : rng_.next());
-    switch (rng_.below(6)) {
+    switch (rng_.below(8)) {
     case 0: {
       mote::join_request x;
       x.sequence = word();
@@ -187,6 +187,10 @@ private:
       x.incarnation = small;
       return encode(mote::management(x));
     }
+    case 5:
+      return encode(mote::management(mote::slot_notice{word(), {word(), word()}}));
+    case 6:
+      return encode(mote::management(mote::slot_grant{{word(), word()}}));
     default:
       return encode(mote::management(mote::rejoin_prompt{}));
     }

@@ -30,9 +30,9 @@ TEST_CASE("broken descriptors are refused", "[mote]") {
 TEST_CASE("component management messages survive the radio", "[mote][DIS-08]") {
   const std::pair<management, std::string> rows[] = {
       {join_request{7, 2, bytes{0xaa}}, "01000700000002aa"},
-      {join_reply{7, island_id{1}, mote_id{5}, 1000, 9, {}}, "02000700000001000500 0003e8 0009"},
-      {join_reply{7, island_id{1}, mote_id{5}, 1000, 9, {island_id{21}, island_id{254}}},
-       "02000700000001000500 0003e8 0009 15fe"},
+      {join_reply{7, island_id{1}, mote_id{5}, 1000, {}}, "02000700000001000500 0003e8"},
+      {join_reply{7, island_id{1}, mote_id{5}, 1000, {island_id{21}, island_id{254}}},
+       "02000700000001000500 0003e8 15fe"},
       {join_confirm{7, 2, bytes{0xaa}}, "03000700000002aa"},
       {leave_notice{}, "04"},
       {keep_alive{2, {}}, "050000000200"},
@@ -41,7 +41,8 @@ TEST_CASE("component management messages survive the radio", "[mote][DIS-08]") {
       {keep_alive{2, {}, 0x0a0b0c0d}, "0500000002000a0b0c0d"},
       {join_refusal{0x0102}, "080102"},
       {rejoin_prompt{}, "06"},
-      {slot_notice{}, "07"},
+      {slot_notice{0x0102, {3, 4}}, "070102 0003 0004"},
+      {slot_grant{{0x0102, 4}}, "090102 0004"},
   };
   for (const auto& [message, octets] : rows) {
     CHECK(encode(message) == *from_hex(octets));
@@ -60,5 +61,7 @@ TEST_CASE("component management messages that are short, long or unknown are ref
   CHECK(decode_management(*from_hex("0401")).error() == errc::too_long);
   CHECK(decode_management(*from_hex("0500000002000a0b0c")).error() == errc::truncated);
   CHECK(decode_management(*from_hex("08")).error() == errc::truncated);
-  CHECK(decode_management(*from_hex("09")).error() == errc::unsupported);
+  CHECK(decode_management(*from_hex("07000100020003 04")).error() == errc::too_long);
+  CHECK(decode_management(*from_hex("09000100")).error() == errc::truncated);
+  CHECK(decode_management(*from_hex("0a")).error() == errc::unsupported);
 }

@@ -38,7 +38,7 @@ TEST_CASE("a mote asks, is answered, confirms and is in", "[mote][DIS-08]") {
   CHECK(request.incarnation == 3);
   CHECK(request.descriptor == bytes{0xaa});
 
-  const join_reply reply{request.sequence, island_id{1}, mote_id{7}, 0, 0, {}};
+  const join_reply reply{request.sequence, island_id{1}, mote_id{7}, 0, {}};
   const auto in = client.on_message(the_sink, reply, now);
   REQUIRE(pick<island_joined>(in).size() == 1);
   CHECK(pick<island_joined>(in)[0].island == island_id{1});
@@ -110,8 +110,7 @@ TEST_CASE("a reply to an older request is ignored", "[mote][DIS-08]") {
   const auto first = request_in(wait(client, now));
   static_cast<void>(wait(client, now));
   CHECK(
-      client
-          .on_message(the_sink, join_reply{first.sequence, island_id{1}, mote_id{7}, 0, 0, {}}, now)
+      client.on_message(the_sink, join_reply{first.sequence, island_id{1}, mote_id{7}, 0, {}}, now)
           .empty());
 }
 
@@ -123,7 +122,7 @@ TEST_CASE("a mote with rare keep-alives says early that it believes itself joine
   instant now{};
   static_cast<void>(client.start(1, now));
   const auto request = request_in(wait(client, now));
-  const join_reply reply{request.sequence, island_id{1}, mote_id{7}, 0, 0, {}};
+  const join_reply reply{request.sequence, island_id{1}, mote_id{7}, 0, {}};
   static_cast<void>(client.on_message(the_sink, reply, now));
   for (const auto gap : {4s, 8s, 16s, 30s, 30s}) {
     const auto before = now;
@@ -156,7 +155,7 @@ TEST_CASE("where frames wait for their turn, a mote waits longer for its answer,
     const auto asked = request_in(wait(x, now));
     CHECK(*x.deadline() - now == 1500ms);
     static_cast<void>(x.on_message(
-        the_sink, join_reply{asked.sequence, island_id{1}, mote_id{7}, 0, 0, {}}, instant{2s}));
+        the_sink, join_reply{asked.sequence, island_id{1}, mote_id{7}, 0, {}}, instant{2s}));
     CHECK(*x.deadline() > instant{2s} + config.keep_alive * 3 / 4);
     CHECK(*x.deadline() <= instant{2s} + config.keep_alive);
     return *x.deadline();
@@ -188,7 +187,7 @@ TEST_CASE("a mote whose address another has is silent, and asks again ever more 
     REQUIRE(pick<join_refused>(out).size() == 1);
     CHECK(client.current() == join_client::state::refused);
     CHECK(client.on_message(the_sink, rejoin_prompt{}, now).empty());
-    const join_reply late{request.sequence, island_id{1}, mote_id{7}, 0, 0, {}};
+    const join_reply late{request.sequence, island_id{1}, mote_id{7}, 0, {}};
     CHECK(client.on_message(the_sink, late, now).empty());
     const auto silence = *client.deadline() - now;
     CHECK(silence >= std::min<duration>(30s * (1 << i), 10min));

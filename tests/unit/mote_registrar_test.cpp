@@ -49,7 +49,7 @@ TEST_CASE("a sink answers a request and announces the mote once it confirms",
   const auto out = request(x, instant{2s});
   REQUIRE(test::pick<to_mote>(out).size() == 1);
   CHECK(std::get<join_reply>(test::pick<to_mote>(out)[0].message) ==
-        join_reply{1, island_id{1}, lamp, 2000, 0, {}});
+        join_reply{1, island_id{1}, lamp, 2000, {}});
   CHECK(events<mote_joined>(out).empty());
   CHECK(x.members() == 0);
   const auto in = events<mote_joined>(confirm(x, instant{2s}));
@@ -273,47 +273,35 @@ TEST_CASE("a gateway that was started may ask for the roster at once", "[mote][G
   CHECK(events<network::roster>(x.on_time(instant{11s})).empty()); // the period begins anew
 }
 
-TEST_CASE("each member has a slot of its own, the lowest that is free", "[mote][SYN-16]") {
+TEST_CASE("a member that sends vectors gets a slot for a while after it says so",
+          "[mote][SYN-16]") {
   auto x = make();
-  const auto slot_of = [&x](std::uint16_t mote) {
-    const auto out = request(x, instant{}, 0, mote_id{mote});
-    return std::get<join_reply>(test::pick<to_mote>(out).at(0).message).slot;
+  x.set_slot_room(400);
+  const auto notice = [&x](std::uint16_t units, network::slot_run has, instant now) {
+    std::vector<slot_grant> grants;
+    for (const auto& each :
+         test::pick<to_mote>(x.on_frame(lamp, encode(slot_notice{units, has}), now)))
+      if (const auto* grant = std::get_if<slot_grant>(&each.message))
+        grants.push_back(*grant);
+    return grants;
   };
-  CHECK(slot_of(9) == 0);
-  CHECK(slot_of(4) == 1);
-  CHECK(slot_of(5) == 2);
-  CHECK(slot_of(4) == 1); // asks again
-  static_cast<void>(x.on_frame(mote_id{9}, encode(leave_notice{}), instant{}));
-  CHECK(slot_of(6) == 0);
-  CHECK(slot_of(9) == 3);
-}
-
-TEST_CASE("slots are in use for a while after a member says so", "[mote][SYN-16]") {
-  auto x = make();
-  const auto notice = [&x](instant now) { return x.on_frame(lamp, encode(slot_notice{}), now); };
-  CHECK(test::pick<to_mote>(notice(instant{})).size() == 1); // a stranger is asked to join
-  CHECK(x.slots_used() == 0);
+  CHECK(notice(30, {}, instant{}).empty()); // a stranger is asked to join
+  CHECK(x.slots().used() == 0);
   static_cast<void>(request(x, instant{1s}));
   static_cast<void>(confirm(x, instant{1s}));
-  CHECK(notice(instant{2s}).empty());
-  CHECK(x.slots_used() == 1);
-  for (const mote_id other : {mote_id{8}, mote_id{9}}) { // who may, but need not
-    static_cast<void>(request(x, instant{3s}, 0, other));
-    static_cast<void>(confirm(x, instant{3s}, 0, other));
-  }
-  CHECK(x.slots_used() == 3);
-  static_cast<void>(x.on_frame(mote_id{8}, encode(leave_notice{}), instant{4s}));
-  CHECK(x.slots_used() == 3); // the last one is still there
-  static_cast<void>(x.on_frame(mote_id{9}, encode(leave_notice{}), instant{5s}));
-  static_cast<void>(notice(instant{60s}));
-  for (auto now = instant{60s}; now < instant{180s}; now += 2s) {
+  CHECK(notice(30, {}, instant{2s}) == std::vector{slot_grant{{0, 30}}});
+  CHECK(notice(30, {0, 30}, instant{60s}).empty()); // it knows
+  for (auto now = instant{60s}; now < instant{260s}; now += 2s) {
     static_cast<void>(x.on_heard(lamp, now));
     static_cast<void>(x.on_time(now));
-    CHECK(x.slots_used() == 1);
+    CHECK(x.slots().used() == 30);
   }
-  CHECK(*x.deadline() <= instant{180s});
-  static_cast<void>(x.on_time(instant{180s}));
-  CHECK(x.slots_used() == 0);
+  CHECK(*x.deadline() <= instant{260s});
+  static_cast<void>(x.on_time(instant{260s}));
+  CHECK(x.slots().used() == 0);
+  CHECK(notice(8, {0, 30}, instant{260s}) == std::vector{slot_grant{{0, 8}}});
+  static_cast<void>(x.on_frame(lamp, encode(leave_notice{}), instant{261s}));
+  CHECK(x.slots().used() == 0);
 }
 
 TEST_CASE("a sink takes no more members than it has room for", "[mote]") {

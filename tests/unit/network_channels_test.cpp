@@ -507,6 +507,62 @@ TEST_CASE(
                            : std::vector{nearer, broadcast_mote})); // a flood
 }
 
+TEST_CASE("a set-up floods only where nobody is left who may be nearer, and says why",
+          "[network][NET-10][NET-12]") {
+  const mote_id destination{9};
+  const mote_id a{5};
+  const mote_id b{6};
+  const virtual_coordinates here{3, 3, 3};
+  const virtual_coordinates near{1, 1, 2};
+  const virtual_coordinates nearer{1, 1, 1};
+  const virtual_coordinates far{4, 4, 4};
+  struct row {
+    const char* what;
+    std::optional<virtual_coordinates> place;
+    std::optional<virtual_coordinates> own_place;
+    std::vector<nearby_mote> motes;
+    std::vector<nearby_mote> heard;
+    mote_id parent;
+    mote_id next;
+    std::uint64_t place_unknown = 0;
+    std::uint64_t self_unknown = 0;
+    std::uint64_t dead_end = 0;
+  };
+  const std::optional<virtual_coordinates> target{{0, 0, 0}};
+  const row rows[] = {
+      {"place unknown", {}, here, {{a, near}}, {}, a, broadcast_mote, 1, 0, 0},
+      {"both unknown", {}, {}, {}, {}, a, broadcast_mote, 1, 0, 0},
+      {"it is a neighbour", {}, {}, {}, {{destination, {}}}, a, destination, 0, 0, 0},
+      {"alone", target, {}, {}, {}, no_mote, broadcast_mote, 0, 1, 0},
+      {"only the parent", target, {}, {{b, {}}}, {}, a, a, 0, 0, 0},
+      {"neighbours know", target, {}, {{a, near}, {b, far}}, {}, b, a, 0, 0, 0},
+      {"a good one is nearer", target, here, {{a, near}}, {{b, nearer}}, b, a, 0, 0, 0},
+      {"another is nearer", target, here, {{a, far}}, {{b, near}}, a, b, 0, 0, 0},
+      {"nobody is nearer", target, here, {{a, far}}, {{b, far}}, a, broadcast_mote, 0, 0, 1},
+  };
+  for (const auto& each : rows) {
+    CAPTURE(each.what);
+    channels_config config;
+    config.self = mote_id{1};
+    channels x(config, random_stream(1));
+    surroundings around;
+    around.own_place = each.own_place;
+    around.motes = each.motes;
+    around.heard = each.heard;
+    around.parent = each.parent;
+    const auto todo = x.connect(x.next_id(), destination, each.place, {}, 0s, around, instant{});
+    std::vector<mote_id> next;
+    for (const auto& output : todo)
+      if (const auto* hop = std::get_if<channel_hop>(&output))
+        next.push_back(hop->next);
+    CHECK(next == std::vector{each.next});
+    CHECK(x.counters().floods_place_unknown == each.place_unknown);
+    CHECK(x.counters().floods_self_unknown == each.self_unknown);
+    CHECK(x.counters().floods_dead_end == each.dead_end);
+    CHECK(x.counters().floods == each.place_unknown + each.self_unknown + each.dead_end);
+  }
+}
+
 TEST_CASE("in a crowd a flood that has been heard often is not passed on", "[network][NET-12]") {
   const bool is_crowd = GENERATE(true, false);
   const int copies = GENERATE(2, 3);

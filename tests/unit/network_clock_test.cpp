@@ -203,7 +203,8 @@ TEST_CASE("all motes change the tick at the same tick", "[network][CLK-03]") {
 }
 
 TEST_CASE("a clock stamp keeps its layout", "[network][golden]") {
-  clock_stamp x{mote_id{0x0102}, 0xe7, 0x0304, island_time(microseconds(0x050607080910)), 0x11121314, {}};
+  clock_stamp x{mote_id{0x0102}, 0xe7, 0x0304, island_time(microseconds(0x050607080910)),
+                0x11121314,      {}};
   x.tick = {0x15161718, island_time(microseconds(0x192021222324)), std::chrono::milliseconds(500)};
   x.doubt = 0x25;
   byte_writer to;
@@ -355,7 +356,7 @@ TEST_CASE("the time flows from those who are less in doubt only", "[network][CLK
     y.doubt = doubt;
     const auto before = x.clock.doubt(x.now);
     CHECK_FALSE(is_news(x.clock.on_stamp(y, x.now))); // others need not learn of it
-    return x.clock.doubt(x.now) != before;   // it was taken
+    return x.clock.doubt(x.now) != before;            // it was taken
   };
   x.now += 100ms;
   CHECK_FALSE(tell(0, 0s)); // well enough known
@@ -527,8 +528,10 @@ TEST_CASE("a root that forgets its era learns it from its motes", "[network][CLK
   CHECK(root.at(instant(9s)) == before);
 }
 
-TEST_CASE("a time that no stamp can hold begins anew, and ticks go on", "[network][CLK-04][CLK-05]") {
-  for (const auto by : {microseconds(-2h), microseconds(10 * 365 * 24h), microseconds(-10 * 365 * 24h)}) {
+TEST_CASE("a time that no stamp can hold begins anew, and ticks go on",
+          "[network][CLK-04][CLK-05]") {
+  for (const auto by :
+       {microseconds(-2h), microseconds(10 * 365 * 24h), microseconds(-10 * 365 * 24h)}) {
     CAPTURE(by.count());
     clock_sync root(root_config(), instant{});
     instant now;
@@ -537,7 +540,8 @@ TEST_CASE("a time that no stamp can hold begins anew, and ticks go on", "[networ
     const auto era = root.era();
     const auto ticks = [&] {
       const auto setting = *root.tick(now);
-      return setting.first + static_cast<std::uint32_t>((root.at(now) - setting.from) / setting.period);
+      return setting.first +
+             static_cast<std::uint32_t>((root.at(now) - setting.from) / setting.period);
     };
     const auto before = ticks();
     root.on_clock_leapt(by);
@@ -701,8 +705,7 @@ figures wander(std::size_t hops, double ppm, double wander_ppm, duration period,
     for (std::size_t i = 1; i <= hops; ++i) {
       if (!clocks[i].synchronised())
         continue;
-      const auto error =
-          std::chrono::abs(clocks[i].at(own(i, now)) - clocks[0].at(own(0, now)));
+      const auto error = std::chrono::abs(clocks[i].at(own(i, now)) - clocks[0].at(own(0, now)));
       ++sum.judged;
       sum.beyond_1ms += error >= microseconds{1000} ? 1 : 0;
       sum.beyond_doubt += error > clocks[i].doubt(own(i, now)) ? 1 : 0;
@@ -713,7 +716,8 @@ figures wander(std::size_t hops, double ppm, double wander_ppm, duration period,
 
 } // namespace
 
-TEST_CASE("crystals that wander are followed to a millisecond, over eight hops", "[network][CLK-01]") {
+TEST_CASE("crystals that wander are followed to a millisecond, over eight hops",
+          "[network][CLK-01]") {
   struct kind {
     double ppm, wander_ppm;
     duration period;
@@ -721,8 +725,10 @@ TEST_CASE("crystals that wander are followed to a millisecond, over eight hops",
     double share;        ///< that may be beyond a millisecond,
     double doubtful = 0; ///< and beyond the mote's own bound
   };
-  const kind kinds[] = {{50, 0, 1h, 0.05, 0.001},  {50, 5, 1h, 0.05, 0.001},
-                        {100, 5, 1h, 0.05, 0.001}, {100, 20, 10min, 0.05, 0.01, 0.001},
+  const kind kinds[] = {{50, 0, 1h, 0.05, 0.001},
+                        {50, 5, 1h, 0.05, 0.001},
+                        {100, 5, 1h, 0.05, 0.001},
+                        {100, 20, 10min, 0.05, 0.01, 0.001},
                         {100, 20, 1h, 0.2, 0.05, 0.005}};
   for (const auto& x : kinds) {
     for (const std::size_t hops : {1, 3, 8}) {
@@ -735,8 +741,7 @@ TEST_CASE("crystals that wander are followed to a millisecond, over eight hops",
       }
       CAPTURE(hops, x.ppm, x.wander_ppm, x.loss, sum.judged, sum.beyond_1ms, sum.beyond_doubt);
       CHECK(static_cast<double>(sum.beyond_1ms) <= x.share * static_cast<double>(sum.judged));
-      CHECK(static_cast<double>(sum.beyond_doubt) <=
-            x.doubtful * static_cast<double>(sum.judged));
+      CHECK(static_cast<double>(sum.beyond_doubt) <= x.doubtful * static_cast<double>(sum.judged));
     }
   }
 }

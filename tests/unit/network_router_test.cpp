@@ -274,6 +274,46 @@ TEST_CASE("channels open between any two motes of an island", "[network][NET-10]
   }
 }
 
+TEST_CASE("a settled grid floods for few of its channels, and asks once where a mote is",
+          "[network][NET-10][NET-12]") {
+  island x(8, 8, 1);
+  x.run_for(10min);
+  const auto count = [&x](auto counter) {
+    std::uint64_t sum = 0;
+    for (const auto each : x.motes())
+      sum += counter(x.at(each));
+    return sum;
+  };
+  const auto floods = [&] {
+    return count([](const router& r) { return r.paths().counters().floods; });
+  };
+  const auto questions = [&] {
+    return count([](const router& r) { return r.counters().questions; });
+  };
+  const auto floods_before = floods();
+  random_stream rng(5);
+  int opened = 0;
+  for (int i = 0; i < 60; ++i) {
+    const auto from = mote(2 + static_cast<int>(rng.below(63)));
+    const auto to = mote(2 + static_cast<int>(rng.below(63)));
+    if (from == to)
+      continue;
+    const auto try_it = [&] {
+      const auto id = x.connect(from, to);
+      x.run_for(10s);
+      opened += x.connected.contains(id) ? 1 : 0;
+      x.perform(from, x.at(from).disconnect(id, x.own_time(from)));
+      x.run_for(1s);
+    };
+    try_it();
+    const auto asked = questions();
+    try_it();
+    CHECK(questions() == asked);
+  }
+  CHECK(opened >= 110);
+  CHECK(static_cast<double>(floods() - floods_before) < 0.05 * opened);
+}
+
 TEST_CASE("a channel that is given up while its way is asked for is not opened",
           "[network][NET-10]") {
   island x(3, 3, 1);

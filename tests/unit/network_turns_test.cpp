@@ -1,6 +1,7 @@
 // How a tick is divided, and when frames without a slot leave (SYN-16).
 #include <set>
 
+#include "network/slot_time.hpp"
 #include "network/tick_plan.hpp"
 #include "network/turns.hpp"
 #include "support/catch.hpp"
@@ -27,13 +28,15 @@ turns of_mote(std::uint64_t seed) {
 
 } // namespace
 
-TEST_CASE("a tick of 500 ms has 100 slots that do not meet, and a fifth without any",
+TEST_CASE("a tick of 500 ms has 400 units for slots, and a fifth without any",
           "[network][SYN-16]") {
   const tick_plan plan(500ms);
-  CHECK(plan.slots() == 100);
-  for (std::uint16_t number = 0; number < 100; ++number)
-    CHECK(plan.slot(number) == number * 4ms);
-  CHECK_FALSE(plan.slot(100).has_value());
+  CHECK(plan.units() == 400);
+  CHECK(plan.begin({0, 400}) == 0ms);
+  CHECK(plan.begin({100, 3}) == 100ms);
+  CHECK(plan.begin({399, 1}) == 399ms);
+  CHECK_FALSE(plan.begin({399, 2}).has_value());
+  CHECK_FALSE(plan.begin({}).has_value());
   CHECK(plan.free_from(7) == 400ms);
   CHECK(plan.free_until() == 480ms);
 }
@@ -43,24 +46,39 @@ TEST_CASE("all slots in use lie before the free part, and not many others", "[ne
     const tick_plan plan(period);
     CHECK(plan.share_of(0) == 0);
     CHECK(plan.share_of(1) == 1);
-    CHECK(plan.share_of(1000) == 7);
-    for (std::size_t used = 1; used <= plan.slots(); ++used) {
+    CHECK(plan.share_of(10'000) == 7);
+    for (std::size_t used = 1; used <= plan.units(); ++used) {
       const auto end = plan.free_from(plan.share_of(used));
-      CHECK(end >= *plan.slot(static_cast<std::uint16_t>(used - 1)) + 4ms);
-      CHECK(end < *plan.slot(static_cast<std::uint16_t>(used - 1)) + 4ms + period / 5);
+      const auto last = static_cast<duration::rep>(used) * plan.unit;
+      CHECK(end >= last);
+      CHECK(end < last + period / 5);
       CHECK(end <= plan.free_until());
     }
   }
 }
 
-TEST_CASE("a shorter tick has fewer slots, a very short one no free part", "[network][SYN-16]") {
-  CHECK(tick_plan(200ms).slots() == 40);
-  CHECK(tick_plan(100ms).slots() == 15); // not less than 40 ms are free
-  CHECK(tick_plan(80ms).slots() == 10);
+TEST_CASE("a shorter tick has fewer units, a very short one no free part", "[network][SYN-16]") {
+  CHECK(tick_plan(200ms).units() == 160);
+  CHECK(tick_plan(100ms).units() == 60); // not less than 40 ms are free
+  CHECK(tick_plan(80ms).units() == 40);
   CHECK(tick_plan(80ms).has_free_part());
-  CHECK(tick_plan(79ms).slots() == 19);
+  CHECK(tick_plan(79ms).units() == 79);
   CHECK_FALSE(tick_plan(79ms).has_free_part());
-  CHECK(tick_plan(1ms).slots() == 1);
+  CHECK(tick_plan(1ms).units() == 1);
+}
+
+TEST_CASE("a slot is as long as its packets need over all their hops", "[network][SYN-16]") {
+  const access_times standard;
+  // 46 octets of ten values, a channel's 6 and 19 of headers: 71 octets of 32 us, and the exchange
+  CHECK(exchange_time(46 + 6, standard) == 71 * 32us + 864us);
+  CHECK(passage(46, 1, standard) == 71 * 32us + 864us + 640us);
+  CHECK(units_for(passage(46, 1, standard), standard) == 4);
+  // each further hop has a back-off, too
+  CHECK(passage(106, 8, standard) == 8 * (131 * 32us + 864us) + 7 * 2240us + 640us);
+  CHECK(passage_up(46, standard) == 89 * 32us + 864us + 640us);
+  CHECK(passage_up(106, standard) == 2 * (96 * 32us + 864us + 640us)); // cut in two
+  CHECK(units_for(0ns, standard) == 0);
+  CHECK(units_for(1h, standard) == 0xffff);
 }
 
 TEST_CASE("nobody waits for a turn while no slots are in use", "[network][SYN-16]") {
@@ -108,7 +126,7 @@ TEST_CASE("the fewer slots are in use, the earlier the free part begins", "[netw
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     auto x = of_mote(seed);
     const auto begin = x.next(instant{1s}, clock);
-    CHECK(begin >= instant{1s} + 60ms);
+    CHECK(begin >= instant{1s} + 58ms);
     CHECK(begin < instant{1s} + 120ms); // nobody has waited for longer than 60 ms
     CHECK(x.next(instant{1s} + 479ms, clock) == instant{1s} + 479ms);
   }

@@ -1,0 +1,36 @@
+#include "network/place_cache.hpp"
+
+#include <algorithm>
+
+namespace rubicon::network {
+
+void place_cache::learn(mote_id mote, virtual_coordinates place, instant now) {
+  if (motes_max_ == 0)
+    return;
+  auto at = std::ranges::lower_bound(entries_, mote, {}, &entry::mote);
+  if (at != entries_.end() && at->mote == mote) {
+    *at = {mote, place, now};
+    return;
+  }
+  if (entries_.size() >= motes_max_) {
+    entries_.erase(std::ranges::min_element(entries_, {}, &entry::learnt));
+    at = std::ranges::lower_bound(entries_, mote, {}, &entry::mote);
+  }
+  entries_.insert(at, {mote, place, now});
+}
+
+std::optional<virtual_coordinates> place_cache::find(mote_id mote, instant now) const {
+  const auto at = std::ranges::lower_bound(entries_, mote, {}, &entry::mote);
+  const bool is_known = at != entries_.end() && at->mote == mote &&
+                        (lifetime_ == 0ns || now - at->learnt < lifetime_);
+  return is_known ? std::optional(at->place) : std::nullopt;
+}
+
+void place_cache::keep_epoch(std::uint16_t epoch) {
+  if (epoch == epoch_)
+    return;
+  epoch_ = epoch;
+  entries_.clear();
+}
+
+} // namespace rubicon::network
