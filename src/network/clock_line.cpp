@@ -31,21 +31,18 @@ microseconds rounded_up(double us) {
 
 } // namespace
 
-void clock_line::add(instant own, std::int64_t ahead_us, microseconds noise, bool is_fresh) {
+void clock_line::add(instant own, std::int64_t ahead_us, microseconds noise) {
   const point here{own, ahead_us};
   learn_wander(here, noise);
   points_.push_back(here);
   if (points_.size() > points_max)
     points_.erase(points_.begin());
   noise_ = noise;
-  if (is_fresh)
-    fresh_ = own;
   fit();
 }
 
 void clock_line::restart(instant own, std::int64_t ahead_us, microseconds noise) {
   points_.assign(1, {own, ahead_us});
-  fresh_ = own;
   noise_ = noise;
   fit();
 }
@@ -139,7 +136,7 @@ void clock_line::fit() {
 
 microseconds clock_line::doubt(instant x) const {
   assert(!empty());
-  const auto since = seconds(std::chrono::abs(x - fresh_));
+  const auto since = seconds(std::chrono::abs(x - points_.back().own));
   const auto of_rate = since * slope_doubt_ * 1e6 + wander() * missed_by_wander(since);
   return noise_ + rounded_up(std::min(of_rate, since * rate_max * 1e6));
 }

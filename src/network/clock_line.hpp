@@ -26,9 +26,7 @@ public:
   [[nodiscard]] bool empty() const { return points_.empty(); }
 
   /// Both clocks read at the same moment, wrong by `noise` at most.
-  /// @param is_fresh else it comes from somebody who has known no more than we do since the last
-  /// fresh one: the doubt goes on growing from there
-  void add(instant own, std::int64_t ahead_us, microseconds noise, bool is_fresh = true);
+  void add(instant own, std::int64_t ahead_us, microseconds noise);
 
   /// Begins anew at such a point; the rate of the two crystals against each other is kept.
   void restart(instant own, std::int64_t ahead_us, microseconds noise);
@@ -73,7 +71,6 @@ private:
   [[nodiscard]] double missed_by_wander(double since) const;
 
   std::vector<point> points_;
-  instant fresh_;              ///< the last point that was
   instant middle_;             ///< of the points that are used
   double middle_ahead_us_ = 0; ///< of the line, there
   double slope_ = 0;

@@ -161,9 +161,8 @@ stamp_value clock_sync::take_point(const clock_stamp& x, const disputed_point& h
   if (fits(here)) {
     disputed_.reset();
     distrusted_ = false;
-    const bool is_fresh = is_news(x, here.own);
-    if (is_fresh || here.doubt <= line_.doubt(here.own))
-      line_.add(here.own, here.ahead_us, here.doubt, is_fresh);
+    if (is_news(x, here.own) || here.doubt <= line_.doubt(here.own))
+      line_.add(here.own, here.ahead_us, here.doubt);
     return stamp_value::point;
   }
   const auto agrees = [&](const disputed_point& y) {

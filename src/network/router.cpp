@@ -15,6 +15,7 @@ constexpr unsigned purpose_bits = 2;
 /// after a mote in between has restarted. Meanwhile everybody goes by the places that it had.
 constexpr duration anchor_patience = 10min;
 constexpr duration lost_pause = 1s;      ///< then it is seen again whether the time is known
+constexpr duration reborn_quiet = 200ms;
 constexpr duration sleeping_round = 30s; ///< between rounds of the clock where radios sleep
 
 neighbours_config links_of(const router_config& config) {
@@ -61,6 +62,16 @@ clock_sync_config clock_of(const router_config& config) {
   return x;
 }
 
+/// A sink that has lived before has motes that know the time.
+time_search_config search_of(const own_router_config& config) {
+  time_search_config x;
+  x.is_root = config.is_sink;
+  x.duty = config.duty;
+  if (config.is_sink && config.era > 0)
+    x.start_quiet = reborn_quiet;
+  return x;
+}
+
 } // namespace
 
 router::router(router_config config, random_stream rng, instant now)
@@ -100,8 +111,7 @@ router::router(router_config config, random_stream rng, instant now)
   }
   paths_ = channels(paths, random_stream(rng_.next()));
   auto further = rng_; // the others draw as they do without turns
-  search_ = time_search({.is_root = config_.is_sink, .duty = config_.duty},
-                        random_stream(further.next()), now);
+  search_ = time_search(search_of(config_), random_stream(further.next()), now);
   turns_ = turns(config_.is_sink, config_.duty, random_stream(further.next()));
 }
 

@@ -16,7 +16,7 @@ time_search::time_search(time_search_config config, random_stream rng, instant n
     : config_(config), rng_(rng), lost_(true), lost_from_(now), listen_until_(now),
       pause_(config.pause) {
   const auto longest = std::max(config_.duty.period, config_.start_quiet);
-  due_ = now + (config_.is_root ? duration(0s) : rng_.between(config_.start_quiet, longest));
+  due_ = now + (config_.is_root ? config_.start_quiet : rng_.between(config_.start_quiet, longest));
   if (!config_.duty.enabled() && !config_.is_root)
     due_ = now + rng_.between(config_.company, 2 * config_.company); // rounds come by themselves
 }
@@ -130,7 +130,8 @@ void time_search::on_asked(instant now) {
 
 void time_search::on_news(std::optional<island_clock::duration> leap, const clock_sync& clock,
                           instant now) {
-  if (!config_.duty.enabled() || config_.is_root || (!leap && !rests_))
+  const bool was_lost_long = rests_ && now - lost_from_ >= config_.long_search;
+  if (!config_.duty.enabled() || config_.is_root || (!leap && !was_lost_long))
     return;
   const auto period = in_us(config_.duty.period);
   listen_until_ = std::max(listen_until_, now + 2 * config_.probe_gap + 2 * config_.duty.period);

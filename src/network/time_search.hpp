@@ -22,6 +22,7 @@ struct time_search_config {
   duration company = 10s; ///< nor within this if it has just received a beacon: all begin together
   duration stale_spread = 10s; ///< motes that have missed the same rounds ask within this
   unsigned window_asks = 2;
+  duration long_search = 2min; ///< others may have lost their time in such a one
   duration pause = 8s;          ///< between two searches at least; doubles each time,
   duration pause_max = 2min;    ///< up to this,
   unsigned pause_periods = 200; ///< or so many periods of the common window

