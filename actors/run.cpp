@@ -291,6 +291,8 @@ public:
       scheduler::post_at(root_, instant(at), message);
   }
 
+  void run_until(instant end) { static_cast<void>(run_to(end)); }
+
   void perform() {
     const auto end = std::max(instant(description_.length), world_.now());
     const auto cause = run_to(end);
@@ -597,6 +599,10 @@ const root_actor& ecology_run::root() {
 
 void ecology_run::plan(const config::fault_description& x, const std::vector<duration>& times) {
   parts_->run().plan(x, times);
+}
+
+void ecology_run::run_until(instant end) {
+  parts_->run().run_until(end);
 }
 
 report::run_report ecology_run::report_so_far() {

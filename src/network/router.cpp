@@ -14,7 +14,7 @@ constexpr unsigned purpose_bits = 2;
 /// A settled anchor tells of itself every 8 minutes at most: so long the way to it may be broken
 /// after a mote in between has restarted. Meanwhile everybody goes by the places that it had.
 constexpr duration anchor_patience = 10min;
-constexpr duration lost_pause = 1s;      ///< then it is seen again whether the time is known
+constexpr duration lost_pause = 1s; ///< then it is seen again whether the time is known
 constexpr duration reborn_quiet = 200ms;
 constexpr duration sleeping_round = 30s; ///< between rounds of the clock where radios sleep
 

@@ -93,7 +93,10 @@ time_search::beacon_due time_search::ask(const clock_sync& clock, instant now) {
   }
   if (rests_ && now < next_search_) {
     listen_until_ = now + config_.probe_listen;
-    due_ = std::min(next_search_, now + rng_.between(config_.probe_gap / 2, config_.probe_gap));
+    if (--probe_left_ > 0)
+      due_ = now + config_.probe_pause;
+    else
+      await_probe(now);
     return beacon_due::ask;
   }
   if (!asks_) {
@@ -120,6 +123,11 @@ void time_search::rest(instant now) {
   listen_until_ = std::max(listen_until_, now + config_.probe_listen);
   next_search_ = now + rng_.between(pause_, 2 * pause_);
   pause_ = std::min(2 * pause_, pause_max());
+  await_probe(now);
+}
+
+void time_search::await_probe(instant now) {
+  probe_left_ = config_.probe_beacons;
   due_ = std::min(next_search_, now + rng_.between(config_.probe_gap / 2, config_.probe_gap));
 }
 

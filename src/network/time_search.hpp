@@ -22,12 +22,14 @@ struct time_search_config {
   duration company = 10s; ///< nor within this if it has just received a beacon: all begin together
   duration stale_spread = 10s; ///< motes that have missed the same rounds ask within this
   unsigned window_asks = 2;
-  duration long_search = 2min; ///< others may have lost their time in such a one
-  duration pause = 8s;          ///< between two searches at least; doubles each time,
-  duration pause_max = 2min;    ///< up to this,
-  unsigned pause_periods = 200; ///< or so many periods of the common window
-  duration probe_gap = 45s;     ///< between two probes at most
-  duration probe_listen = 150ms;
+  duration long_search = 2min;   ///< others may have lost their time in such a one
+  duration pause = 8s;           ///< between two searches at least; doubles each time,
+  duration pause_max = 2min;     ///< up to this,
+  unsigned pause_periods = 200;  ///< or so many periods of the common window
+  duration probe_gap = 45s;      ///< between two probes at most
+  duration probe_listen = 150ms; ///< after its last beacon
+  unsigned probe_beacons = 3;    ///< one may be lost, or its answer,
+  duration probe_pause = 60ms;   ///< between
 };
 
 /// What a mote knows of the time.
@@ -45,10 +47,10 @@ enum class time_knowledge : std::uint8_t {
 /// asks again and again for a whole period, with one beacon in each window, as X-MAC wakes
 /// receivers. A mote that has only missed some rounds asks in two windows as it knows them first.
 /// After one that has found nothing the mote rests: its radio is off, but for the windows as it
-/// knows them, the next searches, which become rare, and probes: one beacon that asks, and a moment
-/// to listen. A root that comes back is always on and answers a probe. Whoever has found the time
-/// again after its island's has leapt stays on for so long that others' probes reach it, and sends
-/// two beacons in the windows of the time before.
+/// knows them, the next searches, which become rare, and probes: three beacons that ask, and a
+/// moment to listen. A root that comes back is always on and answers a probe. Whoever has found the
+/// time again after its island's has leapt stays on for so long that others' probes reach it, and
+/// sends two beacons in the windows of the time before.
 class time_search {
 public:
   enum class beacon_due : std::uint8_t { none, ask, plain };
@@ -96,6 +98,7 @@ private:
   [[nodiscard]] instant in_next_window(const clock_sync& clock, instant now);
   [[nodiscard]] beacon_due ask(const clock_sync& clock, instant now);
   void rest(instant now);
+  void await_probe(instant now);
 
   time_search_config config_;
   random_stream rng_;
@@ -104,6 +107,7 @@ private:
   bool rests_ = false; ///< or has, in vain
   bool has_started_ = false;
   unsigned window_asks_ = 0;   ///< that are to come before a search
+  unsigned probe_left_ = 0;    ///< beacons of a probe
   std::optional<instant> due_; ///< the next beacon that asks
   instant search_end_;
   instant next_search_;

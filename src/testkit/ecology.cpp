@@ -207,7 +207,7 @@ void ecology::run_for(duration length) {
 }
 
 void ecology::run_until(instant end) {
-  parts_->run().world().run_until(end);
+  parts_->run().run_until(end);
   static_cast<void>(parts_->run().world()); // tells of a run that has broken off
 }
 

@@ -142,8 +142,8 @@ TEST_CASE("a mote has as many streams as its file says, and the motes on their w
   CHECK(report.violations.empty());
   for (int i = 0; i < 24; ++i) {
     CAPTURE(i);
-    CHECK(figure(report, "k/n-" + std::to_string(10 + i), "stream_writer", "records written") >
-          100);
+    // Of 200, less those before its stream opened: until anchors are elected set-ups flood a crowd.
+    CHECK(figure(report, "k/n-" + std::to_string(10 + i), "stream_writer", "records written") > 50);
   }
   CHECK(figure(report, "k/n-3", "average", "records read") > 24 * 150);
 }
