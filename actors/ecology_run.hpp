@@ -29,7 +29,8 @@ public:
   /// Lets a fault or a change join the plan. @param times not before now. @throws as world()
   void plan(const config::fault_description& x, const std::vector<duration>& times);
 
-  /// Runs on to that time, and looks at the motes on the way as a whole run does. @throws as world()
+  /// Runs on to that time, and looks at the motes on the way as a whole run does. @throws as
+  /// world()
   void run_until(instant end);
 
   /// What the report would be if the run were over; what is expected of the run is not judged yet.
