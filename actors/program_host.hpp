@@ -127,8 +127,14 @@ public:
           status.measured.push_back(figure.name);
       }
       status.streams = x.program->stream_ends(own);
-      for (auto& end : status.streams)
+      const auto ahead = own - now(self); // the next life's clock begins with another time
+      for (auto& end : status.streams) {
         end.open = end.open && !ended;
+        for (auto* at : {&end.first_at, &end.last_at}) {
+          if (*at)
+            **at -= ahead;
+        }
+      }
       if (x.file)
         status.program.figures.emplace_back("lines not written", static_cast<double>(x.unwritten));
       self->send(ecology, std::move(status));

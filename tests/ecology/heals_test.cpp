@@ -146,3 +146,23 @@ TEST_CASE("time goes on when it has more than 32 bits of seconds", "[ecology][CL
   }
   CHECK(last > 2147483648.0);
 }
+
+TEST_CASE("a reader's pause between two of its lives is told by the world's clock",
+          "[ecology][STR-07]") {
+  const auto what = describe(
+      "[ecology]\nname = \"reborn\"\nduration = \"10min\"\n[mote_type.probe]\ntype = 100\n"
+      "transducers.temperature = { model = \"constant\", value = 20 }\n"
+      "[[island]]\nid = 1\nname = \"hall\"\nmote = [\n"
+      "{ id = 2, type = \"probe\", position_m = [5, 0], apps = [{ app = \"stream_writer\", "
+      "transducer = \"temperature\", stream = 1, every = \"2s\", to = \"hall/probe-3\" }] },\n"
+      "{ id = 3, type = \"probe\", position_m = [0, 5], apps = [{ app = \"stream_reader\", "
+      "stream = 1, every = \"2s\" }] }]\n"
+      "[[fault]]\nat = \"5min\"\nkind = \"crash\"\nmote = \"hall/probe-3\"\nfor = \"5s\"\n");
+  for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
+    CAPTURE(seed);
+    const auto report = run(what, seed);
+    REQUIRE(report.streams.size() == 1);
+    CHECK(report.streams.at(0).pause >= 5s); // each life begins with another time on its clock
+    CHECK(report.streams.at(0).pause < 2min);
+  }
+}

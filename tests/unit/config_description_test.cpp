@@ -186,7 +186,7 @@ TEST_CASE("a virtual run may start on any day", "[config]") {
   CHECK(day("1970-01-01") == duration(0s));
   CHECK(day("2038-01-19") == duration(24h * 24855));
   CHECK(day("2149-12-31") == duration(24h * 65743));
-  CHECK_FALSE(good(std::string(head)).date);
+  CHECK_FALSE(good(std::string(test::head)).date);
 }
 
 TEST_CASE("a field is a stamp where its motes' samplers send one", "[config][PXY-04]") {
