@@ -70,7 +70,7 @@ TEST_CASE("windows have room for those who share them", "[config][NRG-01]") {
     return doubts.empty() ? std::string() : to_string(doubts.at(0));
   };
   CHECK(said(50, "100ms") ==
-        "t.toml:12:42: a window of 100 ms has room for 15 beacons, but 51 motes share it within "
+        "t.toml:12:40: a window of 100 ms has room for 15 beacons, but 51 motes share it within "
         "reach "
         "of each other: after a restart of the sink they are gone for long; 340 ms would do");
   CHECK(said(50, "340ms").empty());

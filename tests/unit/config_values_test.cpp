@@ -414,7 +414,7 @@ properties = { status = "1" }
 TEST_CASE("a field fits the message it is read from", "[config][GEN-06]") {
   check_mistakes(field_head, R"(
 encoding = "i24"
-#          ^ `encoding` must be "u8", "i8", "u16", "i16", "u32" or "i32", not "i24"
+#          ^ `encoding` must be "u8", "i8", "u16", "i16", "u32", "i32" or "stamp", not "i24"
 
 decimals = 7
 #          ^ `decimals` must be a whole number from 0 to 6, not 7

@@ -18,6 +18,7 @@ beacon sample() {
   x.coordinates.anchors[anchor_y] = {mote_id{0x191a}, 0x1b1c, 0x1d};
   x.coordinates.candidate = {mote_id{0x1e1f}, 0x20, 0x21};
   x.clock.root = mote_id{0x2223};
+  x.clock.era = 0xe7;
   x.clock.sequence = 0x2425;
   x.clock.time = island_time(std::chrono::microseconds(0x262728292a2b));
   x.clock.age_us = 0x2c2d2e2f;
@@ -42,7 +43,7 @@ TEST_CASE("a beacon has the octets that its header tells", "[network][NET-14]") 
                            "191a1b1c1d"
                            "fffd0000ff"
                            "1e1f2021"
-                           "22232425"
+                           "2223e72425"
                            "262728292a2b"
                            "2c2d2e2f"
                            "30313233"
@@ -63,7 +64,7 @@ TEST_CASE("a beacon with a full list fits a frame, and each wrong length is refu
   x.heard.assign(beacon::heard_max(x.clock), {mote_id{1}, 255});
   const auto octets = encode(x);
   CHECK(octets.size() <= frame_payload_max);
-  CHECK(beacon::heard_max(x.clock) == 16);
+  CHECK(beacon::heard_max(x.clock) == 15);
   x.clock.network = network_line{std::chrono::microseconds(1), 0};
   x.heard.resize(beacon::heard_max(x.clock));
   CHECK(encode(x).size() <= frame_payload_max);

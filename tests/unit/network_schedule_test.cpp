@@ -24,8 +24,10 @@ TEST_CASE("a radio is on around the times of a need only", "[network][NRG-02]") 
   radio_schedule x;
   CHECK_FALSE(x.next_change(at(milliseconds{0})));
   x.set(1, each_second);
-  CHECK_FALSE(x.is_on(at(milliseconds{0})));
-  CHECK(x.next_change(at(milliseconds{0})) == at(milliseconds{4998}));
+  CHECK_FALSE(x.is_on(at(milliseconds{500}))); // also before `first`: time may have begun anew
+  CHECK(x.next_change(at(milliseconds{500})) == at(milliseconds{998}));
+  CHECK(x.is_on(at(milliseconds{-2})));
+  CHECK(x.next_change(at(milliseconds{4010})) == at(milliseconds{4998}));
   CHECK(x.is_on(at(milliseconds{4998})));
   CHECK(x.is_on(at(milliseconds{5009})));
   CHECK(x.next_change(at(milliseconds{4998})) == at(milliseconds{5010}));
