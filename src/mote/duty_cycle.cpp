@@ -133,10 +133,10 @@ bool duty_cycle::is_due(instant now, const network::clock_sync& clock) {
 void duty_cycle::switch_radio(bool sends, duty_outputs& out, instant now,
                               const network::clock_sync& clock,
                               const network::time_search& search) {
-  const bool rests = search.rests();
+  const bool has_windows = applies(now, clock);
   bool on = true;
-  if (!is_sink_ && config_.enabled && (is_member_ || rests) && (rests || applies(now, clock))) {
-    const bool is_needed = applies(now, clock) && is_due(now, clock);
+  if (!is_sink_ && (search.rests() || (is_member_ && has_windows))) {
+    const bool is_needed = has_windows && is_due(now, clock);
     on = is_needed || search.listens(now) || !in_flight_.empty() || sends;
     due_ = earliest(due_, search.listen_end(now));
   } else {

@@ -122,14 +122,13 @@ sink_outputs sink::on_time(instant now) {
   tell_time(now);
   auto out = take(registrar_.on_time(now), now);
   const auto polls = lines_.on_time(now);
+  auto from_packets = take(packets_.on_time(now), now);
   append(out, remember());
   for (const auto& x : polls)
     out.emplace_back(event_for(x.what, x.line));
   if (const auto number = time_.on_time(now))
     out.emplace_back(event_for(network::time_request{*number}, lines_.leader()));
-  auto due = take(packets_.on_time(now), now);
-  append(out, remember());
-  append(out, std::move(due));
+  append(out, std::move(from_packets));
   return finish(std::move(out), now);
 }
 

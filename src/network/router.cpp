@@ -279,8 +279,9 @@ void router::learn_place(mote_id x, virtual_coordinates place, instant now) {
     places_.learn(x, place, now);
 }
 
-/// What others are told on its way over us: a mote's report to the sink, the sink's answer to a
-/// mote, and where a channel is to lead.
+/// Places in messages of others that pass: a mote's report to the sink, the sink's answer to a
+/// mote, and where a channel is to lead. Most packets are none of these: their content is not
+/// decoded.
 void router::learn_from(std::uint8_t am_type, byte_view payload, instant now) {
   if (am_type == am::channel) {
     const auto x = decode_channel_message(payload);
@@ -288,12 +289,15 @@ void router::learn_from(std::uint8_t am_type, byte_view payload, instant now) {
     if (wish != nullptr && wish->place)
       learn_place(wish->destination, *wish->place, now);
   } else if (am_type == am::up) {
+    constexpr auto kind_at = up_packet::header_size;
+    if (payload.size() <= kind_at || payload[kind_at] != router_message(place_report{}).index())
+      return;
     const auto x = decode_up(payload);
     const auto message = x ? decode_router_message(x->content) : errc::truncated;
     const auto* report = message ? std::get_if<place_report>(&*message) : nullptr;
     if (report != nullptr && report->place)
       learn_place(x->origin, *report->place, now);
-  } else {
+  } else if (am_type == am::down) {
     const auto x = decode_down(payload);
     const auto message = x ? decode_router_message(x->content) : errc::truncated;
     const auto* answer = message ? std::get_if<place_answer>(&*message) : nullptr;

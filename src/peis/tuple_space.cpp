@@ -10,8 +10,8 @@ namespace rubicon::peis {
 
 namespace {
 
-/// Network time of an ecology time; nothing where seconds have meanings of their own
-/// (peis-wire.md 15.1, 15.4).
+/// Network time of an ecology time; nothing where seconds have meanings of their own: `deleted` and
+/// all below.
 std::optional<timestamp> to_timestamp(instant x, duration offset) {
   const auto since = x.time_since_epoch() + offset;
   const auto whole = std::chrono::floor<std::chrono::seconds>(since);
