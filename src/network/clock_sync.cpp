@@ -69,14 +69,13 @@ stamp_value clock_sync::on_stamp(const clock_stamp& x, instant sfd) {
     return stamp_value::outdated;
   if (x.tick.period.count() == 0 || (config_.is_root && x.root != config_.self))
     return stamp_value::none;
-  const disputed_point here{sfd, x.time.time_since_epoch().count() + x.age_us - us_of(sfd),
-                            limit_of(x.doubt) + hop_noise};
+  const clock_point here{sfd, x.time.time_since_epoch().count() + x.age_us - us_of(sfd),
+                         limit_of(x.doubt) + hop_noise};
   return is_running_root() ? judge_by_root(x, here, sfd) : judge(x, here);
 }
 
 /// The root's time is right by definition, but a mote that has another needs to know.
-stamp_value clock_sync::judge_by_root(const clock_stamp& x, const disputed_point& here,
-                                      instant sfd) {
+stamp_value clock_sync::judge_by_root(const clock_stamp& x, const clock_point& here, instant sfd) {
   if (is_newer_era(x.era, era_)) { // we do not remember it
     era_ = x.era;
     begin_era(at(sfd), sfd);
@@ -95,7 +94,7 @@ stamp_value clock_sync::judge_by_root(const clock_stamp& x, const disputed_point
   return stamp_value::outdated;
 }
 
-bool clock_sync::fits(const disputed_point& x) const {
+bool clock_sync::fits(const clock_point& x) const {
   const auto ours = is_running_root() ? microseconds{} : line_.doubt(x.own);
   return std::abs(x.ahead_us - line_.ahead_us(x.own)) <= (outlier + x.doubt + ours).count();
 }
@@ -116,7 +115,7 @@ bool clock_sync::is_news(const clock_stamp& x, instant sfd) const {
          (line_.empty() || 2 * (limit_of(x.doubt) + hop_noise) < line_.doubt(sfd));
 }
 
-stamp_value clock_sync::judge(const clock_stamp& x, const disputed_point& here) {
+stamp_value clock_sync::judge(const clock_stamp& x, const clock_point& here) {
   const auto sfd = here.own;
   if (is_news(x, sfd)) {
     const bool at_once = is_stale(sfd) || x.root != root_ || x.era != era_;
@@ -124,7 +123,7 @@ stamp_value clock_sync::judge(const clock_stamp& x, const disputed_point& here) 
       line_.clear();
       ++steps_;
     }
-    const auto value = take_point(x, here, at_once);
+    const auto value = take_point(here, true, at_once);
     if (value == stamp_value::in_dispute)
       return value;
     take_news(x, sfd);
@@ -143,17 +142,17 @@ stamp_value clock_sync::judge(const clock_stamp& x, const disputed_point& here) 
   const auto ours = line_.doubt(sfd);
   const bool is_sure = here.doubt <= std::max<microseconds>(ours, 2 * outlier);
   if (is_sure && (distrusted_ || disputed_))
-    return take_point(x, here, distrusted_);
+    return take_point(here, false, distrusted_);
   if (!fits(here))
-    return here.doubt < ours && is_of_last_round(x) ? take_point(x, here, false)
+    return here.doubt < ours && is_of_last_round(x) ? take_point(here, false, false)
                                                     : stamp_value::outdated;
   if (is_of_last_round(x) && ours > better_min && 2 * here.doubt < ours)
-    return take_point(x, here, false);
+    return take_point(here, false, false);
   return stamp_value::none;
 }
 
 /// @param at_once it is believed even if the line is far off
-stamp_value clock_sync::take_point(const clock_stamp& x, const disputed_point& here, bool at_once) {
+stamp_value clock_sync::take_point(const clock_point& here, bool is_news, bool at_once) {
   if (line_.empty()) {
     line_.restart(here.own, here.ahead_us, here.doubt);
     return stamp_value::point;
@@ -161,11 +160,11 @@ stamp_value clock_sync::take_point(const clock_stamp& x, const disputed_point& h
   if (fits(here)) {
     disputed_.reset();
     distrusted_ = false;
-    if (is_news(x, here.own) || here.doubt <= line_.doubt(here.own))
+    if (is_news || here.doubt <= line_.doubt(here.own))
       line_.add(here.own, here.ahead_us, here.doubt);
     return stamp_value::point;
   }
-  const auto agrees = [&](const disputed_point& y) {
+  const auto agrees = [&](const clock_point& y) {
     const auto apart = seconds(here.own - y.own) * clock_line::rate_max;
     const auto limit = outlier + here.doubt + y.doubt +
                        microseconds(static_cast<std::int64_t>(std::ceil(apart * 1e6)));

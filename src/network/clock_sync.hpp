@@ -172,7 +172,7 @@ public:
 private:
   using microseconds = std::chrono::microseconds;
 
-  struct disputed_point {
+  struct clock_point {
     instant own;
     std::int64_t ahead_us = 0; ///< island time minus own time
     microseconds doubt{};
@@ -183,11 +183,11 @@ private:
     return !news_ || now - *news_ >= config_.stale_after;
   }
   [[nodiscard]] bool is_news(const clock_stamp& x, instant sfd) const;
-  [[nodiscard]] bool fits(const disputed_point& x) const;
-  [[nodiscard]] stamp_value judge_by_root(const clock_stamp& x, const disputed_point& here,
+  [[nodiscard]] bool fits(const clock_point& x) const;
+  [[nodiscard]] stamp_value judge_by_root(const clock_stamp& x, const clock_point& here,
                                           instant sfd);
-  [[nodiscard]] stamp_value judge(const clock_stamp& x, const disputed_point& here);
-  stamp_value take_point(const clock_stamp& x, const disputed_point& here, bool at_once);
+  [[nodiscard]] stamp_value judge(const clock_stamp& x, const clock_point& here);
+  stamp_value take_point(const clock_point& here, bool is_news, bool at_once);
   void take_news(const clock_stamp& x, instant sfd);
   void begin_era(island_time x, instant now);
   void resume(instant now);
@@ -197,7 +197,7 @@ private:
 
   clock_sync_config config_;
   clock_line line_;
-  std::optional<disputed_point> disputed_;
+  std::optional<clock_point> disputed_;
   bool distrusted_ = false;
   microseconds last_leap_{};
   mote_id root_;
