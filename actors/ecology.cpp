@@ -991,6 +991,8 @@ void deliver(ecology_pointer self) {
   compare_clocks(self);
   report.simulated = now(self).time_since_epoch();
   std::ranges::sort(report.peers, {}, &report::peer_report::id);
+  self->state.counters.take(*self->state.messages);
+  self->state.messages->finish();
   if (self->state.process.on_counters)
     self->state.process.on_counters(self->state.counters);
   self->state.counters.settle(report);
@@ -1014,6 +1016,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   self->state.observe_frames = std::move(observe_frames);
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
   self->state.process = std::move(process);
+  self->state.messages = self->ledger();
   self->state.plan = report::plan_faults(self->state.description);
   self->state.planned_faults = self->state.description.faults.size();
   self->state.most_starts = self->state.process.starts;
@@ -1043,9 +1046,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
         for (const auto& part : x.parts)
           self->state.flows[{part.from, part.to}] += part;
       },
-      [self](const message_status& x) {
-        self->state.counters.add(x.who, x.is_pc, x.messages, x.arrivals);
-      },
+      [self](const message_status& x) { self->state.counters.add(x.who, x.is_pc, x.messages); },
       [self](const network_status& x) {
         if (!on_double_network(self, x))
           on_network(self, x);

@@ -214,14 +214,15 @@ struct ecology_state : collected_answers {
   std::map<mote_address, instant> gone;  ///< since when they are no more where they were
   std::vector<planned_end> planned_ends; ///< that are still to come
   std::vector<report::planned_fault> plan;
-  report::time_watch watch;       ///< is told of motes by whoever looks at them
-  bool ending = false;            ///< end_run has come
-  std::size_t next_fault = 0;     ///< in `plan`
-  std::size_t planned_faults = 0; ///< of the description's; those behind are applied on request
-  std::uint32_t most_starts = 0;  ///< of all motes, sinks and peers
-  std::uint64_t lan_faults = 0;   ///< so far
-  std::uint64_t stations = 0;     ///< so far
-  random_stream rng;              ///< draws whom a fault hits
+  message_ledger* messages = nullptr; ///< the account of all messages; outlives everybody
+  report::time_watch watch;           ///< is told of motes by whoever looks at them
+  bool ending = false;                ///< end_run has come
+  std::size_t next_fault = 0;         ///< in `plan`
+  std::size_t planned_faults = 0;     ///< of the description's; those behind are applied on request
+  std::uint32_t most_starts = 0;      ///< of all motes, sinks and peers
+  std::uint64_t lan_faults = 0;       ///< so far
+  std::uint64_t stations = 0;         ///< so far
+  random_stream rng;                  ///< draws whom a fault hits
   std::map<island_id, instant> last_clock_fault; ///< clocks set, and sinks started again
   instant last_lan_fault;                        ///< when the simulated network last changed
   instant last_outside_change;                   ///< of a link to another process

@@ -326,27 +326,14 @@ void report_real_line(gateway_pointer self, bool ends) {
 void report_counters(gateway_pointer self, bool ends) {
   const auto& state = self->state;
   const auto island = state.arguments.config.island;
-  const auto& port = state.port.counters();
-  const auto& frames = state.port.frames();
-  serial_status status{island, {}};
-  status.serial.frames_sent = port.attempts + port.acks_written;
-  status.serial.frames_received = frames.good;
-  status.serial.lost = {
-      {"gateway_crc", frames.bad_crc + frames.too_short + frames.too_long + frames.aborted},
-      {"gateway_no_ack", port.no_ack},
-      {"gateway_queue_full", port.queue_full},
-      {"gateway_refused", port.refused},
-      {"gateway_malformed", state.bad_packets}};
   const auto& ecology = state.arguments.ecology;
-  self->send(ecology, std::move(status));
+  self->send(ecology, serial_status{island, counted(state)});
   if (!state.arguments.plain.motes.rules.empty())
     report_real_line(self, ends);
-  const auto arrivals = state.gateway.arrivals();
   self->send(ecology, message_status{{island, no_mote},
                                      false,
                                      report_of(state.gateway.messages(), state.gateway.offers(),
-                                               state.gateway.outstanding(), ends),
-                                     {arrivals.begin(), arrivals.end()}});
+                                               state.gateway.outstanding(), ends)});
   state.programs.report(self, ecology, state.arguments.name, now(self), ends);
 }
 
@@ -364,6 +351,20 @@ void report_lead(gateway_pointer self, bool ends) {
 }
 
 } // namespace
+
+report::serial_report counted(const gateway_state& x) {
+  const auto& port = x.port.counters();
+  const auto& frames = x.port.frames();
+  report::serial_report sum;
+  sum.frames_sent = port.attempts + port.acks_written;
+  sum.frames_received = frames.good;
+  sum.lost = {{"gateway_crc", frames.bad_crc + frames.too_short + frames.too_long + frames.aborted},
+              {"gateway_no_ack", port.no_ack},
+              {"gateway_queue_full", port.queue_full},
+              {"gateway_refused", port.refused},
+              {"gateway_malformed", x.bad_packets}};
+  return sum;
+}
 
 gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_arguments arguments) {
   self->set_exit_handler([self](const caf::exit_msg& x) {

@@ -51,6 +51,9 @@ struct gateway_state {
   timer wake;
 };
 
+/// What its end of the line to the sink has counted.
+[[nodiscard]] report::serial_report counted(const gateway_state& x);
+
 gateway_actor::behavior_type
 gateway_behavior(scheduler::actor_pointer<gateway_state, gateway_actor> self,
                  gateway_arguments arguments);

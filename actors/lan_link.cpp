@@ -1,9 +1,11 @@
 // A peer's end of its simulated links.
+#include <algorithm>
 #include <utility>
 
 #include "actors/messages/links.hpp"
 #include "actors/peis_peer.hpp"
 #include "peis/link_url.hpp"
+#include "peis/package.hpp"
 
 namespace rubicon {
 
@@ -25,6 +27,13 @@ void ask_for_link(peer_pointer self, const peis::connect_to& x) {
 
 namespace {
 
+void note_packages_lost(message_ledger& ledger, byte_view octets) {
+  while (const auto header = peis::decode_header(octets)) {
+    ledger.package_lost(peis::name_of(*header));
+    octets = octets.subspan(std::min(octets.size(), peis::header_size + header->length));
+  }
+}
+
 struct carrier {
   peer_pointer self;
   peis::link_id id;
@@ -39,6 +48,7 @@ struct carrier {
   }
   void operator()(peis::packages_lost& x) const {
     self->state.packages_lost += x.count;
+    note_packages_lost(*self->ledger(), x.octets);
     self->remark("link_lost", id.value, [&] { return std::move(x.octets); });
   }
   void operator()(const peis::octets_cut& x) const {

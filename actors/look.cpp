@@ -8,8 +8,11 @@
 #include "actors/messages/services.hpp"
 #include "actors/mote.hpp"
 #include "actors/peis_peer.hpp"
+#include "actors/serial_line.hpp"
 #include "actors/sink.hpp"
 #include "actors/statuses.hpp"
+#include "report/report_parts.hpp"
+#include "report/run_counters.hpp"
 
 namespace rubicon {
 
@@ -51,13 +54,18 @@ void add_route(report::mote_sample& to, const mote::node& from) {
     to.etx = static_cast<double>(*etx) / network::etx_one;
 }
 
+/// The same of one that may be of another kind: nullptr then.
+template <class State, class Interface>
+const State* state_if(const caf::abstract_actor* x) {
+  const auto* who = dynamic_cast<const scheduler::shell<State, Interface>*>(x);
+  return who == nullptr || who->has_ended() ? nullptr : &who->state;
+}
+
 /// The gateway among a peer's programs; nullptr: it has none, or it has ended.
 const gateway_state* gateway_at(const supervised_peer& x) {
-  using gateway_impl = scheduler::shell<gateway_state, gateway_interface>;
   for (const auto& each : x.programs)
-    if (const auto* gateway = dynamic_cast<const gateway_impl*>(each->get());
-        gateway != nullptr && !gateway->has_ended())
-      return &gateway->state;
+    if (const auto* gateway = state_if<gateway_state, gateway_interface>(each->get()))
+      return gateway;
   return nullptr;
 }
 
@@ -87,9 +95,16 @@ public:
       if (const auto* state = state_of<sink_state>(sink.handle))
         lost_[island].packets += losses_of(state->sink);
     add_airs();
-    report::run_sample x{now_, named_losses(), std::move(motes_), {}};
-    for (const auto& [name, peer] : all_.peers)
+    report::run_sample x;
+    x.at = now_;
+    x.islands = named_losses();
+    x.motes = std::move(motes_);
+    x.places = report::losses_of(*all_.messages);
+    for (const auto& [name, peer] : all_.peers) {
       x.peers.push_back(sample_of(peer));
+      if (const auto* kernel = state_of<peis_peer_state>(peer.handle))
+        add_to(x.peis_lost, packages_lost(*kernel));
+    }
     return x;
   }
 
@@ -114,10 +129,8 @@ private:
         add_route(x, *state->node);
         add_network(x, state->node->packets().router());
       }
-      auto& lost = lost_[address.island];
-      lost.packets += losses_of(*state->node);
+      lost_[address.island].packets += losses_of(*state->node);
       const auto& messages = state->node->above().messages().counters();
-      lost.messages += losses_of(messages, 0, false);
       if (const auto ended = messages.reliable_acked + messages.reliable_failed; ended > 0)
         x.delivery = static_cast<double>(messages.reliable_acked) / static_cast<double>(ended);
     }
@@ -143,24 +156,42 @@ private:
     for (const auto& [island, lost] : lost_) {
       auto& named = all[island];
       named["network"] = lost_of(lost.packets);
-      named["messages"] = lost_of(lost.messages);
       const auto radio = report_of(lost.radio);
-      named["radio"] = radio.lost;
+      named["radio"] = report::really_lost(radio);
       named["mac"] = radio.mac_failed;
     }
-    for (const auto& island : all_.report.islands)
+    for (const auto& island : all_.report.islands) {
       add_to(all[island.id]["network"], island.network.lost);
-    for (const auto& [who, messages] : all_.counters.unsettled().messages)
-      add_to(all[who.island]["messages"], messages.lost);
+      add_to(all[island.id]["serial"], island.serial.lost);
+    }
+    add_lines(all);
+    for (const auto& [who, tally] : all_.messages->tallied()) {
+      const bool is_message = who.second == message_kind::message;
+      auto& lost = all[who.first.island][is_message ? "messages" : "channels"];
+      add_to(lost, report::lost_of(tally));
+      lost["in_transit"] += tally.in_transit();
+    }
     std::vector<report::island_sample> islands;
     for (auto& [island, lost] : all)
       islands.push_back({island, std::move(lost)});
     return islands;
   }
 
+  /// Of cables, and of both ends of each.
+  void add_lines(std::map<island_id, std::map<std::string, report::cause_counts>>& all) const {
+    for (const auto& [where, line] : all_.lines)
+      if (const auto* cable = state_if<serial_line_state, serial_line_interface>(&line.get()))
+        add_to(all[where.first]["serial"], counted(*cable).lost);
+    for (const auto& [island, sink] : all_.sinks)
+      if (const auto* state = state_of<sink_state>(sink.handle))
+        add_to(all[island]["serial"], counted(*state).lost);
+    for (const auto& [name, peer] : all_.peers)
+      if (const auto* gateway = gateway_at(peer))
+        add_to(all[gateway->arguments.config.island]["serial"], counted(*gateway).lost);
+  }
+
   struct losses {
     packet_losses packets;
-    message_losses messages;
     radio::radio_counters radio;
   };
 
@@ -199,20 +230,8 @@ std::map<island_id, island_view> views_of(const ecology_state& all, instant now)
   return views;
 }
 
-/// Grows with each of its messages that has come to a gateway, as far as that is known.
-std::uint64_t arrived_from(const mote_address& mote, const island_view& view,
-                           const mote::node& node) {
-  auto sum = node.above().messages().counters().reliable_acked;
-  for (const auto* gateway : view.gateways) {
-    const auto& arrivals = gateway->gateway.above().messages().arrivals();
-    if (const auto found = arrivals.find(mote); found != arrivals.end())
-      sum += found->second;
-  }
-  return sum;
-}
-
-report::mote_look look_of(const mote_address& address, const supervised_mote& mote,
-                          const island_view* view, instant now) {
+report::mote_look look_of(const ecology_state& all, const mote_address& address,
+                          const supervised_mote& mote, const island_view* view, instant now) {
   report::mote_look x;
   const auto* const state = state_of<mote_state>(mote.handle);
   if (mote.flat || state == nullptr || state->flat || !state->node)
@@ -226,9 +245,9 @@ report::mote_look look_of(const mote_address& address, const supervised_mote& mo
     x.hops = router.tree().hops();
   if (view == nullptr)
     return x;
-  const auto& messages = node.above().messages().counters();
-  x.messages = messages.reliable_sent + messages.unreliable_sent;
-  x.arrived = arrived_from(address, *view, node);
+  const auto messages = all.messages->of(address, message_kind::message);
+  x.messages = messages.sent;
+  x.arrived = messages.arrived;
   if (!view->time || !router.clock().synchronised())
     return x;
   const auto own = state->crystal.own(now);
@@ -253,7 +272,8 @@ void watch_time(ecology_state& all, instant now) {
       continue;
     const auto view = views.find(address.island);
     all.watch.look(address, mote.arguments->name,
-                   look_of(address, mote, view == views.end() ? nullptr : &view->second, now), now);
+                   look_of(all, address, mote, view == views.end() ? nullptr : &view->second, now),
+                   now);
   }
 }
 

@@ -381,6 +381,11 @@ struct server {
   }
 };
 
+void lose_held(peer_pointer self) {
+  ++self->state.held_lost;
+  note_loss(loss::gateway_stopped);
+}
+
 template <class Message>
 auto served(peer_pointer self) {
   return [self](const Message& x) {
@@ -388,9 +393,12 @@ auto served(peer_pointer self) {
     if (!state.paused)
       server{self}(x);
     else if (state.held.size() < held_max)
-      state.held.emplace_back([self, x] { server{self}(x); });
+      state.held.emplace_back([self, x, from = provenance()] {
+        const acting_on its(from);
+        server{self}(x);
+      });
     else
-      ++state.held_lost;
+      lose_held(self);
   };
 }
 

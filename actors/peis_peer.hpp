@@ -76,6 +76,9 @@ using peer_pointer = scheduler::actor_pointer<peis_peer_state, peis_peer_actor>;
 // actors/peis_report.cpp
 void send_status(peer_pointer self);
 
+/// In its present life, by cause.
+[[nodiscard]] report::cause_counts packages_lost(const peis_peer_state& x);
+
 // actors/lan_link.cpp
 
 /// Asks the medium of the address for a link.

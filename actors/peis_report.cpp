@@ -42,6 +42,21 @@ void add_limits(report::cause_counts& to, const peis::kernel_counters& counted) 
 
 } // namespace
 
+report::cause_counts packages_lost(const peis_peer_state& x) {
+  const auto counted = x.kernel.counters().network;
+  return {{"queue_full", counted.queue_full},
+          {"early_drop", counted.early_drop},
+          {"no_route", counted.no_route},
+          {"hops", counted.hops},
+          {"queued_lost", counted.queued_lost},
+          {"illegal", counted.illegal},
+          {"malformed", counted.malformed},
+          {"incomplete", counted.messages_incomplete},
+          {"network", x.packages_lost},
+          {"paused", x.held_lost},
+          {"own_id", counted.own}};
+}
+
 void send_status(peer_pointer self) {
   const auto& state = self->state;
   const auto all_counted = state.kernel.counters();
@@ -73,17 +88,7 @@ void send_status(peer_pointer self) {
   peer.tuples = state.kernel.own_tuples().size();
   peer.peis.packages = counted.packages_sent;
   peer.peis.tuples = peer.tuples;
-  peer.peis.lost = {{"queue_full", counted.queue_full},
-                    {"early_drop", counted.early_drop},
-                    {"no_route", counted.no_route},
-                    {"hops", counted.hops},
-                    {"queued_lost", counted.queued_lost},
-                    {"illegal", counted.illegal},
-                    {"malformed", counted.malformed},
-                    {"incomplete", counted.messages_incomplete},
-                    {"network", state.packages_lost},
-                    {"paused", state.held_lost},
-                    {"own_id", counted.own}};
+  peer.peis.lost = packages_lost(state);
   add_limits(peer.limits, all_counted);
   if (state.real != nullptr) {
     const auto at_links = state.real->links().counters();

@@ -163,6 +163,8 @@ public:
         if (record_ && x.what != debug_log::selected)
           record_->write(x);
       });
+    if (record_)
+      trace.messages().observe([this](const message_end& x) { record_->write(x); });
     // Peers, whom one thread at a time executes, are the only ones with tuples.
     if (judge_ != nullptr || teller_)
       trace.watch("peis_peer/", [this](const scheduler::delivery& x) {

@@ -178,6 +178,25 @@ bool take_any(const scheduler::delivery& x, record& r) {
   return worth;
 }
 
+/// Motes that only the fault plan knows in this island.
+void add_planned(explain::island_names& named, const config::ecology_description& ecology,
+                 island_id island) {
+  const auto name_of = [&](const mote_address& mote) {
+    const auto home =
+        std::ranges::find(ecology.islands, mote.island, &config::island_description::id);
+    const auto found = std::ranges::find(home->motes, mote.mote, &config::mote_description::id);
+    return found->name;
+  };
+  for (const auto& fault : ecology.faults) {
+    if (const auto* second = std::get_if<config::mote_double_fault>(&fault.what);
+        second != nullptr && second->mote.island == island)
+      named.doubles[name_of(second->mote) + "-double"] = second->mote.mote.value;
+    if (const auto* move = std::get_if<config::move_island_fault>(&fault.what);
+        move != nullptr && move->to == island)
+      named.motes.try_emplace(move->mote.mote.value, name_of(move->mote));
+  }
+}
+
 explain::header header_of(const config::ecology_description& ecology, const run_source& source) {
   explain::header x;
   x.ecology = ecology.name;
@@ -185,14 +204,18 @@ explain::header header_of(const config::ecology_description& ecology, const run_
   x.file = source.file;
   x.digest = source.digest;
   for (const auto& island : ecology.islands) {
-    explain::island_names named{island.id.value,     island.name, island.sink.id.value,
-                                island.gateway_name, {},          {}};
+    explain::island_names named;
+    named.id = island.id.value;
+    named.name = island.name;
+    named.sink = island.sink.id.value;
+    named.gateway = island.gateway_name;
     for (const auto& mote : island.motes)
       named.motes[mote.id.value] = mote.name;
     for (const auto& alias : island.aliases) {
       named.aliases.push_back(alias.name);
       x.peers[alias.id.value] = alias.name;
     }
+    add_planned(named, ecology, island.id);
     x.islands.push_back(std::move(named));
     x.peers[gateway_of(island.id).value] = island.gateway_name;
   }
@@ -264,6 +287,22 @@ void run_record::write(const scheduler::delivery& x) {
   r.unheard = !x.heard;
   if (r.what == kind::event)
     last_story_ = r.from + '\t' + r.text;
+  put(r);
+}
+
+void run_record::write(const message_end& x) {
+  if (octets_left_ == 0)
+    return;
+  record r;
+  r.what = kind::message_ended;
+  r.time = x.at;
+  r.from = x.place;
+  r.id = x.number;
+  r.yes = x.outcome == message_end::how::arrived;
+  if (x.outcome == message_end::how::handed_over)
+    r.text = "handed_over";
+  else if (!r.yes)
+    r.text = to_string(x.cause);
   put(r);
 }
 

@@ -30,6 +30,7 @@ public:
 
   void write(const scheduler::delivery& x);
   void write(const scheduler::remark& x);
+  void write(const message_end& x);
   void write(const radio::overheard& x);
   void write(const report::run_sample& x);
 

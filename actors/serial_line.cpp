@@ -37,21 +37,25 @@ void plug(line_pointer self, bool plugged) {
 }
 
 void send_status(line_pointer self) {
-  serial_status status{self->state.island, {}};
-  for (const auto towards : {serial::direction::to_pc, serial::direction::to_mote}) {
-    const auto& counted = self->state.line.counters(towards);
-    status.serial.octets += counted.arrived;
-    status.serial.lost["line_overflow_octets"] += counted.overflow;
-    status.serial.lost["unplugged_octets"] += counted.unplugged;
-    status.serial.lost["corrupted_octets"] += counted.corrupted;
-  }
-  if (self->state.unheard > 0)
-    status.serial.lost["end_off_octets"] = self->state.unheard;
-  status.serial.octets_up = self->state.line.counters(serial::direction::to_pc).arrived;
-  self->send(self->state.ecology, std::move(status));
+  self->send(self->state.ecology, serial_status{self->state.island, counted(self->state)});
 }
 
 } // namespace
+
+report::serial_report counted(const serial_line_state& x) {
+  report::serial_report sum;
+  for (const auto towards : {serial::direction::to_pc, serial::direction::to_mote}) {
+    const auto& lane = x.line.counters(towards);
+    sum.octets += lane.arrived;
+    sum.lost["line_overflow_octets"] += lane.overflow;
+    sum.lost["unplugged_octets"] += lane.unplugged;
+    sum.lost["corrupted_octets"] += lane.corrupted;
+  }
+  if (x.unheard > 0)
+    sum.lost["end_off_octets"] = x.unheard;
+  sum.octets_up = x.line.counters(serial::direction::to_pc).arrived;
+  return sum;
+}
 
 serial_line_actor::behavior_type serial_line(line_pointer self, serial::line line, duration latency,
                                              island_id island, ecology_actor ecology) {

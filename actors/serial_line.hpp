@@ -20,6 +20,9 @@ struct serial_line_state {
   timer wake;
 };
 
+/// What it has carried and lost.
+[[nodiscard]] report::serial_report counted(const serial_line_state& x);
+
 /// What has arrived at the PC's end gets there after the adapter's latency; whoever writes there
 /// delays it as long.
 /// @param latency of the adapter

@@ -120,18 +120,8 @@ void on_frame(sink_pointer self, const radio::frame& x, instant sfd) {
 
 /// @param is_alive the clock of a life that has ended is compared with nothing
 void send_status(sink_pointer self, bool is_alive) {
-  serial_status status{self->state.arguments.address.island, {}};
-  auto& sum = status.serial;
-  for (const auto& port : self->state.ports) {
-    const auto& counted = port.counters();
-    sum.frames_sent += counted.packets_sent + counted.acks_sent;
-    sum.frames_received += counted.frames_received;
-    sum.lost["sink_crc"] += counted.bad_crc + counted.too_short + counted.too_long;
-    sum.lost["sink_queue_full"] += counted.queue_full;
-    sum.lost["sink_acks_lost"] += counted.acks_lost;
-    sum.lost["sink_no_buffer"] += counted.no_buffer;
-  }
-  self->send(self->state.arguments.ecology, std::move(status));
+  self->send(self->state.arguments.ecology,
+             serial_status{self->state.arguments.address.island, counted(self->state)});
   auto network =
       status_of(self->state.arguments.address, self->state.sink, own_time(self), now(self));
   if (!is_alive) {
@@ -151,6 +141,20 @@ void report_failures(sink_pointer self) {
 }
 
 } // namespace
+
+report::serial_report counted(const sink_state& x) {
+  report::serial_report sum;
+  for (const auto& port : x.ports) {
+    const auto& at_port = port.counters();
+    sum.frames_sent += at_port.packets_sent + at_port.acks_sent;
+    sum.frames_received += at_port.frames_received;
+    sum.lost["sink_crc"] += at_port.bad_crc + at_port.too_short + at_port.too_long;
+    sum.lost["sink_queue_full"] += at_port.queue_full;
+    sum.lost["sink_acks_lost"] += at_port.acks_lost;
+    sum.lost["sink_no_buffer"] += at_port.no_buffer;
+  }
+  return sum;
+}
 
 sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments,
                                mote::nonvolatile store) {

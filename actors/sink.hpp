@@ -48,6 +48,9 @@ struct sink_state {
   timer wake;
 };
 
+/// What its ends of the lines have counted.
+[[nodiscard]] report::serial_report counted(const sink_state& x);
+
 /// @param store as earlier lives have written it
 sink_actor::behavior_type sink(scheduler::actor_pointer<sink_state, sink_actor> self,
                                sink_arguments arguments, mote::nonvolatile store);

@@ -53,8 +53,6 @@ network_status status_of(mote_address address, const mote::packet_service& x, in
   r.channels_opened = paths.connected;
   r.channels_flooded = paths.floods;
   r.channels_broken = paths.broken;
-  r.channel_packets = paths.packets_sent;
-  r.channel_packets_arrived = paths.packets_received;
   report::add_counters(r.counters, "channels", paths);
   report::add_counters(r.counters, "coordinates", router.place().counters());
   report::add_counters(r.counters, "neighbours", router.links().counters());
@@ -102,15 +100,7 @@ report::message_report report_of(const transport::messenger_counters& x,
   r.unreliable_sent = x.unreliable_sent;
   r.received = x.received;
   r.duplicates = x.duplicates;
-  r.lost = lost_of(losses_of(x, open, ended));
   return r;
-}
-
-message_losses losses_of(const transport::messenger_counters& x, std::size_t open, bool ended) {
-  return {.unanswered = x.failed_unanswered,
-          .not_taken = x.failed_refused,
-          .left_island = x.failed_left,
-          .sender_ended = ended ? open : 0};
 }
 
 message_status messages_of(mote_address who, const communication::layer& x, bool ended) {
@@ -118,7 +108,6 @@ message_status messages_of(mote_address who, const communication::layer& x, bool
   message_status status;
   status.who = who;
   status.messages = report_of(messages.counters(), x.counters(), messages.outstanding(), ended);
-  status.arrivals.assign(messages.arrivals().begin(), messages.arrivals().end());
   return status;
 }
 

@@ -30,18 +30,6 @@ namespace rubicon {
 [[nodiscard]] message_status messages_of(mote_address who, const communication::layer& x,
                                          bool ended);
 
-/// Reliable messages that have failed, by cause.
-struct message_losses {
-  std::uint64_t unanswered = 0;
-  std::uint64_t not_taken = 0;
-  std::uint64_t left_island = 0;
-  std::uint64_t sender_ended = 0;
-};
-RUBICON_FIELDS(message_losses, unanswered, not_taken, left_island, sender_ended);
-
-[[nodiscard]] message_losses losses_of(const transport::messenger_counters& x, std::size_t open,
-                                       bool ended);
-
 /// What of a mote's or a sink's packets and channels has gone nowhere, by cause.
 struct packet_losses {
   std::uint64_t channel_full = 0;

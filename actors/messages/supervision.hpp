@@ -70,10 +70,8 @@ struct message_status {
   mote_address who;   ///< no_mote in the mote part: a gateway or PC
   bool is_pc = false; ///< and no gateway
   report::message_report messages;
-  /// Unreliable messages that have arrived here, by source.
-  std::vector<std::pair<mote_address, std::uint64_t>> arrivals;
 };
-RUBICON_FIELDS(message_status, who, is_pc, messages, arrivals);
+RUBICON_FIELDS(message_status, who, is_pc, messages);
 
 /// What a mote's or sink's Network has counted.
 struct network_status {

@@ -68,6 +68,7 @@ void run_watch::attach(run_options& options) {
     write(kind::energy, tables_->energy(x));
     write(kind::links, tables_->links(x));
     write(kind::losses, tables_->losses(x));
+    write(kind::places, report::csv_tables::places(x));
   };
   options.on_tuple = [this, has_page, has_tables](const report::tuple_write& x) {
     if (has_page)

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/codec.hpp"
+#include "core/message_ledger.hpp"
 #include "network/am.hpp"
 
 namespace rubicon::communication {
@@ -19,6 +20,10 @@ stream::channel_handle handle_of(transport::tunnel_id x) {
 
 bool is_tunnel(stream::channel_handle x) {
   return x.value >= tunnel_handles;
+}
+
+message_kind kind_of(stream::channel_handle x) {
+  return is_tunnel(x) ? message_kind::tunnel : message_kind::channel;
 }
 
 transport::tunnel_id tunnel_of(stream::channel_handle x) {
@@ -174,7 +179,7 @@ std::optional<std::uint32_t> layer::send(direct_process& from, mote_address to, 
   using kind = program_note::kind;
   const bool is_valid = to.island.value > 0 && to.mote != mote_id{};
   ++counters_.offered;
-  const acting_on message(provenance::begin("message"));
+  const acting_on its_copies(begin_message(message_kind::message, self(), to));
   std::optional<transport::outputs> accepted;
   if (!may_talk() || !is_valid)
     ++(island_ ? counters_.misaddressed : counters_.unjoined);
@@ -185,6 +190,7 @@ std::optional<std::uint32_t> layer::send(direct_process& from, mote_address to, 
   if (!accepted || !reliable)
     note(from.number_, {.what = kind::send_ended, .number = number});
   if (!accepted) {
+    refuse_message();
     refuse();
     return std::nullopt;
   }
@@ -225,6 +231,7 @@ void layer::on_outputs_wanted(const transport::received& x) {
 void layer::on_received(transport::received& x) {
   const bool from_gateway = x.source == mote_address{self().island, no_mote};
   if (x.am_type == network::am::outputs_wanted && from_gateway) {
+    note_arrival(message_kind::message, x.source);
     on_outputs_wanted(x);
     return;
   }
@@ -232,8 +239,11 @@ void layer::on_received(transport::received& x) {
   const auto owner = known == owners_.end() ? rest_owner_ : known->second;
   if (!owner) {
     ++counters_.unowned;
+    note_loss(loss::no_program);
     return;
   }
+  if (known != owners_.end()) // who takes the rest may refuse a message, and notes what it did
+    note_arrival(message_kind::message, x.source);
   note(*owner, {program_note::kind::received, {}, 0, x.source, x.am_type, x.payload, {}, 0, false});
   tell(*owner, [message = std::move(x)](auto& events) {
     events.receiveFrom(message.source, message.payload, message.am_type);
@@ -257,12 +267,14 @@ void layer::on_outcome(const transport::outcome& x) {
 
 void layer::on_packet(island_id source, std::uint16_t channel, byte_view body, instant now) {
   now_ = now;
-  if (channel <= 0xff)
+  if (channel <= 0xff) {
     take(messages_.on_segment(source, body, now));
-  else if (channel == transport::tunnel_channel)
+  } else if (channel == transport::tunnel_channel) {
     take(tunnels_.on_packet(source, body, now));
-  else
+  } else {
     ++counters_.unknown_channel;
+    note_loss(loss::no_program);
+  }
 }
 
 // Channels: Network's inside the island, tunnels to elsewhere.
@@ -305,7 +317,7 @@ void layer::take(transport::tunnels_outputs todo, bool in_slot) {
 }
 
 void layer::send_on(stream::channel_handle channel, bytes octets, bool in_slot) {
-  const acting_on message(provenance::begin("message"));
+  const acting_on its_copies(begin_message(kind_of(channel), self(), {}));
   if (!is_tunnel(channel))
     outputs_.emplace_back(channel_packet{channel, std::move(octets), in_slot});
   else if (auto todo = tunnels_.send(tunnel_of(channel), octets, now_))
@@ -376,8 +388,11 @@ void layer::on_channel_octets(stream::channel_handle channel, byte_view octets, 
       take(streams_.on_accepted(channel, source, now));
   }
   const auto user = is_synaptic_.find(channel);
-  if (user == is_synaptic_.end())
+  if (user == is_synaptic_.end()) {
+    note_loss(loss::channel_closed);
     return;
+  }
+  note_arrival(kind_of(channel), std::nullopt);
   if (user->second)
     take(synaptic_.on_channel_octets(channel, octets));
   else

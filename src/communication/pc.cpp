@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ranges>
 
+#include "core/message_ledger.hpp"
 #include "core/overloads.hpp"
 #include "network/island_packet.hpp"
 
@@ -74,12 +75,15 @@ outputs pc::start(instant now) {
 outputs pc::on_message(peer_id source, byte_view octets, instant now) {
   now_ = now;
   const auto packet = network::decode_gateway_packet(octets);
-  if (!packet || source.value <= 0)
+  if (!packet || source.value <= 0) {
     ++counters_.malformed;
-  else if (packet->mote != no_mote)
+    note_loss(loss::malformed);
+  } else if (packet->mote != no_mote) {
     ++counters_.misdirected;
-  else
+    note_loss(loss::no_program);
+  } else {
     layer_->on_packet(island_of(source), packet->channel, packet->body, now);
+  }
   return settle();
 }
 

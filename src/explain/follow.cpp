@@ -75,6 +75,8 @@ void following::follower::take(const record& r) {
     return messages_.on_message(r);
   case kind::send_ended:
     return messages_.on_send_ended(r);
+  case kind::message_ended:
+    return messages_.on_ended(r);
   case kind::actuator_changed:
     return; // its event says more
   case kind::event:

@@ -39,6 +39,11 @@ node_index growth::step_of(std::uint64_t number) const {
   return no_node;
 }
 
+node_index growth::own_step_of(std::uint64_t number) const {
+  const auto step = steps_.find(number);
+  return step == steps_.end() ? no_node : step->second;
+}
+
 std::uint64_t growth::begun(std::uint64_t number, std::string_view what) const {
   while (number != 0 && !steps_.contains(number)) {
     const auto from = origins_.find(number);

@@ -43,6 +43,9 @@ public:
   /// The step that a number or the nearest of its causes stands for; no_node: none of them does.
   [[nodiscard]] node_index step_of(std::uint64_t number) const;
 
+  /// The step that this number itself stands for; no_node: none.
+  [[nodiscard]] node_index own_step_of(std::uint64_t number) const;
+
   /// The nearest cause that has begun so (kind::begun) and stands for no step yet; 0: none before
   /// the nearest that does.
   [[nodiscard]] std::uint64_t begun(std::uint64_t number, std::string_view what) const;

@@ -128,6 +128,10 @@ json summary_of(const traces& all, std::size_t index) {
               {"to", all.known.of(x.destination)},
               {"channel", x.channel},
               {"reliable", x.is_reliable},
+              {"kind", x.is_on_channel  ? "channel"
+                       : x.is_in_tunnel ? "tunnel"
+                                        : "message"},
+              {"accounted", x.is_accounted},
               {"outcome", to_string(y.status)}};
   if (x.content)
     out["octets"] = to_hex(*x.content);
@@ -139,6 +143,8 @@ json summary_of(const traces& all, std::size_t index) {
     out["failed_s"] = in_seconds(*x.failed);
   if (!y.why.empty())
     out["why"] = y.why;
+  if (!y.cause.empty())
+    out["cause"] = y.cause;
   if (!y.where.empty())
     out["where"] = y.where;
   out["repeats"] = {{"radio", y.retries.radio},

@@ -44,13 +44,25 @@ std::uint32_t message_follower::begin(message x, std::uint64_t number, const rec
   all_.all.messages.push_back(std::move(x));
   const auto n = all_.add(std::move(root), parent);
   all_.all.messages[index].root = n;
+  all_.all.messages[index].is_accounted = accounted_.erase(number) > 0;
   all_.stands_for(number, n);
   return index;
 }
 
 void message_follower::on_begun(const record& r) {
-  if (r.text == "message" && r.id != 0)
+  if (r.text != "message")
+    return;
+  if (r.id != 0)
     subscribers_[r.number] = mote_id(static_cast<std::uint16_t>(r.id));
+  else
+    accounted_.insert(r.number);
+}
+
+void message_follower::on_ended(const record& r) {
+  accounted_.erase(r.id); // never seen: it was lost before it left
+  const auto n = all_.own_step_of(r.id);
+  if (all_.is_about_message(n))
+    all_.all.messages[all_.at(n).about.index].ending = {r.time, r.yes, r.text, r.from};
 }
 
 void message_follower::on_send(const record& r) {

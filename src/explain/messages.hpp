@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -25,6 +26,7 @@ public:
   void on_send(const record& r);
   void on_message(const record& r);
   void on_send_ended(const record& r);
+  void on_ended(const record& r);
 
   /// @param cause of the octets
   /// @param here the island they are in
@@ -53,6 +55,7 @@ private:
   std::map<mote_address, std::uint32_t> numbers_; ///< of the last message by source
   std::map<std::pair<std::string, std::uint64_t>, std::uint32_t> unended_; ///< by program and token
   std::map<std::tuple<island_id, mote_id, std::uint64_t>, std::uint32_t> measuring_; ///< by number
+  std::set<std::uint64_t> accounted_;            ///< begins of messages that the run accounts for
   std::map<std::uint64_t, mote_id> subscribers_; ///< of events, by the number of their begin
 };
 

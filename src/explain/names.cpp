@@ -35,6 +35,8 @@ names::names(const header& about) {
     places_["gateway/" + island.name] = "peis_peer/" + island.gateway;
     for (const auto& [mote, name] : island.motes)
       add(mote_id(mote), name, "mote/" + island.name + '/' + name);
+    for (const auto& [name, mote] : island.doubles)
+      actors_["mote/" + island.name + '/' + name] = {id, mote_id(mote)};
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/loss.hpp"
 #include "peis/key.hpp"
 
 namespace rubicon::explain {
@@ -93,6 +94,16 @@ std::string stuck_at(const traces& all, const node& hop) {
   return place + " has it and passes nothing on: a queue was full, or it knows no route";
 }
 
+/// The cause in words, as part of a line.
+std::string sentence_of(loss x) {
+  std::string text(meaning_of(x));
+  text.erase(text.find_last_not_of('.') + 1);
+  if (!text.empty())
+    text.front() = static_cast<char>(text.front() | 0x20);
+  std::erase(text, '`');
+  return text;
+}
+
 } // namespace
 
 std::string_view to_string(message_status x) {
@@ -163,25 +174,18 @@ std::string route_of(const node& x) {
   return from + " → " + (same_island ? to.substr(slash + 1) : to);
 }
 
-outcome outcome_of(const traces& all, const message& x) {
-  outcome y;
-  y.retries = retries_of(all, x);
-  const auto begun = all.nodes[x.root].begin;
-  if (x.delivered) {
-    y.status = message_status::delivered;
-    y.took = *x.delivered - begun;
-    return y;
-  }
-  if (x.refused) {
-    y.status = message_status::refused;
-    y.why = "its mote did not take it: no island joined, or too much waits already";
-    return y;
-  }
-  const auto* last = last_hop_of(all, x);
-  const auto quiet_since = last != nullptr ? last->time() : begun;
+namespace {
+
+/// What is known of a message that the run does not account for, or has not ended.
+message_status status_as_seen(const traces& all, const message& x, const node* last) {
+  const auto quiet_since = last != nullptr ? last->time() : all.nodes[x.root].begin;
   const bool is_over =
       x.failed || all.end - quiet_since > patience || (!x.is_reliable && is_given_up(last));
-  y.status = is_over ? message_status::lost : message_status::in_flight;
+  return is_over && !x.is_accounted ? message_status::lost : message_status::in_flight;
+}
+
+/// Where its last copy was, and why it got no further.
+void explain_end(const traces& all, const message& x, const node* last, outcome& y) {
   if (last == nullptr) {
     y.why = "it never left the sender";
   } else if (last->of == cargo::greeting_answer && last->arrived) {
@@ -197,6 +201,38 @@ outcome outcome_of(const traces& all, const message& x) {
   } else {
     y.where = route_of(*last);
     y.why = obstacle(*last);
+  }
+}
+
+} // namespace
+
+outcome outcome_of(const traces& all, const message& x) {
+  outcome y;
+  y.retries = retries_of(all, x);
+  const auto begun = all.nodes[x.root].begin;
+  const auto delivered = x.ending && x.ending->arrived ? std::optional(x.ending->at)
+                         : x.is_accounted              ? std::nullopt
+                                                       : x.delivered;
+  if (delivered) {
+    y.status = message_status::delivered;
+    y.took = *delivered - begun;
+    return y;
+  }
+  if (x.refused) {
+    y.status = message_status::refused;
+    y.why = "its mote did not take it: no island joined, or too much waits already";
+    return y;
+  }
+  const auto* last = last_hop_of(all, x);
+  y.status = x.ending ? message_status::lost : status_as_seen(all, x, last);
+  explain_end(all, x, last, y);
+  if (!x.ending)
+    return y;
+  y.cause = x.ending->cause;
+  if (last == nullptr || last->arrived) { // the hops do not show it: the account does
+    const auto cause = parse_loss(x.ending->cause);
+    y.where = names::of(x.ending->place);
+    y.why = cause ? sentence_of(*cause) : x.ending->cause;
   }
   return y;
 }

@@ -33,6 +33,7 @@ struct outcome {
   explain::retries retries;
   std::string where; ///< it was lost: `kitchen/mote-5 → kitchen/sink`; empty: nowhere special
   std::string why;   ///< empty unless it was lost or refused
+  std::string cause; ///< of its loss, as docs/losses.md lists them; empty: not accounted for
 };
 
 [[nodiscard]] outcome outcome_of(const traces& all, const message& x);

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::string_view, 25> kind_words = {
+constexpr std::array<std::string_view, 26> kind_words = {
     "begun",
     "radio_send",
     "radio_done",
@@ -39,8 +39,9 @@ constexpr std::array<std::string_view, 25> kind_words = {
     "event",
     "ecology",
     "sample",
+    "message_ended",
 };
-static_assert(kind_words.size() == static_cast<std::size_t>(kind::sample) + 1);
+static_assert(kind_words.size() == static_cast<std::size_t>(kind::message_ended) + 1);
 
 /// The first line's, before its fields.
 constexpr const char* version_key = "rubicon_record";

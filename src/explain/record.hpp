@@ -17,7 +17,7 @@
 
 namespace rubicon::explain {
 
-inline constexpr int record_version = 2;
+inline constexpr int record_version = 3;
 
 /// What happened. Each is a message between actors, or what an actor remarked.
 enum class kind : std::uint8_t {
@@ -46,6 +46,7 @@ enum class kind : std::uint8_t {
   event,             ///< something a person would want to hear
   ecology,           ///< what the live page is told of the ecology: the text is JSON
   sample,            ///< what was to be seen of the run at that time, likewise
+  message_ended,     ///< a message has arrived (yes), or is lost: where (from), why (text)
 };
 
 [[nodiscard]] std::string_view to_string(kind x);
@@ -59,7 +60,7 @@ struct record {
   std::string from;          ///< actor path; empty: nobody, or a clock
   std::string to;            ///< actor path; empty for remarks
   std::uint64_t cause = 0;   ///< number of what led to it, exactly; 0: nothing that is recorded
-  std::uint64_t id = 0;      ///< token of a request; link; watch; package
+  std::uint64_t id = 0;      ///< token of a request; link; watch; package; begin of a message
   mote_address mote;         ///< the other mote: destination or source
   std::int32_t peer = 0;     ///< owner of a tuple
   std::uint16_t channel = 0; ///< AM type
@@ -79,13 +80,14 @@ struct island_names {
   std::uint32_t id = 0;
   std::string name;
   std::uint16_t sink = 0;
-  std::string gateway;                        ///< name of its peer
-  std::map<std::uint16_t, std::string> motes; ///< without the sink
-  std::vector<std::string> aliases;           ///< names of its other gateways' peers (GW-14)
+  std::string gateway;                          ///< name of its peer
+  std::map<std::uint16_t, std::string> motes;   ///< without the sink
+  std::vector<std::string> aliases;             ///< names of its other gateways' peers (GW-14)
+  std::map<std::string, std::uint16_t> doubles; ///< names of second motes, and whose ids they have
 
   friend bool operator==(const island_names&, const island_names&) = default;
 };
-RUBICON_FIELDS(island_names, id, name, sink, gateway, motes, aliases);
+RUBICON_FIELDS(island_names, id, name, sink, gateway, motes, aliases, doubles);
 
 struct header {
   std::string ecology;

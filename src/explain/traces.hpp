@@ -80,6 +80,14 @@ struct node {
   [[nodiscard]] instant time() const;
 };
 
+/// What the account of the run says of a message (core/message_ledger.hpp).
+struct message_ending {
+  instant at;
+  bool arrived = false;
+  std::string cause; ///< of its loss; `handed_over`: to another process
+  std::string place; ///< actor path
+};
+
 /// A message between two motes, gateways or PCs.
 struct message {
   mote_address source;
@@ -99,6 +107,8 @@ struct message {
   std::optional<instant> failed;       ///< the sender was told, or refused it
   bool refused = false;                ///< at once
   bool turned_away = false;            ///< by the receiver, which was busy or did not know us
+  bool is_accounted = false;           ///< the run's account has it, so its ending is recorded
+  std::optional<message_ending> ending;
 };
 
 /// A value that a tuple has had.

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/message_ledger.hpp"
 #include "gateway/gateway_parts.hpp"
 #include "gateway/strict.hpp"
 #include "network/am.hpp"
@@ -81,6 +82,7 @@ outputs gateway::dispatch(mote_id source, std::uint8_t am_type, byte_view payloa
   const bool is_packet = am_type == network::am::to_gateway || am_type == network::am::packet;
   if (is_packet && !lead_.leads()) { // its sender will repeat it to who does
     ++counters_.undeliverable;
+    note_loss(loss::not_leading);
   } else if (am_type == network::am::to_gateway) {
     more = on_island_packet(payload, now);
   } else if (am_type == network::am::packet) {
@@ -127,6 +129,7 @@ outputs gateway::on_island_packet(byte_view payload, instant now) {
   auto packet = network::decode_island_packet(payload);
   if (!packet) {
     ++counters_.malformed;
+    note_loss(loss::malformed);
     return {};
   }
   const bool here = is_here(packet->island);
@@ -156,10 +159,12 @@ void gateway::send_out(island_id island, network::gateway_packet x, bool reliabl
   auto said = std::optional(std::move(x));
   if (form_with(peer) == wire_form::strict54)
     said = to_strict(*std::move(said));
-  if (said)
+  if (said) {
     out.emplace_back(to_gateway{peer, encode(*said), reliable});
-  else
+  } else {
     ++counters_.unsayable;
+    note_loss(loss::not_expressible);
+  }
 }
 
 outputs gateway::on_packet_for_us(const network::island_packet& x, instant now) {
@@ -167,6 +172,7 @@ outputs gateway::on_packet_for_us(const network::island_packet& x, instant now) 
   if (x.channel <= 0xff && decoded && !devices_.contains(decoded->source)) {
     // Its join was lost on the serial line. Unacknowledged, a reliable message will come again.
     ++counters_.undeliverable;
+    note_loss(loss::not_listed);
     return {ask_about(decoded->source)};
   }
   return take(pc_.on_packet(config_.island, x.channel, x.body, now));
@@ -183,6 +189,7 @@ outputs gateway::on_message(peer_id source, byte_view octets, instant now) {
     auto said = from_strict(*std::move(packet), ++strict_counter_);
     if (!said) {
       ++counters_.unsayable;
+      note_loss(loss::not_expressible);
       return {};
     }
     packet = *std::move(said);
@@ -197,6 +204,7 @@ outputs gateway::accept(island_id source, network::gateway_packet x) {
     return take(pc_.on_packet(source, x.channel, x.body, now_));
   if (x.mote != broadcast_mote && (!devices_.contains(x.mote) || is_plain(x.mote))) {
     ++counters_.undeliverable;
+    note_loss(loss::not_listed);
     return {};
   }
   ++counters_.forwarded_in;
@@ -329,9 +337,11 @@ void gateway::publish_output(const transport::received& x, outputs& out) {
   const auto listed = devices_.find(x.source.mote);
   if (x.source.island != config_.island || listed == devices_.end()) {
     ++counters_.undeliverable;
+    note_loss(loss::not_listed);
     return;
   }
   ++counters_.outputs;
+  note_arrival(message_kind::message, x.source);
   listed->second.output_channels.insert(x.am_type);
   out.emplace_back(publish{device_output_key(x.source.mote, x.am_type), x.payload, false});
 }
@@ -377,6 +387,7 @@ to_sink gateway::ask_about(mote_id mote) {
 void gateway::down(const network::island_packet& x, outputs& out) {
   if (is_plain(x.mote)) {
     ++counters_.undeliverable;
+    note_loss(loss::no_program);
     return;
   }
   auto octets = encode(x);

@@ -243,9 +243,8 @@ public:
   [[nodiscard]] std::optional<duration> clock_offset() const { return clock_offset_; }
   [[nodiscard]] std::size_t outstanding() const { return above().messages().outstanding(); }
   [[nodiscard]] transport::messenger_counters messages() const; ///< of all its terms
-  /// The same: messages of its programs, and unreliable ones that have arrived.
+  /// The same: messages of its programs.
   [[nodiscard]] communication::layer_counters offers() const;
-  [[nodiscard]] transport::messenger::arrival_counts arrivals() const;
   [[nodiscard]] const leadership& lead() const { return lead_; }
   [[nodiscard]] const communication::layer& above() const { return pc_.above(); }
 
@@ -322,7 +321,6 @@ private:
   random_stream rng_; ///< of the terms
   transport::messenger_counters earlier_terms_;
   communication::layer_counters earlier_offers_;
-  transport::messenger::arrival_counts earlier_arrivals_;
   std::map<std::uint32_t, waiting_input> waiting_; ///< by the number given
   std::uint32_t relay_number_ = 0;
   alias_talks talks_;

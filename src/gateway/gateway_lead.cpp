@@ -4,6 +4,8 @@
 #include <iterator>
 #include <utility>
 
+#include "core/message_ledger.hpp"
+
 #include "gateway/gateway_parts.hpp"
 
 namespace rubicon::gateway {
@@ -63,13 +65,6 @@ communication::layer_counters gateway::offers() const {
   return sum;
 }
 
-transport::messenger::arrival_counts gateway::arrivals() const {
-  auto sum = above().messages().arrivals();
-  for (const auto& [source, count] : earlier_arrivals_)
-    sum[source] += count;
-  return sum;
-}
-
 void gateway::start_sharing(outputs& out) {
   out.emplace_back(text_tuple(std::string(device_gateways_key), text_of(config_.gateways)));
   out.emplace_back(text_tuple(std::string(device_role_key), device_role_text(false, now_)));
@@ -91,8 +86,6 @@ void gateway::take_lead(outputs& out) {
   add(earlier_terms_, above().messages().counters());
   earlier_terms_.reliable_failed += outstanding(); // nobody waits for their answers any more
   earlier_terms_.failed_left += outstanding();
-  for (const auto& [source, count] : above().messages().arrivals())
-    earlier_arrivals_[source] += count;
   earlier_offers_.offered += above().counters().offered;
   earlier_offers_.unjoined += above().counters().unjoined;
   earlier_offers_.misaddressed += above().counters().misaddressed;
@@ -148,6 +141,7 @@ outputs gateway::pass_on(island_id source, network::gateway_packet x) {
   const auto leader = others_.leader_of(config_.island);
   if (!leader) {
     ++counters_.undeliverable;
+    note_loss(loss::not_leading);
     return {};
   }
   ++counters_.relayed_out;
@@ -180,6 +174,7 @@ outputs gateway::on_relay(peer_id source, byte_view octets, instant now) {
 outputs gateway::on_relayed(peer_id, relayed_message x) {
   if (!lead_.leads()) {
     ++counters_.undeliverable;
+    note_loss(loss::not_leading);
     return {};
   }
   ++counters_.relayed_in;

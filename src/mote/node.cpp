@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/message_ledger.hpp"
 #include "core/overloads.hpp"
 #include "device/transducer.hpp"
 #include "network/island_packet.hpp"
@@ -415,10 +416,12 @@ void node::take(network::router_outputs from_router, node_outputs& out, instant 
 
 void node::on_packet(const network::island_packet& x, instant now) {
   const bool is_ours = x.mote == config_->id || x.mote == broadcast_mote;
-  if (joined() && is_ours)
+  if (joined() && is_ours) {
     use_layer().on_packet(x.island, x.channel, x.body, now);
-  else
+  } else {
     ++counters_.misdirected;
+    note_loss(loss::no_program);
+  }
 }
 
 // What programs want.
@@ -493,6 +496,7 @@ void node::pace(communication::channel_packet x, node_outputs& out, instant now)
     waiting.due = *turn;
   if (waiting.packets.size() >= paced_max) {
     ++counters_.paced_out;
+    note_loss(waiting.packets.front().second, loss::overtaken);
     waiting.packets.pop_front();
   }
   waiting.packets.emplace_back(std::move(x.octets), x.from);
@@ -566,10 +570,12 @@ void node::send_paced(node_outputs& out, instant now) {
 void node::send_on(stream::channel_handle channel, bytes octets, network::departure how,
                    node_outputs& out, instant now) {
   auto sent = packets_.router().send_on(channel_of(channel), std::move(octets), how, now);
-  if (sent)
+  if (sent) {
     take(*std::move(sent), out, now);
-  else
+  } else {
     ++counters_.channel_full;
+    note_loss(loss::channel_full);
+  }
 }
 
 /// What is to come back takes longer the longer frames wait for their turn at each hop.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/codec.hpp"
+#include "core/message_ledger.hpp"
 #include "network/am.hpp"
 
 namespace rubicon::mote {
@@ -31,6 +32,7 @@ packet_service_outputs packet_service::send(mote_id to, const network::island_pa
   const auto fragments = room ? transport::cut(encode(x), *room - 1, tag_++) : std::nullopt;
   if (!fragments) {
     ++counters_.unroutable;
+    note_loss(loss::no_route);
     return {};
   }
   packet_service_outputs out;
@@ -94,16 +96,19 @@ void packet_service::take(network::content_in x, packet_service_outputs& out, in
   }
   if (octets.empty() || octets[0] != network::am::packet) {
     ++counters_.malformed;
+    note_loss(loss::malformed);
     return;
   }
   const auto whole = fragments_.on_fragment(origin, octets.subspan(1), now);
   if (!whole)
     return;
   auto packet = network::decode_island_packet(*whole);
-  if (packet)
+  if (packet) {
     out.emplace_back(packet_in{x.origin, x.to_all, *std::move(packet)});
-  else
+  } else {
     ++counters_.malformed;
+    note_loss(loss::malformed);
+  }
 }
 
 } // namespace rubicon::mote

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/message_ledger.hpp"
 #include "core/overloads.hpp"
 #include "network/am.hpp"
 #include "network/tick_plan.hpp"
@@ -62,6 +63,7 @@ sink_outputs sink::on_packet(std::uint8_t am_type, byte_view payload, instant no
     const auto packet = network::decode_island_packet(*whole);
     if (!packet) {
       ++counters_.malformed;
+      note_loss(loss::malformed);
       return {};
     }
     ++counters_.down;
@@ -186,6 +188,7 @@ sink_outputs sink::from_island(const packet_in& x, instant now) {
     append(out, to_line(origin, packet));
   } else if (packet.mote == self_) {
     ++counters_.for_sink;
+    note_loss(loss::no_program);
   } else if (!x.to_all) { // a flood reaches everybody without us
     ++counters_.turned;
     append(out, to_island({island_, packet.mote, packet.channel, packet.body}, now));

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <limits>
 
+#include "core/message_ledger.hpp"
+
 namespace rubicon::network {
 
 namespace {
@@ -370,6 +372,7 @@ void channels::take(mote_id from, channel_id id, data_message& x, const surround
       found != entries_.end() && (found->second.previous == from || found->second.next == from);
   if (!concerns_us) {
     ++counters_.strays;
+    note_loss(loss::channel_lost);
     queue(from, {id, end_message{channel_end::broken}}, now);
     return;
   }
@@ -378,11 +381,13 @@ void channels::take(mote_id from, channel_id id, data_message& x, const surround
   const bool is_forward = here.previous == from;
   if (std::exchange(is_forward ? here.from_previous : here.from_next, x.sequence) == x.sequence) {
     ++counters_.duplicates;
+    note_loss(loss::duplicate);
     return;
   }
   const auto& onwards = is_forward ? here.next : here.previous;
   if (!here.open) {
     ++counters_.packets_lost;
+    note_loss(loss::channel_lost);
   } else if (onwards) {
     ++counters_.packets_forwarded;
     queue(*onwards, {id, std::move(x)}, now, departure::at_once);
@@ -399,7 +404,12 @@ void channels::free(channel_id id, channel_end why, std::optional<mote_id> told_
   if (gone.empty())
     return;
   const auto& x = gone.mapped();
-  std::erase_if(queue_, [id](const waiting& y) { return y.message.channel == id; });
+  std::erase_if(queue_, [id](const waiting& y) {
+    const bool goes = y.message.channel == id;
+    if (goes)
+      note_loss(y.from, loss::channel_lost);
+    return goes;
+  });
   for (const auto& side : {x.previous, x.next}) {
     if (side && side != told_by)
       queue(*side, {id, end_message{why}}, now);
@@ -433,12 +443,14 @@ void channels::queue(mote_id next, channel_message message, instant due, departu
   if (std::holds_alternative<end_message>(message.content) &&
       std::ranges::any_of(queue_, says_the_same))
     return; // strays come faster than radios wake up
-  if (is_data(message) && !has_room(data_octets(message)))
+  if (is_data(message) && !has_room(data_octets(message))) {
     ++counters_.packets_lost;
-  else if (queue_.size() < 2 * config_.queue_max) // control messages are few, and matter more
+    note_loss(loss::queue_full);
+  } else if (queue_.size() < 2 * config_.queue_max) { // control messages are few, and matter more
     queue_.push_back({next, std::move(message), 0, due, how});
-  else
+  } else {
     ++counters_.crowded_out;
+  }
 }
 
 /// When it may be handed out.
@@ -490,6 +502,7 @@ void channels::on_lost(const waiting& x, const surroundings& around, channels_ou
   const auto found = entries_.find(x.message.channel);
   if (is_data(x.message)) {
     ++counters_.packets_lost;
+    note_loss(x.from, loss::gave_up);
     if (found != entries_.end() && ++found->second.losses < config_.losses_max)
       return;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "core/message_ledger.hpp"
 #include "network/am.hpp"
 
 namespace rubicon::network {
@@ -47,6 +48,7 @@ collection_outputs collection::send_down(mote_id to, bytes content, instant now)
   collection_outputs out;
   if (!hops || hops->empty() || content.size() + header_size(*hops) > frame_payload_max) {
     ++counters_.no_route;
+    note_loss(loss::no_route);
     return out;
   }
   enqueue({down_packet{sequence_++, 0, *std::move(hops), std::move(content)}, 0, now});
@@ -69,10 +71,12 @@ collection_outputs collection::on_frame(mote_id, std::uint8_t am_type, byte_view
                                         instant now) {
   collection_outputs out;
   const auto handle = [&](auto decoded) {
-    if (decoded)
+    if (decoded) {
       take(*std::move(decoded), out, now);
-    else
+    } else {
       ++counters_.malformed;
+      note_loss(loss::malformed);
+    }
   };
   if (am_type == am::up)
     handle(decode_up(octets));
@@ -85,8 +89,11 @@ collection_outputs collection::on_frame(mote_id, std::uint8_t am_type, byte_view
 }
 
 void collection::take(up_packet x, collection_outputs& out, instant now) {
-  if (!is_new({am::up, x.origin, x.sequence, x.hops})) {
+  // To the root copies over several parents are one packet.
+  if (config_.is_root ? !arrived_.take(x.origin, x.sequence)
+                      : !is_new({am::up, x.origin, x.sequence, x.hops})) {
     ++counters_.duplicates;
+    note_loss(loss::duplicate);
     return;
   }
   ++x.hops;
@@ -102,6 +109,7 @@ void collection::take(up_packet x, collection_outputs& out, instant now) {
   }
   if (x.hops >= config_.hops_max) {
     ++counters_.too_far;
+    note_loss(loss::too_far);
     return;
   }
   ++counters_.forwarded;
@@ -115,6 +123,7 @@ void collection::take(down_packet x, collection_outputs& out, instant now) {
   }
   if (!is_new({am::down, x.hops.back(), x.sequence, x.at})) {
     ++counters_.duplicates;
+    note_loss(loss::duplicate);
     return;
   }
   if (x.at + 1U == x.hops.size()) {
@@ -130,6 +139,7 @@ void collection::take(down_packet x, collection_outputs& out, instant now) {
 void collection::take(flood_packet x, collection_outputs& out, instant now) {
   if (!is_new({am::flood, x.origin, x.sequence, 0})) {
     ++counters_.duplicates;
+    note_loss(loss::duplicate);
     return;
   }
   ++counters_.arrived;
@@ -161,14 +171,17 @@ void collection::enqueue(waiting x) {
   if (queue_.size() >= config_.queue_max && !gives_way(x)) {
     const auto first = std::ranges::find_if(queue_, gives_way);
     if (first != queue_.end()) {
+      note_loss(first->from, loss::queue_full);
       queue_.erase(first);
       ++counters_.queue_full;
     }
   }
-  if (queue_.size() >= config_.queue_max || octets() + octets_of(x.packet) > config_.octets_max)
+  if (queue_.size() >= config_.queue_max || octets() + octets_of(x.packet) > config_.octets_max) {
     ++counters_.queue_full;
-  else
+    note_loss(x.from, loss::queue_full);
+  } else {
     queue_.push_back(std::move(x));
+  }
 }
 
 /// Remembers it. @returns false if it was remembered already
@@ -218,6 +231,7 @@ void collection::pump(collection_outputs& out, instant now) {
     }
     if (++x->rounds >= config_.rounds_max) {
       ++counters_.no_route;
+      note_loss(x->from, loss::no_route);
       x = queue_.erase(x);
     } else {
       x->due = now + config_.route_wait;
@@ -244,8 +258,11 @@ collection_outputs collection::on_sent(bool acked, instant now) {
     x.due = now + (is_flood ? config_.flood_spread + rng_.between(0s, config_.flood_spread)
                             : pause_after(x.rounds));
     queue_.insert(queue_.begin(), std::move(x));
-  } else if (!is_flood && !acked) {
+  } else if (is_flood) {
+    note_loss(x.from, loss::not_received);
+  } else if (!acked) {
     ++counters_.gave_up;
+    note_loss(x.from, loss::gave_up);
   }
   pump(out, now);
   return out;

@@ -16,6 +16,7 @@
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "network/collection_packet.hpp"
+#include "network/sequence_windows.hpp"
 #include "network/source_routes.hpp"
 #include "network/wire.hpp"
 
@@ -167,6 +168,7 @@ private:
   std::optional<waiting> in_flight_;
   instant held_until_;
   std::vector<mark> seen_;
+  sequence_windows arrived_; ///< at the root
   bool loop_seen_ = false;
   collection_counters counters_;
 };

@@ -15,6 +15,7 @@ namespace rubicon::page {
 namespace {
 
 using report::cause_counts;
+using report::counted;
 using report::with_thousands;
 
 constexpr std::size_t rows_open_max = 40; ///< the others are folded
@@ -29,20 +30,24 @@ struct layer {
 
 std::vector<layer> layers_of(const report::run_report& x) {
   cause_counts network;
-  for (const auto& island : x.islands)
+  auto channels = x.tunnels.lost;
+  for (const auto& island : x.islands) {
     add_to(network, island.network.lost);
+    add_to(channels, island.network.channel_packets.lost);
+  }
   auto messages = x.messages().lost;
   add_to(messages, x.messages().refused);
   cause_counts flows;
   for (const auto& each : x.flows)
     add_to(flows, each.lost);
   return {{"Messages", messages, "messages"},
-          {"Packets and channels of the network", network, "network"},
+          {"Packets of streams and synaptic channels", channels, "channels"},
+          {"Packets and channels of the network, hop by hop", network, "network"},
           {"Frames that the radio gave up", x.radio().mac_failed, "mac"},
           {"Copies of frames on the air", really_lost(x.radio()), "radio"},
           {"Flows", flows},
-          {"Serial lines", x.serial().lost},
-          {"PEIS packages", x.peis().lost}};
+          {"Serial lines", x.serial().lost, "serial"},
+          {"PEIS packages", x.peis().lost, "peis"}};
 }
 
 /// The most frequent first.
@@ -128,6 +133,21 @@ std::string mote_table(const std::vector<mote_entry>& all, std::size_t from, std
   return wide("<table>" + rows + "</table>");
 }
 
+/// Where messages and packets of streams were lost last.
+std::string places_of(const report::run_report& x) {
+  if (x.losses.empty())
+    return {};
+  auto rows = head_row({{"lost", true}, {"what"}, {"where"}, {"cause"}});
+  const auto shown = std::min(x.losses.size(), rows_open_max);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& each = x.losses[i];
+    rows += row({{with_thousands(each.count), true}, {each.what}, {each.place}, {each.cause}});
+  }
+  if (shown < x.losses.size())
+    rows += row({{""}, {"and " + counted(x.losses.size() - shown, "other place")}});
+  return wide("<table>" + rows + "</table>");
+}
+
 } // namespace
 
 std::string losses_of(const run_page& x) {
@@ -149,7 +169,7 @@ std::string losses_of(const run_page& x) {
            losses_over_time(x, layer.sampled) + "</figure>\n";
   }
   return section("losses", "Losses by cause",
-                 out.empty() ? out : "<div class='grid'>" + out + "</div>\n");
+                 out.empty() ? out : "<div class='grid'>" + out + "</div>\n" + places_of(x.report));
 }
 
 std::string motes_of(const run_page& x) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/message_ledger.hpp"
 #include "peis/acknowledgement.hpp"
 
 namespace rubicon::peis {
@@ -272,6 +273,7 @@ void p2p::forward(link_id from, package_header header, byte_view data) {
   const auto way = any_route_to(header.destination);
   if (!way) {
     ++counters_.no_route;
+    rubicon::note_loss(loss::gateway_stopped);
     return;
   }
   ++counters_.packages_forwarded;
@@ -298,6 +300,8 @@ cause p2p::enqueue(connection& to, lane where, outgoing_package x) {
 }
 
 void p2p::count_drop(cause why) {
+  if (why != cause::none)
+    rubicon::note_loss(why == cause::no_route ? loss::gateway_stopped : loss::package_lost);
   if (why == cause::queue_full)
     ++counters_.queue_full;
   else if (why == cause::early_drop)

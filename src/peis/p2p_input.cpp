@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/message_ledger.hpp"
+
 #include "peis/p2p.hpp"
 
 namespace rubicon::peis {
@@ -75,7 +77,7 @@ void p2p::serve_link(connection& from, instant now) {
     note_counter(x, package->header.counter);
     x.budget.charge_package(header_size + package->data.size(), now);
     const acting_on its(carries_content(package->header.port)
-                            ? provenance::begin("package_received", name_of(package->header))
+                            ? package_comes(name_of(package->header))
                             : provenance());
     on_package(link, package->header, package->data, now);
     charge(link, work_.take(), now);

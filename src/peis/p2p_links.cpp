@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/message_ledger.hpp"
+
 #include "peis/p2p.hpp"
 
 namespace rubicon::peis {
@@ -233,10 +235,12 @@ void p2p::forget_link(link_id link, instant now) {
   for (const auto& [end, ack_id] : gone.leaving)
     delivery_.on_dropped(ack_id, now);
   while (const auto x = gone.queue.pop()) {
-    if (x->header.reliable() && x->header.source == self_.id)
+    if (x->header.reliable() && x->header.source == self_.id) {
       delivery_.on_dropped(x->header.ack_id, now);
-    else
+    } else {
       ++counters_.queued_lost;
+      rubicon::note_loss(x->from, loss::package_lost);
+    }
   }
   if (gone.neighbour && neighbours_.at(*gone.neighbour) == link) {
     neighbours_.erase(*gone.neighbour);
@@ -326,6 +330,7 @@ bool p2p::write(connection& to, instant now) {
     if (carries_content(x->header.port)) {
       const acting_on its(x->from);
       static_cast<void>(provenance::begin("package_sent", name_of(x->header)));
+      package_departs(name_of(x->header), to.id >= config_.outside_from);
     }
     encode(*x, to.counter++, out);
     if (to.id >= config_.outside_from && x->header.port == port::host_record && x->offset == 0)

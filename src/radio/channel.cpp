@@ -4,6 +4,7 @@
 #include <cassert>
 #include <utility>
 
+#include "core/message_ledger.hpp"
 #include "radio/power.hpp"
 #include "radio/reception.hpp"
 
@@ -369,6 +370,8 @@ void channel::conclude(radio_index radio, const finished& x, outputs& out) {
   switch (x.status) {
   case send_status::sent:
     ++counters.sent;
+    if (!x.arrived)
+      note_loss(x.from, x.acked ? loss::false_ack : loss::not_received);
     break;
   case send_status::no_ack:
     ++counters.failed.no_ack;

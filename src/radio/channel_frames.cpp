@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/codec.hpp"
+#include "core/message_ledger.hpp"
 #include "radio/channel.hpp"
 
 namespace rubicon::radio {
@@ -166,6 +167,7 @@ copy_outcome channel::on_data(const transmission& sent, const hearer& x, instant
   case verdict::overflow:
     return copy_outcome::overflow;
   case verdict::duplicate:
+    note_loss(sent.origin, loss::duplicate);
     break;
   case verdict::accepted:
     outcome = copy_outcome::delivered;

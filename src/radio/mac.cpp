@@ -115,7 +115,8 @@ std::vector<finished> mac::abort() {
   std::vector<finished> all;
   while (!open_.empty()) {
     const auto x = open_.pop();
-    all.push_back({x.token, send_status::aborted, x.transmissions, x.arrived, x.last, x.from});
+    all.push_back(
+        {x.token, send_status::aborted, x.transmissions, x.arrived, x.last, x.from, false});
   }
   state_ = state::idle;
   deadline_.reset();
@@ -161,7 +162,8 @@ mac_action mac::finish(send_status status, instant now, random_stream& rng) {
   if (!open_.empty())
     attempt(now, rng);
   return {.transmit = false,
-          .ended = finished{x.token, status, x.transmissions, x.arrived, x.last, x.from}};
+          .ended = finished{x.token, status, x.transmissions, x.arrived, x.last, x.from,
+                            status == send_status::sent && x.content.ack_request}};
 }
 
 } // namespace rubicon::radio

@@ -52,6 +52,7 @@ struct finished {
   bool arrived = false;
   copy_outcome last = copy_outcome::out_of_reach;
   provenance from = {};
+  bool acked = false; ///< it was to be acknowledged, and was
 };
 
 /// What the owner has to do.

@@ -68,6 +68,8 @@ std::string_view csv_tables::name(kind x) {
     return "links";
   case kind::losses:
     return "losses";
+  case kind::places:
+    return "places";
   case kind::tuples:
     return "tuples";
   case kind::events:
@@ -84,6 +86,8 @@ std::string csv_tables::header(kind x) {
     return "time_s,island,mote,parent,hops,signal_dbm,etx\n";
   case kind::losses:
     return "time_s,island,layer,cause,lost\n";
+  case kind::places:
+    return "time_s,what,cause,place,lost\n";
   case kind::tuples:
     return "time_s,peer,owner,key,value,deleted\n";
   case kind::events:
@@ -140,6 +144,15 @@ std::string csv_tables::losses(const run_sample& x) const {
       for (const auto& [cause, count] : lost)
         rows +=
             csv_line({time_s(x.at), island_of(island.island), layer, cause, std::to_string(count)});
+  for (const auto& [cause, count] : x.peis_lost)
+    rows += csv_line({time_s(x.at), "", "peis", cause, std::to_string(count)});
+  return rows;
+}
+
+std::string csv_tables::places(const run_sample& x) {
+  std::string rows;
+  for (const auto& each : x.places)
+    rows += csv_line({time_s(x.at), each.what, each.cause, each.place, std::to_string(each.count)});
   return rows;
 }
 

@@ -23,8 +23,8 @@ namespace rubicon::report {
 /// The tables of a run. Each begins with its header; rows are added as time goes on.
 class csv_tables {
 public:
-  enum class kind : std::uint8_t { energy, links, losses, tuples, events };
-  static constexpr std::size_t kinds = 5;
+  enum class kind : std::uint8_t { energy, links, losses, places, tuples, events };
+  static constexpr std::size_t kinds = 6;
 
   explicit csv_tables(const config::ecology_description& names);
 
@@ -34,6 +34,7 @@ public:
   [[nodiscard]] std::string energy(const run_sample& x) const;
   [[nodiscard]] std::string links(const run_sample& x) const;
   [[nodiscard]] std::string losses(const run_sample& x) const;
+  [[nodiscard]] static std::string places(const run_sample& x);
   [[nodiscard]] static std::string row(const tuple_write& x);
   [[nodiscard]] static std::string row(const logged_event& x);
 

@@ -55,13 +55,17 @@ void history::add(const run_sample& x) {
   }
   for (auto& [mote, all] : used_mah_) // those that are gone
     all.resize(times_.size(), all.empty() ? 0.0F : all.back());
+  const auto add_losses = [this](const std::string& layer, const cause_counts& causes) {
+    for (const auto& [cause, count] : causes) {
+      auto& all = lost_[{layer, cause}];
+      all.resize(times_.size());
+      all.back() += static_cast<double>(count);
+    }
+  };
   for (const auto& island : x.islands)
     for (const auto& [layer, causes] : island.lost)
-      for (const auto& [cause, count] : causes) {
-        auto& all = lost_[{layer, cause}];
-        all.resize(times_.size());
-        all.back() += static_cast<double>(count);
-      }
+      add_losses(layer, causes);
+  add_losses("peis", x.peis_lost);
   if (times_.size() < samples_max)
     return;
   halve(times_);

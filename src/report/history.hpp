@@ -54,10 +54,11 @@ struct mote_sample {
   std::vector<neighbour_sample> neighbours; ///< ascending by id
 };
 
-/// What an island has lost so far.
+/// What an island has lost so far. Messages in transit are a cause of the layer `messages`.
 struct island_sample {
   island_id island;
-  std::map<std::string, cause_counts> lost; ///< by layer: `radio`, `mac`, `network`, `messages`
+  std::map<std::string, cause_counts> lost; ///< by layer: `radio`, `mac`, `network`, `channels`,
+                                            ///< `messages`, `serial`
 };
 
 /// An open link of a peer.
@@ -76,9 +77,11 @@ struct peer_sample {
 
 struct run_sample {
   instant at;
-  std::vector<island_sample> islands;  ///< ascending by id
-  std::vector<mote_sample> motes;      ///< ascending by address
-  std::vector<peer_sample> peers = {}; ///< ascending by name
+  std::vector<island_sample> islands;   ///< ascending by id
+  std::vector<mote_sample> motes;       ///< ascending by address
+  std::vector<peer_sample> peers = {};  ///< ascending by name
+  cause_counts peis_lost = {};          ///< packages of all peers
+  std::vector<loss_report> places = {}; ///< as run_report::losses, in no order
 };
 
 /// A component has set or deleted a tuple, or asked another peer for that.

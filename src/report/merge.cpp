@@ -73,12 +73,20 @@ std::uint64_t number_of(const std::string& hex) {
 /// Of a life that was killed, what waited for an outcome will get none.
 void end_open(unsettled_counters& x) {
   for (auto* all : {&x.messages, &x.pcs})
-    for (auto& [who, messages] : *all) {
-      const auto open = std::exchange(messages.reliable_open, 0);
-      messages.reliable_failed += open;
-      if (open > 0)
-        messages.lost["sender_ended"] += open;
-    }
+    for (auto& [who, messages] : *all)
+      messages.reliable_failed += std::exchange(messages.reliable_open, 0);
+}
+
+/// What was in transit when a life ended went with it.
+void end_in_transit(unsettled_counters& x) {
+  const std::string cause(to_string(loss::node_stopped));
+  for (auto& [key, account] : x.accounts) {
+    const auto known = account.arrived + account.handed_over + total(account.lost);
+    if (account.sent <= known)
+      continue;
+    account.lost[cause] += account.sent - known;
+    x.losses[{key.second, cause, {}}] += account.sent - known;
+  }
 }
 
 class merger {
@@ -117,6 +125,8 @@ private:
     unsettle(x);
     if (!life.is_final)
       end_open(counters);
+    if (!life.is_final || !is_last)
+      end_in_transit(counters);
     counters_.add(counters);
     const bool is_told = !x.ecology.empty(); // it may have ended before it told anything
     out_.simulated = std::max(out_.simulated, x.simulated + life.elapsed);

@@ -59,10 +59,9 @@ std::uint64_t smepp_report::events_missing() const {
 }
 
 std::optional<double> message_report::delivery() const {
-  if (offered <= reliable_open)
+  if (offered <= in_transit)
     return std::nullopt;
-  const auto arrived = reliable_acked + std::min(unreliable_arrived, unreliable_sent);
-  return static_cast<double>(arrived) / static_cast<double>(offered - reliable_open);
+  return static_cast<double>(arrived) / static_cast<double>(offered - in_transit);
 }
 
 std::optional<double> stream_report::delivery() const {

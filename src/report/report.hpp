@@ -100,32 +100,49 @@ struct peis_report {
 };
 RUBICON_FIELDS(peis_report, peers, packages, tuples, lost);
 
+/// What became of what was sent, each counted once: sent = arrived + sum of lost + in_transit.
+struct carried_report {
+  std::uint64_t sent = 0;
+  std::uint64_t arrived = 0;
+  cause_counts lost = {};       ///< by [cause](losses.md)
+  std::uint64_t in_transit = 0; ///< at the end
+};
+RUBICON_FIELDS(carried_report, sent, arrived, lost, in_transit);
+
+/// Losses of one cause at one place.
+struct loss_report {
+  std::string what;  ///< `message`; `channel` or `tunnel`: packets of streams and synaptic channels
+  std::string cause; ///< as in [losses.md](losses.md)
+  std::string place; ///< who had the last copy: `kitchen/climate-7`, `kitchen/sink`; empty: unknown
+  std::uint64_t count = 0; ///< [number] so many
+};
+RUBICON_FIELDS(loss_report, what, cause, place, count);
+
 /// Every message that a program offers ends in one count: offered = sum of refused + reliable_sent
-/// + unreliable_sent, and reliable_sent = reliable_acked + reliable_failed + reliable_open.
+/// + unreliable_sent, and reliable_sent + unreliable_sent = arrived + sum of lost + in_transit.
 struct message_report {
   std::uint64_t offered = 0; ///< by programs, accepted or not
   /// at once: `not_joined`, `crowded` (too many reliable ones are in flight), `too_long` (or
   /// reliable and for everybody), `no_such_receiver`, `off` (the battery is flat)
   cause_counts refused = {};
-  std::uint64_t reliable_sent = 0;      ///< sent with an end-to-end acknowledgement asked for
-  std::uint64_t reliable_acked = 0;     ///< acknowledged
-  std::uint64_t reliable_failed = 0;    ///< given up, and told to the sender
-  std::uint64_t reliable_open = 0;      ///< still waiting when the run ended
-  std::uint64_t unreliable_sent = 0;    ///< sent without an acknowledgement
-  std::uint64_t unreliable_arrived = 0; ///< of those, wherever they went
-  /// what was sent and is not known to have arrived: reliable ones that are `unanswered`,
-  /// `not_taken` (the receiver had been started again), whose sender has `left_island` or whose
-  /// life was over (`sender_ended`); unreliable ones lost or still `in_transit`
-  cause_counts lost = {};
-  std::uint64_t received = 0;   ///< handed to an application or a gateway
-  std::uint64_t duplicates = 0; ///< repeats that were recognised and suppressed
+  std::uint64_t reliable_sent = 0;   ///< sent with an end-to-end acknowledgement asked for
+  std::uint64_t reliable_acked = 0;  ///< acknowledged
+  std::uint64_t reliable_failed = 0; ///< given up, and told to the sender
+  std::uint64_t reliable_open = 0;   ///< still waiting when the run ended
+  std::uint64_t unreliable_sent = 0; ///< sent without an acknowledgement
+  /// messages of both kinds that have arrived, each once; one for everybody at its first receiver.
+  /// A reliable one may be among them and yet have failed: its acknowledgements were lost
+  std::uint64_t arrived = 0;
+  cause_counts lost = {};       ///< of those sent, by [cause](losses.md)
+  std::uint64_t in_transit = 0; ///< of those sent, neither arrived nor lost when the run ended
+  std::uint64_t received = 0;   ///< handed to an application or a gateway here, repeats included
+  std::uint64_t duplicates = 0; ///< repeats that were recognised here and suppressed
 
-  /// `reliable_acked` and `unreliable_arrived` over `offered` without `reliable_open`; `null` if
-  /// that is none
+  /// `arrived` over `offered` without `in_transit`; `null` if that is none
   [[nodiscard]] std::optional<double> delivery() const;
 };
 RUBICON_FIELDS(message_report, offered, refused, reliable_sent, reliable_acked, reliable_failed,
-               reliable_open, unreliable_sent, unreliable_arrived, lost, received, duplicates);
+               reliable_open, unreliable_sent, arrived, lost, in_transit, received, duplicates);
 
 /// What the Network modules of an island's motes and its sink have done.
 struct network_report {
@@ -140,13 +157,14 @@ struct network_report {
   /// searches that found no neighbour nearer to the destination, or did not know where it is, and
   /// asked everybody (NET-12)
   std::uint64_t channels_flooded = 0;
-  std::uint64_t channels_broken = 0;         ///< as a mote on their way saw it
-  std::uint64_t channel_packets = 0;         ///< sent by the ends of channels
-  std::uint64_t channel_packets_arrived = 0; ///< at the other end
-  /// packets and channels that went nowhere: `queue_full`, `gave_up` (all repeats failed),
-  /// `no_route`, `too_far` and `malformed` for packets; `channel_lost` (`channel_packets` that are
-  /// not among `channel_packets_arrived`), `channel_full` and `paced_out` (a newer one took its
-  /// turn) for packets of channels; `channel_no_room`, `unclaimed` for channels; `channel_strays`,
+  std::uint64_t channels_broken = 0; ///< as a mote on their way saw it
+  /// packets of streams and synaptic channels that stay in the island, from end to end
+  carried_report channel_packets;
+  /// packets and channels that went nowhere, hop by hop: a message that is lost may be several
+  /// packets, and one of which another copy arrived is among them too. `queue_full`, `gave_up`
+  /// (all repeats failed), `no_route`, `too_far` and `malformed` for packets; `channel_lost`,
+  /// `channel_full` and `paced_out` (a newer one took its turn) for packets of channels;
+  /// `channel_no_room`, `unclaimed` for channels; `channel_strays`,
   /// `unknown_channel`, `unowned` and `misdirected` for what arrived and was nobody's; `id_taken`
   /// for requests to join of a second mote with a member's id
   cause_counts lost;
@@ -173,9 +191,9 @@ struct network_report {
   largest<std::uint64_t> state_octets{};
 };
 RUBICON_FIELDS(network_report, beacons, packets, arrived, forwarded, repeated, channels_asked,
-               channels_opened, channels_flooded, channels_broken, channel_packets,
-               channel_packets_arrived, lost, counters, hops_max, synchronised, clock_error_max,
-               clock_excess_max, aligned, time_error_max, time_excess_max, state_octets);
+               channels_opened, channels_flooded, channels_broken, channel_packets, lost, counters,
+               hops_max, synchronised, clock_error_max, clock_excess_max, aligned, time_error_max,
+               time_excess_max, state_octets);
 
 /// SMEPP Light of an island's motes. An event counts once for each subscription it is for.
 struct smepp_report {
@@ -496,7 +514,10 @@ struct run_report {
   std::vector<program_report> programs; ///< ascending by node
   std::vector<stream_report> streams;   ///< ascending by reader, then number
   message_report pc_messages;           ///< of programs on PCs that are no gateways
-  std::vector<logged_event> event_log;  ///< in order of time, at most event_log_max
+  carried_report
+      tunnels; ///< packets of streams and synaptic channels to and from other islands, PCs
+  std::vector<loss_report> losses; ///< of messages, channels and tunnels, by place; the most first
+  std::vector<logged_event> event_log; ///< in order of time, at most event_log_max
   std::uint64_t event_log_left_out = 0;
   std::vector<violation> violations;
   std::vector<expectation_report> expectations; ///< in the order of the file
@@ -517,7 +538,8 @@ struct run_report {
 };
 RUBICON_FIELDS(run_report, ecology, seed, mode, simulated, wall_s, events, trace_hash, interrupted,
                complete, reason, actors, islands, peers, proxies, flows, programs, streams,
-               pc_messages, event_log, event_log_left_out, violations, expectations);
+               pc_messages, tunnels, losses, event_log, event_log_left_out, violations,
+               expectations);
 
 inline constexpr std::size_t event_log_max = 400;
 

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t motes_listed_max = 12;
 constexpr std::size_t worst_shown = 5;
+constexpr std::size_t losses_shown = 5;
 
 struct mote_entry {
   const island_report* island;
@@ -74,6 +75,21 @@ void add_deliveries(report_page& page, const run_report& x) {
               causes(losses(mote.messages))});
   }
   page.add_rest(rows, entries.size(), shown);
+  page.add(rows);
+}
+
+void add_losses(report_page& page, const run_report& x) {
+  if (x.losses.empty())
+    return;
+  page.heading("Losses");
+  table rows({{"lost", align::right}, {"what"}, {"where"}, {"cause"}});
+  const auto shown = page.shown(x.losses.size(), losses_shown);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& each = x.losses[i];
+    rows.add(
+        {with_thousands(each.count), each.what, each.place.empty() ? "–" : each.place, each.cause});
+  }
+  page.add_rest(rows, x.losses.size(), shown);
   page.add(rows);
 }
 

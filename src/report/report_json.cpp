@@ -239,6 +239,8 @@ std::string to_json(const run_report& x) {
       {"serial", to_json(x.serial())},
       {"peis", to_json(x.peis())},
       {"messages", to_json(x.messages())},
+      {"tunnels", to_json(x.tunnels)},
+      {"losses", array_of(x.losses)},
       {"energy", energy(x)},
       {"actors",
        {{"spawned", x.actors.spawned},

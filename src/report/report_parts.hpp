@@ -40,6 +40,7 @@ void add_programs(report_page& page, const run_report& x);
 
 /// What became of the messages of each mote, the worst first; nothing without any.
 void add_deliveries(report_page& page, const run_report& x);
+void add_losses(report_page& page, const run_report& x);
 
 /// Streams between programs; nothing without any.
 void add_streams(report_page& page, const run_report& x);

@@ -144,7 +144,7 @@ void add_loss_notes(table& rows, const island_report& island) {
   add("  not taken from real motes: ", causes(island.real.dropped));
   add("  not sent to real motes: ", causes(island.real.inputs_failed));
   auto messages = island.messages.lost;
-  messages["open"] = island.messages.reliable_open;
+  messages["in_transit"] = island.messages.in_transit;
   messages["duplicates"] = island.messages.duplicates;
   add("  messages: ", causes(messages));
   add("  messages refused: ", causes(island.messages.refused));
@@ -163,7 +163,7 @@ void add_island_row(table& rows, const std::string& name, const run_report& part
             only_measures ? "–" : with_thousands(part.motes_joined()),
             {with_thousands(alive), alive < motes ? look::bad : look::plain},
             with_thousands(messages.reliable_sent + messages.unreliable_sent),
-            with_thousands(messages.received),
+            with_thousands(messages.arrived),
             share_of(messages.reliable_acked, messages.reliable_sent - messages.reliable_open),
             with_thousands(radio.requests),
             share_of(radio.mac_sent, radio.requests - radio.mac_open),
@@ -289,7 +289,7 @@ void add_network(report_page& page, const run_report& x) {
               with_thousands(part.arrived),
               with_thousands(part.forwarded),
               with_thousands(part.channels_opened),
-              with_thousands(part.channel_packets_arrived),
+              with_thousands(part.channel_packets.arrived),
               with_thousands(part.beacons),
               part.synchronised > 0 ? microseconds_text(part.clock_error_max) : "–",
               part.aligned > 0 ? microseconds_text(part.time_error_max) : "–",
@@ -530,6 +530,7 @@ std::string to_text(const run_report& x, const text_options& options) {
   add_groups(page, x);
   add_flows(page, x);
   add_deliveries(page, x);
+  add_losses(page, x);
   add_streams(page, x);
   add_programs(page, x);
   add_energy(page, x);

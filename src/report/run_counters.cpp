@@ -1,6 +1,8 @@
 #include "report/run_counters.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <string_view>
 
 namespace rubicon::report {
 
@@ -15,6 +17,18 @@ std::uint64_t above(std::uint64_t a, std::uint64_t b) {
   return a > b ? a - b : 0;
 }
 
+/// `kitchen/climate-7` of `mote/kitchen/climate-7`, `kitchen/sink` of `sink/kitchen`.
+std::string place_name(std::string_view path) {
+  const auto slash = path.find('/');
+  if (slash == std::string_view::npos)
+    return std::string(path);
+  const auto kind = path.substr(0, slash);
+  const auto rest = std::string(path.substr(slash + 1));
+  return kind == "sink" || kind == "gateway" || kind == "serial_line"
+             ? rest + '/' + std::string(kind)
+             : rest;
+}
+
 double& figure_of(program_report& x, const std::string& name) {
   const auto found = std::ranges::find(x.figures, name, &std::pair<std::string, double>::first);
   return found != x.figures.end() ? found->second : x.figures.emplace_back(name, 0).second;
@@ -22,11 +36,42 @@ double& figure_of(program_report& x, const std::string& name) {
 
 } // namespace
 
-void run_counters::add(mote_address who, bool is_pc, const message_report& x,
-                       const arrival_counts& arrivals) {
+cause_counts lost_of(const message_tally& x) {
+  cause_counts out;
+  for (std::size_t i = 0; i < loss_count; ++i)
+    if (x.lost.at(i) > 0)
+      out[std::string(to_string(static_cast<loss>(i)))] = x.lost.at(i);
+  return out;
+}
+
+std::vector<loss_report> losses_of(const message_ledger& x) {
+  std::vector<loss_report> out;
+  for (const auto& [where, count] : x.lost_at()) {
+    const auto& [kind, cause, place] = where;
+    out.push_back(
+        {std::string(to_string(kind)), std::string(to_string(cause)), place_name(place), count});
+  }
+  return out;
+}
+
+void run_counters::add(mote_address who, bool is_pc, const message_report& x) {
   (is_pc ? all_.pcs : all_.messages)[who] += x;
-  for (const auto& [source, count] : arrivals)
-    all_.arrivals[source] += count;
+}
+
+void run_counters::take(const message_ledger& x) {
+  all_.accounts.clear();
+  all_.losses.clear();
+  for (const auto& [who, tally] : x.tallied()) {
+    auto& account = all_.accounts[{who.first, std::string(to_string(who.second))}];
+    account.sent = tally.sent;
+    account.arrived = tally.arrived;
+    account.handed_over = tally.handed_over;
+    account.lost = lost_of(tally);
+  }
+  for (const auto& [who, count] : x.foreign_arrivals())
+    all_.accounts[{who.first, std::string(to_string(who.second))}].came_over = count;
+  for (const auto& each : losses_of(x))
+    all_.losses[{each.what, each.cause, each.place}] += each.count;
 }
 
 void run_counters::add(const program_report& x, std::uint32_t number,
@@ -129,7 +174,8 @@ void run_counters::add(const unsettled_counters& x) {
     add(proxy, proxy.status == "ended");
   add_to(all_.messages, x.messages);
   add_to(all_.pcs, x.pcs);
-  add_to(all_.arrivals, x.arrivals);
+  add_to(all_.accounts, x.accounts);
+  add_to(all_.losses, x.losses);
 }
 
 void unsettle(run_report& x) {
@@ -137,9 +183,11 @@ void unsettle(run_report& x) {
   x.streams.clear();
   x.proxies.clear();
   x.pc_messages = {};
+  x.tunnels = {};
+  x.losses.clear();
   for (auto& island : x.islands) {
     island.messages = {};
-    island.network.lost.erase("channel_lost");
+    island.network.channel_packets = {};
     for (auto& mote : island.motes)
       mote.messages = {};
   }
@@ -197,37 +245,70 @@ void run_counters::settle_streams(run_report& x) const {
   }
 }
 
+namespace {
+
+/// What other processes have not received of what was handed over is lost on its way.
+carried_report settled(const sender_account& x) {
+  carried_report out{x.sent, x.arrived, x.lost, 0};
+  const auto arrived_there = std::min(x.handed_over, x.came_over);
+  out.arrived += arrived_there;
+  if (const auto missing = x.handed_over - arrived_there; missing > 0)
+    out.lost[std::string(to_string(loss::package_lost))] += missing;
+  out.in_transit = above(out.sent, out.arrived + total(out.lost));
+  return out;
+}
+
+} // namespace
+
+carried_report run_counters::carried(const mote_address& who, message_kind kind) const {
+  const auto found = all_.accounts.find({who, std::string(to_string(kind))});
+  return found == all_.accounts.end() ? carried_report{} : rubicon::report::settled(found->second);
+}
+
 void run_counters::settle_messages(run_report& x) const {
-  const auto told = [this](const mote_address& who, message_report sum) {
-    const auto arrived = all_.arrivals.find(who);
-    sum.unreliable_arrived = arrived == all_.arrivals.end() ? 0 : arrived->second;
-    sum.lost["in_transit"] = above(sum.unreliable_sent, sum.unreliable_arrived);
+  const auto whole = [this](const mote_address& who, message_report sum) {
+    auto account = carried(who, message_kind::message);
+    sum.arrived = account.arrived;
+    sum.lost = std::move(account.lost);
+    sum.in_transit = account.in_transit;
     return sum;
   };
   for (const auto& [who, sum] : all_.messages) {
     const auto island = std::ranges::find(x.islands, who.island, &island_report::id);
     if (island == x.islands.end())
       continue;
-    const auto all = told(who, sum);
+    const auto all = whole(who, sum);
     island->messages += all;
     const auto mote = std::ranges::find(island->motes, who, &mote_report::address);
     if (mote != island->motes.end())
       mote->messages = all;
   }
   for (const auto& [who, sum] : all_.pcs)
-    x.pc_messages += told(who, sum);
+    x.pc_messages += whole(who, sum);
+}
+
+/// Of channels and tunnels, and where all has been lost.
+void run_counters::settle_packets(run_report& x) const {
+  for (const auto& [key, account] : all_.accounts) {
+    const auto& [who, kind] = key;
+    if (kind == to_string(message_kind::tunnel))
+      x.tunnels += rubicon::report::settled(account);
+    const auto island = std::ranges::find(x.islands, who.island, &island_report::id);
+    if (kind == to_string(message_kind::channel) && island != x.islands.end())
+      island->network.channel_packets += rubicon::report::settled(account);
+  }
+  for (const auto& [where, count] : all_.losses)
+    x.losses.push_back({std::get<0>(where), std::get<1>(where), std::get<2>(where), count});
+  std::ranges::stable_sort(x.losses, std::greater(), &loss_report::count);
 }
 
 void run_counters::settle(run_report& x) const {
   settle_streams(x);
   settle_messages(x);
+  settle_packets(x);
   for (const auto& [name, proxy] : all_.proxies)
     if (proxy.status != "ended" || proxy.actuations.requested > 0)
       x.proxies.push_back(proxy);
-  for (auto& island : x.islands) {
-    auto& network = island.network;
-    network.lost["channel_lost"] = above(network.channel_packets, network.channel_packets_arrived);
-  }
 }
 
 } // namespace rubicon::report

@@ -13,6 +13,7 @@
 #include "apps/stream_end.hpp"
 #include "core/address.hpp"
 #include "core/fields.hpp"
+#include "core/message_ledger.hpp"
 #include "core/time.hpp"
 #include "report/report.hpp"
 
@@ -58,6 +59,17 @@ struct stream_counters {
 RUBICON_FIELDS(stream_counters::end, is_known, open, steady, newest_ms, newest_at);
 RUBICON_FIELDS(stream_counters, sum, writer, reader, every);
 
+/// The account of one sender's messages of one kind, as message_tally, where it may be incomplete:
+/// other processes tell what has come to them.
+struct sender_account {
+  std::uint64_t sent = 0;
+  std::uint64_t arrived = 0;
+  std::uint64_t handed_over = 0; ///< to other processes
+  std::uint64_t came_over = 0;   ///< of the messages of another process, those that arrived here
+  cause_counts lost;
+};
+RUBICON_FIELDS(sender_account, sent, arrived, handed_over, came_over, lost);
+
 /// What is counted before it is settled: parts of an ecology that ran in several processes add up.
 struct unsettled_counters {
   using program_key = std::tuple<std::string, std::uint32_t, std::string>; ///< node, number, kind
@@ -68,17 +80,26 @@ struct unsettled_counters {
   std::map<std::string, proxy_report> proxies;
   std::map<mote_address, message_report> messages; ///< of motes and gateways
   std::map<mote_address, message_report> pcs;
-  std::map<mote_address, std::uint64_t> arrivals; ///< by source
+  using account_key = std::pair<mote_address, std::string>; ///< sender, kind of message
+  std::map<account_key, sender_account> accounts;
+  using loss_key = std::tuple<std::string, std::string, std::string>; ///< kind, cause, place
+  std::map<loss_key, std::uint64_t> losses;
 };
-RUBICON_FIELDS(unsettled_counters, programs, streams, proxies, messages, pcs, arrivals);
+RUBICON_FIELDS(unsettled_counters, programs, streams, proxies, messages, pcs, accounts, losses);
+
+/// Of those messages, by cause.
+[[nodiscard]] cause_counts lost_of(const message_tally& x);
+
+/// All that was lost so far, by place.
+[[nodiscard]] std::vector<loss_report> losses_of(const message_ledger& x);
 
 class run_counters {
 public:
-  using arrival_counts = std::vector<std::pair<mote_address, std::uint64_t>>;
-
   /// Messages of one life of a mote, gateway (no_mote) or PC.
-  /// @param arrivals unreliable messages that have come to it, by source
-  void add(mote_address who, bool is_pc, const message_report& x, const arrival_counts& arrivals);
+  void add(mote_address who, bool is_pc, const message_report& x);
+
+  /// All messages of this process so far; what was taken before gives way.
+  void take(const message_ledger& x);
 
   /// One life of a program. @param number among those of its node; 0: it has one life only
   /// @param measured its figures that are no counts: those of its last life stand
@@ -104,6 +125,8 @@ public:
 
 private:
   [[nodiscard]] static stream_report settled(const stream_counters& x);
+  [[nodiscard]] carried_report carried(const mote_address& who, message_kind kind) const;
+  void settle_packets(run_report& x) const;
   void settle_streams(run_report& x) const;
   void settle_messages(run_report& x) const;
 

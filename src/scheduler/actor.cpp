@@ -77,13 +77,25 @@ void actor::deliver(envelope_ptr x, actor* from) {
     return;
   const bool ended = has_ended();
   record(*x, from, !ended);
-  if (ended)
+  if (ended) {
+    if (provenance_here.account != nullptr)
+      note_lost_copy();
     return;
+  }
+  if (provenance_here.account != nullptr)
+    x->account = account_ref(provenance_here.account);
   mailbox_.push(std::move(x));
   if (!is_ready_) {
     is_ready_ = true;
     its.make_ready(*this);
   }
+}
+
+/// A copy of a message has come to an actor that is no more.
+void actor::note_lost_copy() {
+  const provenance copy;
+  const turn_of here(source());
+  note_loss(copy, loss::node_stopped);
 }
 
 void actor::enqueue(caf::mailbox_element_ptr x, caf::execution_unit*) {
@@ -118,7 +130,7 @@ void actor::launch(caf::execution_unit*, bool, bool) {
 }
 
 actor::turn_result actor::take_turn(std::size_t messages_max) {
-  const turn_of recorded_turn(recorded());
+  const turn_of provenance_turn(source());
   const turn its_turn(*this);
   if (has_ended())
     return turn_result::ended;
@@ -129,7 +141,9 @@ actor::turn_result actor::take_turn(std::size_t messages_max) {
   for (; messages_max > 0 && !mailbox_.empty(); --messages_max) {
     const auto x = mailbox_.pop();
     current_ = x.get();
+    turn_of::handles(x->number, x->account);
     carry_out([this, &x] { receive(*x); });
+    turn_of::handles_nothing();
     current_ = nullptr;
   }
   if (!mailbox_.empty())
@@ -203,6 +217,8 @@ void actor::kill() {
 void actor::finish() {
   if (has_ended())
     return;
+  const turn_of provenance_turn(source());
+  const stopping its_copies;
   on_exit();
   cleanup(std::move(reason_), context());
   mailbox_.clear();

@@ -169,10 +169,6 @@ protected:
   [[nodiscard]] virtual handler_set begin() = 0;
   virtual void destroy_state() = 0;
 
-  [[nodiscard]] std::uint64_t handled_number() const override {
-    return current_ != nullptr ? current_->number : 0;
-  }
-
 private:
   struct handlers {
     down_handler on_down;
@@ -186,6 +182,7 @@ private:
   template <class Action>
   void carry_out(Action action);
   void receive(envelope& x);
+  void note_lost_copy();
   void handle_system_message(caf::mailbox_element& x);
   void on_exit_message(const caf::exit_msg& x);
   void fail(std::exception_ptr why);

@@ -249,8 +249,10 @@ void coordinator::let_run(instant others, instant end) {
   const auto before = turns_so_far();
   const auto started = steady::now();
   if (threads_ > 1 && ahead && round_.size() > 1 && turns_of_round_ >= turns_worth_sharing) {
-    if (!workers_)
+    if (!workers_) {
+      account_ref::share_between_threads();
       workers_ = std::make_unique<parallel::workers>(threads_ - 1);
+    }
     workers_->run(round_.size(),
                   [this](std::size_t i) { round_[i].who->run_before(round_[i].end); });
   } else {

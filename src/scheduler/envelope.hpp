@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/hash.hpp"
+#include "core/provenance.hpp"
 #include "scheduler/envelope_pool.hpp"
 
 namespace rubicon::scheduler {
@@ -91,6 +92,7 @@ public:
 
   std::uint64_t sender = 0; ///< CAF's number of the actor; 0: nobody
   std::uint64_t number = 0; ///< of its delivery, if that is observed (delivery::number)
+  account_ref account;      ///< of the message that it is a copy of (core/message_ledger.hpp)
   envelope* next = nullptr; ///< in a mailbox
 
 protected:

@@ -74,6 +74,10 @@ void traced_base::place(std::string path, process& where, trace_recorder* record
   is_watched_ = recorder_ != nullptr && recorder_->watches(path_);
 }
 
+instant traced_base::time() const {
+  return process_->now();
+}
+
 trace_part& traced_base::part() const {
   return process_->trace();
 }

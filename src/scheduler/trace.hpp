@@ -15,6 +15,7 @@
 
 #include "core/bytes.hpp"
 #include "core/hash.hpp"
+#include "core/message_ledger.hpp"
 #include "core/provenance.hpp"
 #include "core/time.hpp"
 #include "scheduler/envelope.hpp"
@@ -124,6 +125,9 @@ public:
   /// Gives a number to what `path` begins, and tells it. @pre wants_remarks()
   [[nodiscard]] std::uint64_t begin(std::string_view path, std::string_view what, std::uint64_t id);
 
+  /// The account of all messages of the run.
+  [[nodiscard]] message_ledger& messages() { return *messages_; }
+
   /// The trace so far: equal for equal runs, on any machine.
   [[nodiscard]] std::uint64_t hash() const;
 
@@ -132,6 +136,7 @@ public:
 
 private:
   const caf::actor_clock* clock_ = nullptr; ///< nullptr: nothing is recorded
+  std::shared_ptr<message_ledger> messages_ = message_ledger::make();
   std::vector<std::unique_ptr<trace_part>> parts_;
   std::uint64_t numbers_given_ = 0;
   observer observer_;
@@ -161,8 +166,14 @@ public:
   [[nodiscard]] process* where() const { return process_; }
 
   [[nodiscard]] std::uint64_t begin(std::string_view what, std::uint64_t id) override {
-    return recorder_->begin(path_, what, id);
+    return recorder_ != nullptr && recorder_->wants_remarks() ? recorder_->begin(path_, what, id)
+                                                              : 0;
   }
+  [[nodiscard]] message_ledger* ledger() override {
+    return recorder_ != nullptr ? &recorder_->messages() : nullptr;
+  }
+  [[nodiscard]] std::string_view place() const override { return path_; }
+  [[nodiscard]] instant time() const override;
 
   /// Tells observers; costs nothing without any.
   /// @param octets made only if somebody observes
@@ -185,10 +196,8 @@ protected:
   traced_base() = default;
   ~traced_base() override = default;
 
-  /// Who gives numbers to what it does; nullptr: nobody records.
-  [[nodiscard]] provenance_source* recorded() {
-    return recorder_ != nullptr && recorder_->wants_remarks() ? this : nullptr;
-  }
+  /// Itself, if it was placed.
+  [[nodiscard]] provenance_source* source() { return recorder_ != nullptr ? this : nullptr; }
 
   void record(envelope& x, const traced_base* from, bool heard) {
     if (recorder_ != nullptr)

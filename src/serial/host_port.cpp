@@ -4,6 +4,7 @@
 #include <cassert>
 #include <utility>
 
+#include "core/message_ledger.hpp"
 #include "serial/line_config.hpp"
 
 namespace rubicon::serial {
@@ -41,6 +42,7 @@ outputs host_port::send(packet_id id, bytes packet, instant now) {
   outputs out;
   if (const auto cause = objection(packet)) {
     ++counters_.refused;
+    note_loss(loss::line_failed);
     out.push_back(lost{id, *cause});
   } else if (in_flight_.size() < config_.window) {
     ++counters_.accepted;
@@ -49,6 +51,7 @@ outputs host_port::send(packet_id id, bytes packet, instant now) {
     ++counters_.accepted;
   } else {
     ++counters_.queue_full;
+    note_loss(loss::line_failed);
     out.push_back(lost{id, lost_cause::queue_full});
   }
   return out;
@@ -68,6 +71,7 @@ outputs host_port::on_time(instant now) {
     if (x->due <= now && x->attempts.size() >= config_.attempts_max) {
       patience_.on_silence();
       ++counters_.no_ack;
+      note_loss(x->what.from, loss::line_failed);
       out.push_back(lost{x->what.id, lost_cause::no_ack});
       x = in_flight_.erase(x);
       continue;

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <utility>
 
+#include "core/message_ledger.hpp"
+
 namespace rubicon::serial {
 
 std::string to_string(direction x) {
@@ -26,10 +28,13 @@ void line::send(direction towards, payload octets, instant now) {
   lane.counters.written += size;
   if (!plugged_) {
     lane.counters.unplugged += size;
+    note_loss(loss::line_failed);
     return;
   }
   const auto kept = std::min(size, room(lane, now));
   lane.counters.overflow += size - kept;
+  if (kept < size)
+    note_loss(loss::line_failed);
   if (kept == 0)
     return;
   lane.free_at = std::max(lane.free_at, now) + transmission_time(kept, config_.baud);
@@ -66,8 +71,10 @@ line_outputs line::unplug(instant now) {
   auto out = on_time(now);
   plugged_ = false;
   for (auto& lane : lanes_) {
-    for (const auto& chunk : lane.chunks)
+    for (const auto& chunk : lane.chunks) {
       lane.counters.unplugged += chunk.octets.size();
+      note_loss(chunk.from, loss::line_failed);
+    }
     lane.chunks.clear();
     lane.free_at = now;
   }

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <utility>
 
+#include "core/message_ledger.hpp"
 #include "serial/frame.hpp"
 #include "serial/line_config.hpp"
 
@@ -34,10 +35,13 @@ mote_port_outputs mote_port::send(bytes packet, instant now) {
   clock_ = std::max(clock_, now);
   if (state_ == state::inactive) {
     ++counters_.discarded;
+    note_loss(loss::line_failed);
     return out;
   }
-  if (!packets_.push({std::move(packet)}))
+  if (!packets_.push({std::move(packet)})) {
     ++counters_.queue_full;
+    note_loss(loss::line_failed);
+  }
   transmit(now, out);
   return out;
 }
@@ -133,6 +137,7 @@ void mote_port::on_type(std::uint8_t octet, instant at) {
                                  [&](const buffer& x) { return x.busy_until <= at; });
   if (free == buffers_.end()) {
     ++counters_.no_buffer;
+    note_loss(loss::line_failed);
     end_frame(state::no_sync);
     return;
   }
@@ -172,6 +177,7 @@ void mote_port::end_body(instant at, mote_port_outputs& out) {
                          crc16(byte_view(head).first(type_ == asks_for_ack ? 2U : 1U)));
   if (crc != (tail[0] | tail[1] << 8)) {
     ++counters_.bad_crc;
+    note_loss(loss::line_failed);
     end_frame(state::type);
     return;
   }
@@ -202,6 +208,7 @@ void mote_port::pass_up(mote_port_outputs& out) {
   const std::size_t length = octets[am_length_at];
   if (length > config_.payload_max) {
     ++counters_.oversized;
+    note_loss(loss::line_failed);
     return;
   }
   // The header's length is believed, whatever the frame brought.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/message_ledger.hpp"
+
 namespace rubicon::transport {
 
 namespace {
@@ -140,6 +142,7 @@ outputs messenger::on_segment(island_id source_island, byte_view octets, instant
   auto decoded = decode_segment(octets);
   if (!decoded) {
     ++counters_.malformed;
+    note_loss(loss::malformed);
     return out;
   }
   segment& x = *decoded;
@@ -147,7 +150,6 @@ outputs messenger::on_segment(island_id source_island, byte_view octets, instant
   switch (x.what) {
   case segment::kind::plain:
     ++counters_.received;
-    count_arrival(from);
     out.emplace_back(received{from, x.am_type, std::move(x.payload)});
     break;
   case segment::kind::reliable:
@@ -163,14 +165,6 @@ outputs messenger::on_segment(island_id source_island, byte_view octets, instant
     break;
   }
   return out;
-}
-
-void messenger::count_arrival(mote_address from) {
-  const auto known = arrivals_.find(from);
-  if (known != arrivals_.end())
-    ++known->second;
-  else if (arrivals_.size() < arrivals_max)
-    arrivals_.emplace(from, 1);
 }
 
 void messenger::answer(mote_address to, const segment& x, segment::kind what, outputs& out) const {
@@ -209,6 +203,7 @@ void messenger::on_reliable(mote_address from, segment x, outputs& out, instant 
   const auto self = static_cast<incarnation>(config_.incarnation % receiver_incarnations);
   if (x.receiver != self || known == sources_.end() || x.sender != known->second.sender) {
     ++counters_.strangers;
+    note_loss(loss::not_taken);
     answer(from, x, segment::kind::refused, out);
     return;
   }
@@ -223,6 +218,7 @@ void messenger::on_reliable(mote_address from, segment x, outputs& out, instant 
   }
   if (held_.contains(x.am_type)) {
     ++counters_.throttled;
+    note_loss(loss::not_taken);
     answer(from, x, segment::kind::busy, out);
     return;
   }
@@ -325,8 +321,10 @@ std::optional<instant> messenger::deadline() const {
 outputs messenger::fail_all() {
   outputs out;
   for (const auto& [destination, to] : sessions_) {
-    for (const auto& x : to.messages)
+    for (const auto& x : to.messages) {
+      note_loss(x.from, loss::sender_left);
       out.emplace_back(outcome{x.id, false});
+    }
   }
   counters_.reliable_failed += outstanding_;
   counters_.failed_left += outstanding_;

@@ -143,12 +143,6 @@ public:
   [[nodiscard]] const messenger_config& config() const { return config_; }
   [[nodiscard]] const messenger_counters& counters() const { return counters_; }
 
-  /// Unreliable messages passed up, by source; those of the first `arrivals_max` sources. It is the
-  /// experimenter's knowledge: no mote keeps it.
-  using arrival_counts = std::map<mote_address, std::uint64_t>;
-  static constexpr std::size_t arrivals_max = 4096;
-  [[nodiscard]] const arrival_counts& arrivals() const { return arrivals_; }
-
   /// Octets of its state on a mote; payloads belong to their senders (AM-03).
   [[nodiscard]] std::size_t footprint() const {
     return config_.outstanding_max * 16 + config_.sessions_max * 12 + config_.sources_max * 9 + 48;
@@ -189,7 +183,6 @@ private:
   void attempt(mote_address destination, session& x, outputs& out, instant now);
   void begin(mote_address destination, session& x, outputs& out, instant now);
   void end_first(mote_address destination, session& x, bool acked, outputs& out, instant now);
-  void count_arrival(mote_address from);
   void on_answer(mote_address from, const segment& x, outputs& out, instant now);
   void learn(mote_address from, session& x, instant now) const;
   [[nodiscard]] instant gives_up(mote_address destination, const session& x) const;
@@ -206,7 +199,6 @@ private:
   std::map<mote_address, session> sessions_;
   std::map<mote_address, source> sources_;
   std::set<std::uint8_t> held_;
-  arrival_counts arrivals_;
   messenger_counters counters_;
 };
 

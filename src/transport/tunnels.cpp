@@ -4,6 +4,8 @@
 #include <cassert>
 #include <iterator>
 
+#include "core/message_ledger.hpp"
+
 namespace rubicon::transport {
 
 namespace {
@@ -69,6 +71,7 @@ std::optional<tunnels_outputs> tunnels::send(tunnel_id id, byte_view content, in
   const auto at = entries_.find(id);
   if (at == entries_.end() || at->second.peer_life == 0 || content.size() > tunnel_content_max) {
     ++counters_.not_sent;
+    note_loss(loss::channel_closed);
     return std::nullopt;
   }
   ++counters_.sent;
@@ -127,12 +130,14 @@ tunnels_outputs tunnels::on_packet(island_id source_island, byte_view octets, in
   auto decoded = decode_tunnel_message(octets);
   if (!decoded) {
     ++counters_.malformed;
+    note_loss(loss::malformed);
     return out;
   }
   auto& x = *decoded;
   const mote_address from{source_island, x.sender};
   if (x.receiver != config_.self) {
     ++counters_.misdirected;
+    note_loss(loss::no_program);
     return out;
   }
   const auto at = find(from, x);
@@ -142,6 +147,7 @@ tunnels_outputs tunnels::on_packet(island_id source_island, byte_view octets, in
     on_connect(from, x, out, now);
   } else {
     ++counters_.strays;
+    note_loss(loss::channel_closed);
     if (x.what != kind::close && x.what != kind::refuse)
       out.emplace_back(answer(from, x, kind::close));
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "report/report_parts.hpp"
+
 namespace rubicon::view {
 
 namespace {
@@ -29,9 +31,10 @@ report::run_sample sample_of(const report::run_report& x) {
   y.at = instant{} + x.simulated;
   for (const auto& island : x.islands) {
     y.islands.push_back({island.id,
-                         {{"radio", island.radio.lost},
+                         {{"radio", report::really_lost(island.radio)},
                           {"mac", island.radio.mac_failed},
                           {"network", island.network.lost},
+                          {"channels", island.network.channel_packets.lost},
                           {"messages", island.messages.lost}}});
     for (const auto& mote : island.motes)
       y.motes.push_back(sample_of(mote));

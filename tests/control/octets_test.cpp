@@ -21,7 +21,7 @@ report::part_report some_part() {
   auto& program = x.counters.programs[{"kitchen/fan", 1, "sampler"}];
   program.sum.figures = {{"readings", 12.5}};
   x.counters.streams[{"robot", 9}].writer.newest_ms = 1234;
-  x.counters.arrivals[{island_id(1), mote_id(2)}] = 3;
+  x.counters.accounts[{{island_id(1), mote_id(2)}, "message"}].came_over = 3;
   return x;
 }
 

@@ -64,8 +64,7 @@ struct load_result {
 load_result under(const report::run_report& x) {
   load_result sum;
   for (const auto& island : x.islands)
-    sum.received +=
-        static_cast<double>(island.messages.unreliable_arrived + island.messages.reliable_acked);
+    sum.received += static_cast<double>(island.messages.arrived);
   sum.received /= static_cast<double>(x.islands.size() * motes);
   delay_histogram latency;
   for (const auto& proxy : x.proxies) {

@@ -10,14 +10,16 @@ namespace {
 
 class sample_source : public provenance_source {
 public:
-  [[nodiscard]] std::uint64_t handled_number() const override { return handled; }
   [[nodiscard]] std::uint64_t begin(std::string_view what, std::uint64_t id) override {
     begun.push_back(std::string(what) + ' ' + std::to_string(id) + ' ' +
                     std::to_string(provenance().number()));
     return 100 + begun.size();
   }
 
-  std::uint64_t handled = 0;
+  [[nodiscard]] message_ledger* ledger() override { return nullptr; }
+  [[nodiscard]] std::string_view place() const override { return "mote/a/b"; }
+  [[nodiscard]] instant time() const override { return {}; }
+
   std::vector<std::string> begun;
 };
 
@@ -42,9 +44,9 @@ TEST_CASE("what waits keeps what was handled when it was made", "[core]") {
   waiting first;
   {
     const turn_of turn(&who);
-    who.handled = 7;
+    turn_of::handles(7, {});
     first = {1};
-    who.handled = 8;
+    turn_of::handles(8, {});
     const waiting second{1};
     CHECK(first.from.number() == 7);
     CHECK(second.from.number() == 8);
@@ -57,9 +59,9 @@ TEST_CASE("what waits keeps what was handled when it was made", "[core]") {
 TEST_CASE("what is done for a thing that has waited comes from where that came from", "[core]") {
   sample_source who;
   const turn_of turn(&who);
-  who.handled = 7;
+  turn_of::handles(7, {});
   const waiting x{1};
-  who.handled = 9;
+  turn_of::handles(9, {});
   {
     const acting_on its(x.from);
     CHECK(provenance().number() == 7);
@@ -75,7 +77,7 @@ TEST_CASE("what is done for a thing that has waited comes from where that came f
 TEST_CASE("what begins has a number of its own, and a cause", "[core]") {
   sample_source who;
   const turn_of turn(&who);
-  who.handled = 7;
+  turn_of::handles(7, {});
   const acting_on message(provenance::begin("message"));
   const acting_on attempt(provenance::begin("attempt", 3));
   CHECK(provenance().number() == 102);

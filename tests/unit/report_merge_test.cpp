@@ -70,10 +70,13 @@ TEST_CASE("a message from one host to another has arrived", "[report][GEN-05]") 
   auto bedroom = part_with(pager, "bedroom");
   auto& sent = kitchen.counters.messages[fan];
   sent.offered = sent.unreliable_sent = 5;
-  bedroom.counters.arrivals[fan] = 4;
+  auto& account = kitchen.counters.accounts[{fan, "message"}];
+  account.sent = account.handed_over = 5;
+  bedroom.counters.accounts[{fan, "message"}].came_over = 4;
   const auto x = merged_of({{"a", {{0s, kitchen, true}}}, {"b", {{0s, bedroom, true}}}});
-  CHECK(only_mote(x, 0).messages.unreliable_arrived == 4);
-  CHECK(only_mote(x, 0).messages.lost.at("in_transit") == 1);
+  CHECK(only_mote(x, 0).messages.arrived == 4);
+  CHECK(only_mote(x, 0).messages.lost == cause_counts{{"package_lost", 1}});
+  CHECK(only_mote(x, 0).messages.in_transit == 0);
   CHECK(x.violations.empty());
 }
 
@@ -107,11 +110,13 @@ TEST_CASE("lives of a part add up, and what was open in one that was killed has 
   killed.offered = killed.reliable_sent = 3;
   killed.reliable_acked = 2;
   killed.reliable_open = 1;
+  before.counters.accounts[{fan, "message"}] = {3, 2, 0, 0, {}};
   before.report.complete = false;
   before.report.simulated = 20s;
   auto after = part_with(fan, "kitchen");
   auto& sent = after.counters.messages[fan];
   sent.offered = sent.reliable_sent = sent.reliable_acked = 4;
+  after.counters.accounts[{fan, "message"}] = {4, 4, 0, 0, {}};
   after.report.simulated = 35s;
   after.report.event_log = {{instant(1s), "kitchen/fan", "joined"}};
   const auto x = merged_of({{"a", {{0s, before, false}, {25s, after, true}}}});
@@ -124,7 +129,8 @@ TEST_CASE("lives of a part add up, and what was open in one that was killed has 
   CHECK(messages.reliable_acked == 6);
   CHECK(messages.reliable_failed == 1);
   CHECK(messages.reliable_open == 0);
-  CHECK(messages.lost.at("sender_ended") == 1);
+  CHECK(messages.arrived == 6);
+  CHECK(messages.lost == cause_counts{{"node_stopped", 1}});
   CHECK(x.violations.empty()); // they balance
   REQUIRE(x.event_log.size() == 2);
   CHECK(x.event_log[0].at == instant(20s));

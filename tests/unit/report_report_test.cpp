@@ -259,7 +259,7 @@ TEST_CASE("neighbours in the event log that tell the same are told as one", "[re
 TEST_CASE("the text tells what became of the messages of each mote", "[report]") {
   const auto text = to_text(sample_report());
   CHECK(contains(text, "kitchen/climate-7       111    97.3%  climate-8     2  -71"));
-  CHECK(contains(text, "crowded 1, in_transit 1, unanswered 1"));
+  CHECK(contains(text, "gave_up 2, crowded 1"));
   CHECK(contains(text, "messages refused: crowded 2"));
   CHECK(contains(text, "7  kitchen/climate-7  robot       600   585    97.7%       14         2"));
 }

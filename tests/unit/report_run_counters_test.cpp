@@ -153,23 +153,33 @@ TEST_CASE("a reader whose writer is nobody of this run goes by its own clock",
   CHECK_FALSE(x.streams[0].delivery());
 }
 
-TEST_CASE("messages are added up over lives, and arrivals are told by those they came to",
+TEST_CASE("messages are added up over lives, and the account says what became of them",
           "[report][run_counters]") {
   message_report life;
   life.offered = 12;
   life.refused = {{"crowded", 2}};
   life.unreliable_sent = 10;
   run_counters all;
-  all.add(fan, false, life, {});
-  all.add(fan, false, life, {{button, 1}});
-  all.add({island_id{3}, no_mote}, false, {}, {{fan, 17}});
-  all.add({island_id{30}, no_mote}, true, life, {{fan, 1}});
+  all.add(fan, false, life);
+  all.add(fan, false, life);
+  all.add({island_id{30}, no_mote}, true, life);
+  unsettled_counters account;
+  account.accounts[{fan, "message"}] = {20, 17, 2, 0, {{"gave_up", 1}}};
+  account.accounts[{{island_id{30}, no_mote}, "message"}] = {10, 10, 0, 0, {}};
+  account.losses[{"message", "gave_up", "kitchen/fan"}] = 1;
+  all.add(account);
+  unsettled_counters elsewhere; // another process has received one of the two that it was given
+  elsewhere.accounts[{fan, "message"}].came_over = 1;
+  all.add(elsewhere);
   const auto x = of(all);
   const auto& sum = x.islands[0].motes[0].messages;
   CHECK(sum.offered == 24);
   CHECK(sum.refused.at("crowded") == 4);
-  CHECK(sum.unreliable_arrived == 18);
-  CHECK(sum.lost.at("in_transit") == 2);
+  CHECK(sum.arrived == 18);
+  CHECK(sum.lost == cause_counts{{"gave_up", 1}, {"package_lost", 1}});
+  CHECK(sum.in_transit == 0);
+  REQUIRE(x.losses.size() == 1);
+  CHECK(x.losses[0].place == "kitchen/fan");
   CHECK(*sum.delivery() == Approx(18.0 / 24));
   CHECK(x.islands[0].messages.offered == 24);
   CHECK(x.pc_messages.offered == 12);

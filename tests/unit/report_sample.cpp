@@ -52,8 +52,9 @@ island_report kitchen() {
                 .reliable_failed = 3,
                 .reliable_open = 1,
                 .unreliable_sent = 17,
-                .unreliable_arrived = 15,
-                .lost = {{"in_transit", 2}, {"unanswered", 3}},
+                .arrived = 1'245,
+                .lost = {{"gave_up", 5}},
+                .in_transit = 1,
                 .received = 1'222,
                 .duplicates = 5};
   x.motes = {sample_mote(x.id, 7, "climate-7", 3.301), sample_mote(x.id, 8, "climate-8", 3.287),
@@ -66,8 +67,8 @@ island_report kitchen() {
                          .reliable_acked = 99,
                          .reliable_failed = 1,
                          .unreliable_sent = 10,
-                         .unreliable_arrived = 9,
-                         .lost = {{"in_transit", 1}, {"unanswered", 1}}};
+                         .arrived = 108,
+                         .lost = {{"gave_up", 2}}};
   x.motes[0].parent = mote_id{8};
   x.motes[0].hops = 2;
   x.motes[0].signal_dbm = -71;

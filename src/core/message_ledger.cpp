@@ -1,0 +1,274 @@
+#include "core/message_ledger.hpp"
+
+#include <numeric>
+#include <tuple>
+
+namespace rubicon {
+
+std::string_view to_string(message_kind x) {
+  constexpr std::array<std::string_view, 3> names{"message", "channel", "tunnel"};
+  return names.at(static_cast<std::size_t>(x));
+}
+
+std::uint64_t message_tally::lost_in_all() const {
+  return std::accumulate(lost.begin(), lost.end(), std::uint64_t{0});
+}
+
+std::shared_ptr<message_ledger> message_ledger::make() {
+  return std::shared_ptr<message_ledger>(new message_ledger());
+}
+
+namespace {
+
+std::string place_here() {
+  const auto* who = provenance_here.who;
+  return who == nullptr ? std::string() : std::string(who->place());
+}
+
+instant time_here() {
+  const auto* who = provenance_here.who;
+  return who == nullptr ? instant{} : who->time();
+}
+
+message_account* account_of(const account_ref& x) {
+  return static_cast<message_account*>(x.get());
+}
+
+} // namespace
+
+account_ref message_ledger::open(std::uint64_t number, message_kind kind, mote_address source,
+                                 mote_address destination) {
+  message_end about;
+  about.number = number;
+  about.kind = kind;
+  about.source = source;
+  about.destination = destination;
+  const std::lock_guard lock(mutex_);
+  ++tallies_[{source, kind}].sent;
+  return account_ref(new message_account(shared_from_this(), std::move(about)));
+}
+
+void message_ledger::cancel(message_account& x) {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(x.state_, message_account::state::cancelled) == message_account::state::open)
+    --tallies_[{x.about_.source, x.about_.kind}].sent;
+}
+
+/// Of two at the same time, which may be noted by two threads in any order, the larger cause and
+/// place stand. That a repeat was recognised says less than any other note.
+void message_ledger::keep(message_account& x, note what) {
+  auto& known = x.about_;
+  const auto weight = [](loss cause) { return cause > loss::duplicate; };
+  const auto is_newer = std::tuple(weight(what.why), what.at, what.why, what.place) >
+                        std::tuple(weight(known.cause), known.at, known.cause, known.place);
+  if (x.state_ != message_account::state::open || !is_newer)
+    return;
+  known.cause = what.why;
+  known.at = what.at;
+  known.place = std::move(what.place);
+}
+
+void message_ledger::note_loss(message_account& x, loss why) {
+  note what{why, time_here(), place_here()};
+  const std::lock_guard lock(mutex_);
+  keep(x, std::move(what));
+}
+
+void message_ledger::note_arrival(message_account& x) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::exchange(x.state_, message_account::state::ended) != message_account::state::open)
+      return;
+    x.about_.outcome = message_end::how::arrived;
+    x.about_.place = place_here();
+    x.about_.at = time_here();
+    ++tallies_[{x.about_.source, x.about_.kind}].arrived;
+  }
+  tell(x.about_);
+}
+
+void message_ledger::note_foreign_arrival(mote_address source, message_kind kind) {
+  const std::lock_guard lock(mutex_);
+  ++foreign_[{source, kind}];
+}
+
+void message_ledger::finish() {
+  const std::lock_guard lock(mutex_);
+  finished_ = true;
+}
+
+void message_ledger::tell(const message_end& x) {
+  if (observer_)
+    observer_(x);
+}
+
+void message_ledger::close(message_account* x) noexcept {
+  const std::unique_ptr<message_account> owned(x);
+  x->in_->end(*x);
+}
+
+void message_ledger::end(message_account& x) {
+  using how = message_end::how;
+  auto& about = x.about_;
+  {
+    const std::lock_guard lock(mutex_);
+    if (x.state_ != message_account::state::open || finished_)
+      return;
+    x.state_ = message_account::state::ended;
+    auto& tally = tallies_[{about.source, about.kind}];
+    about.outcome = x.leaves_ ? how::handed_over : how::lost;
+    if (x.leaves_) {
+      ++tally.handed_over;
+    } else {
+      if (provenance_here.stops || about.place.empty()) {
+        about.cause = provenance_here.stops ? loss::node_stopped : about.cause;
+        about.place = place_here();
+        about.at = time_here();
+      }
+      ++tally.lost.at(static_cast<std::size_t>(about.cause));
+      const auto known = places_.size() < places_max;
+      ++places_[{about.kind, about.cause, known ? about.place : std::string()}];
+    }
+  }
+  tell(about);
+}
+
+// Packages of PEIS links.
+
+void message_ledger::depart(std::uint64_t name, bool leaves) {
+  auto* const what = provenance_here.account;
+  if (what == nullptr)
+    return;
+  package x{account_ref(what), {loss::package_lost, time_here(), place_here()}, 0};
+  gone over; // destroyed unlocked
+  const std::lock_guard lock(mutex_);
+  expire(x.if_lost.at, over);
+  remove(name, over);
+  account_of(x.account)->leaves_ = leaves;
+  x.order = ++departed_;
+  departures_[x.order] = name;
+  packages_.emplace(name, std::move(x));
+}
+
+account_ref message_ledger::come(std::uint64_t name) {
+  gone over;
+  const std::lock_guard lock(mutex_);
+  remove(name, over);
+  if (over.empty())
+    return {};
+  auto what = std::move(over.front().account);
+  account_of(what)->leaves_ = false;
+  return what;
+}
+
+void message_ledger::package_lost(std::uint64_t name) {
+  gone over;
+  const std::lock_guard lock(mutex_);
+  remove(name, over);
+  for (auto& x : over)
+    keep(*account_of(x.account), std::move(x.if_lost));
+}
+
+void message_ledger::remove(std::uint64_t name, gone& to) {
+  auto found = packages_.extract(name);
+  if (found.empty())
+    return;
+  departures_.erase(found.mapped().order);
+  to.push_back(std::move(found.mapped()));
+}
+
+void message_ledger::expire(instant now, gone& to) {
+  while (!departures_.empty()) {
+    const auto name = departures_.begin()->second;
+    if (now - packages_.at(name).if_lost.at < package_lifetime && packages_.size() < packages_max)
+      return;
+    remove(name, to);
+    keep(*account_of(to.back().account), to.back().if_lost);
+  }
+}
+
+// What it says.
+
+message_ledger::tallies message_ledger::tallied() const {
+  const std::lock_guard lock(mutex_);
+  return tallies_;
+}
+
+message_tally message_ledger::of(mote_address source, message_kind kind) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = tallies_.find({source, kind});
+  return found == tallies_.end() ? message_tally{} : found->second;
+}
+
+message_ledger::places message_ledger::lost_at() const {
+  const std::lock_guard lock(mutex_);
+  return places_;
+}
+
+std::map<message_ledger::sender, std::uint64_t> message_ledger::foreign_arrivals() const {
+  const std::lock_guard lock(mutex_);
+  return foreign_;
+}
+
+// What senders, carriers and receivers say.
+
+provenance begin_message(message_kind kind, mote_address source, mote_address destination) {
+  auto* const who = provenance_here.who;
+  if (who == nullptr)
+    return provenance::none();
+  const auto number = who->begin("message", 0);
+  auto* const ledger = who->ledger();
+  return {number,
+          ledger == nullptr ? account_ref() : ledger->open(number, kind, source, destination)};
+}
+
+namespace {
+
+message_ledger* ledger_here() {
+  return provenance_here.who == nullptr ? nullptr : provenance_here.who->ledger();
+}
+
+} // namespace
+
+void refuse_message() {
+  auto* const ledger = ledger_here();
+  if (ledger != nullptr && provenance_here.account != nullptr)
+    ledger->cancel(static_cast<message_account&>(*provenance_here.account));
+}
+
+void note_loss(loss why) {
+  auto* const ledger = ledger_here();
+  if (ledger != nullptr && provenance_here.account != nullptr)
+    ledger->note_loss(static_cast<message_account&>(*provenance_here.account), why);
+}
+
+void note_loss(const provenance& of, loss why) {
+  auto* const ledger = ledger_here();
+  if (ledger != nullptr && of.account())
+    ledger->note_loss(*account_of(of.account()), why);
+}
+
+void note_arrival(message_kind kind, std::optional<mote_address> source) {
+  auto* const ledger = ledger_here();
+  if (ledger == nullptr)
+    return;
+  auto* const account = static_cast<message_account*>(provenance_here.account);
+  if (account != nullptr && account->kind() == kind &&
+      account->source() == source.value_or(account->source()))
+    ledger->note_arrival(*account);
+  else if (account == nullptr && source)
+    ledger->note_foreign_arrival(*source, kind);
+}
+
+void package_departs(std::uint64_t name, bool leaves) {
+  if (auto* const ledger = ledger_here())
+    ledger->depart(name, leaves);
+}
+
+provenance package_comes(std::uint64_t name) {
+  auto* const ledger = ledger_here();
+  const auto begun = provenance::begin("package_received", name);
+  return {begun.number(), ledger == nullptr ? account_ref() : ledger->come(name)};
+}
+
+} // namespace rubicon
