@@ -654,11 +654,27 @@ void on_network(ecology_pointer self, const network_status& x) {
     clocks.motes.push_back({ahead, doubt});
 }
 
+/// The same of a node of another host; empty if it is of none.
+std::string name_elsewhere(const config::part_description& part, const mote_address& x) {
+  const auto island = std::ranges::find(part.others, x.island, &config::island_description::id);
+  if (island != part.others.end()) {
+    const auto mote = std::ranges::find(island->motes, x.mote, &config::mote_description::id);
+    return x.mote == no_mote               ? island->gateway_name
+           : mote == island->motes.end() ? std::string()
+                                         : island->name + '/' + mote->name;
+  }
+  const auto peer = part.other_peers.find(peer_id{static_cast<std::int32_t>(x.island.value)});
+  return x.mote == no_mote && peer != part.other_peers.end() ? peer->second : std::string();
+}
+
 /// `kitchen/fan`, or the name of a peer.
 std::string node_name(ecology_pointer self, const mote_address& x) {
   const auto& state = self->state;
   if (const auto mote = state.motes.find(x); mote != state.motes.end())
     return mote->second.arguments->name;
+  if (state.description.part)
+    if (auto name = name_elsewhere(*state.description.part, x); !name.empty())
+      return name;
   const auto peer = std::ranges::find_if(state.peers, [&x](const auto& each) {
     return each.second.id.value == static_cast<std::int32_t>(x.island.value);
   });

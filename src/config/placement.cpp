@@ -306,6 +306,9 @@ ecology_description part_of(const ecology_description& all, const std::string& h
   auto& part = out.part.emplace();
   part.host = host;
   std::ranges::copy_if(all.islands, std::back_inserter(part.others), is_elsewhere);
+  for (const auto& peer : all.peers)
+    if (is_elsewhere(peer))
+      part.other_peers[peer.id] = peer.name;
   std::erase_if(out.islands, is_elsewhere);
   std::erase_if(out.peers, is_elsewhere);
   std::erase_if(out.airs,

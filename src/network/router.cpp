@@ -14,6 +14,7 @@ constexpr unsigned purpose_bits = 2;
 /// A settled anchor tells of itself every 8 minutes at most: so long the way to it may be broken
 /// after a mote in between has restarted. Meanwhile everybody goes by the places that it had.
 constexpr duration anchor_patience = 10min;
+constexpr duration crowd_beacon = 4s;
 constexpr duration lost_pause = 1s; ///< then it is seen again whether the time is known
 constexpr duration reborn_quiet = 200ms;
 constexpr duration sleeping_round = 30s; ///< between rounds of the clock where radios sleep
@@ -219,7 +220,7 @@ void router::take(collection_outputs todo, router_outputs& out, instant now) {
     out.emplace_back(std::move(frame));
   }
   if (packets_.take_loop_seen())
-    timer_.reset(now);
+    hurry(now);
 }
 
 void router::on_content(collected x, router_outputs& out, instant now) {
@@ -449,12 +450,12 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   on_stamp(x->clock, sfd, out, now);
   if (what == admission::repeated)
     return;
-  if (has_route()) // else nobody does what we do: look for one
-    timer_.hear();
   // In a crowd neighbours come and go in the table, and a new one finds enough others.
-  const bool is_crowd = 2 * links_.all().size() > links_.config().capacity;
+  const bool is_crowd = is_in_crowd();
+  if (has_route() || is_crowd) // else nobody does what we do: look for one
+    timer_.hear();
   if ((what == admission::added && !is_crowd) || what == admission::restarted)
-    timer_.reset(now);
+    hurry(now);
   if (what == admission::restarted)
     take(paths_.on_restarted(source, now), out);
   place_.on_beacon(source, x->coordinates, links_);
@@ -465,10 +466,23 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   if (tree_.on_beacon(source, x->gradient, links_, what == admission::restarted) &&
       now - helped_ >= config_.help_gap) {
     helped_ = now;
-    timer_.reset(now);
+    hurry(now);
   }
   settle(out, now);
   feed(source, out, now);
+}
+
+bool router::is_in_crowd() const {
+  return 2 * links_.all().size() > links_.config().capacity;
+}
+
+/// A beacon should come soon. In a crowd many do that at the same time: an interval that is long
+/// enough for most of them to receive the first ones, and keep quiet.
+void router::hurry(instant now) {
+  if (is_in_crowd())
+    timer_.shorten(now, crowd_beacon);
+  else
+    timer_.reset(now);
 }
 
 bool router::may_hasten(instant now) {
@@ -623,7 +637,7 @@ void router::settle(router_outputs& out, instant now) {
     clock_.follow(tree_.root());
   }
   if (change == gradient_change::lost) {
-    timer_.reset(now);
+    hurry(now);
     seek_end_ = now + config_.seek_length;
   }
   if (place_.update(links_, now))
@@ -734,7 +748,7 @@ router_outputs router::on_time(instant now) {
   }
   beacon_due_ = timer_.on_time(now) || round || beacon_due_;
   if (!tree_.has_route() && now < seek_end_)
-    timer_.shorten(now, change_beacon());
+    timer_.shorten(now, is_in_crowd() ? crowd_beacon : change_beacon());
   const bool is_turn = turn_ <= now && (beacon_due_ || (relay_due_ && *relay_due_ <= now));
   if (is_turn || (answer_due_ && *answer_due_ <= now))
     send_beacon(out, now);

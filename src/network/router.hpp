@@ -206,6 +206,8 @@ private:
   void on_beacon(mote_id source, byte_view payload, instant sfd, router_outputs& out, instant now);
   void settle(router_outputs& out, instant now);
   void feed(mote_id neighbour, router_outputs& out, instant now);
+  [[nodiscard]] bool is_in_crowd() const;
+  void hurry(instant now);
   [[nodiscard]] bool may_hasten(instant now);
   /// @param again it says nothing that the last one did not: it counts as the same
   void send_beacon(router_outputs& out, instant now, bool again = false, bool asks = false);

@@ -31,7 +31,7 @@ struct growing_file {
 
   growing_file() {
     explain::header about;
-    about.islands = {{1, "kitchen", 1, "kitchen-gateway", {{7, "near"}}, {}}};
+    about.islands = {{1, "kitchen", 1, "kitchen-gateway", {{7, "near"}}, {}, {}}};
     add(encode(about));
   }
   void add(const std::string& text) { (file << text).flush(); }

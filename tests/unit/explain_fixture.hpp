@@ -39,7 +39,7 @@ class explain_fixture {
 public:
   explain_fixture() {
     x.about.ecology = "test";
-    x.about.islands = {{1, "kitchen", 1, "kitchen-gateway", {{7, "near"}, {8, "far"}}, {}}};
+    x.about.islands = {{1, "kitchen", 1, "kitchen-gateway", {{7, "near"}, {8, "far"}}, {}, {}}};
     x.about.peers = {{1, "kitchen-gateway"}, {11, "pc"}, {30, "robot"}};
   }
 

@@ -199,7 +199,7 @@ TEST_CASE("without a record messages are not ready, and the page is told why", "
 TEST_CASE("messages of a run that goes on are told, as of when they are", "[view]") {
   page x;
   explain::header about;
-  about.islands = {{1, "kitchen", 1, "kitchen-gateway", {{5, "stove"}}, {}}};
+  about.islands = {{1, "kitchen", 1, "kitchen-gateway", {{5, "stove"}}, {}, {}}};
   about.peers = {{1, "kitchen-gateway"}};
   explain::following all(about);
   const auto sends = [&all](std::uint64_t number, const std::string& who, mote_address to) {
