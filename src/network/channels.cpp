@@ -132,9 +132,18 @@ bool channels::may_be_near(const entry& x, const surroundings& around) {
   return hops_between(*x.wish.place, *around.own_place) <= 1;
 }
 
+/// Whether the connect message is to wait for a neighbour: before it goes to everybody, and where
+/// we have started lately, once.
+bool channels::waits(entry& x, const surroundings& around, instant now) {
+  const bool may_help = x.wish.place && (around.is_new || x.second_try || !x.previous);
+  if (!x.look_end && may_help)
+    x.look_end = now + around.beacon_wait;
+  return x.look_end && now < *x.look_end;
+}
+
 /// Sends the connect message on: to a neighbour that is nearer, else, from the source, to the
-/// destination itself if that may hear us, in a crowd before all others; else back, else to
-/// everybody.
+/// destination itself if that may hear us, in a crowd before all others; else, when it has waited
+/// for one, back, else to everybody.
 void channels::go_on(channel_id id, entry& x, const surroundings& around, channels_outputs& out,
                      instant now) {
   reserve(id, x, out);
@@ -146,6 +155,9 @@ void channels::go_on(channel_id id, entry& x, const surroundings& around, channe
     queue(*next, {id, one_hop_on(x.wish)}, now);
     return;
   }
+  x.next.reset();
+  if (waits(x, around, now))
+    return;
   if (x.previous && !x.second_try && x.wish.place && around.own_place) {
     ++counters_.backtracks;
     const auto previous = *x.previous;
@@ -163,6 +175,7 @@ void channels::flood(channel_id id, entry& x, const surroundings& around, instan
      : !around.own_place ? counters_.floods_self_unknown
                          : counters_.floods_dead_end);
   x.next.reset();
+  x.flooded = true;
   auto wish = one_hop_on(x.wish);
   wish.flooded = true;
   queue(broadcast_mote, {id, wish}, now);
@@ -358,7 +371,9 @@ void channels::take(mote_id from, channel_id id, dead_end_message&, const surrou
   }
   auto& x = found->second;
   if (x.second_try) { // its other neighbour led nowhere either
-    flood(id, x, around, now);
+    x.next.reset();
+    if (!waits(x, around, now))
+      flood(id, x, around, now);
     return;
   }
   x.second_try = from;
@@ -517,21 +532,54 @@ void channels::on_lost(const waiting& x, const surroundings& around, channels_ou
     go_on(x.message.channel, path, around, out, now);
     return;
   }
+  if (asks && path.next == x.next && waits(path, around, now)) {
+    path.next.reset();
+    return;
+  }
   ++counters_.broken;
   const bool was_open = found->second.open;
   free(x.message.channel, was_open ? channel_end::broken : channel_end::unreachable, x.next, out,
        now);
 }
 
-channels_outputs channels::on_restarted(mote_id neighbour, instant now) {
+channels_outputs channels::on_restarted(mote_id neighbour, const surroundings& around,
+                                        instant now) {
   channels_outputs out;
   std::vector<channel_id> broken;
-  for (const auto& [id, x] : entries_)
+  std::vector<channel_id> forgotten;
+  for (const auto& [id, x] : entries_) {
     if (x.open && (x.next == neighbour || x.previous == neighbour))
       broken.push_back(id);
+    else if (x.next == neighbour)
+      forgotten.push_back(id);
+  }
   for (const auto& id : broken) {
     ++counters_.broken;
     free(id, channel_end::broken, neighbour, out, now);
+  }
+  for (const auto& id : forgotten)
+    go_on(id, entries_.at(id), around, out, now);
+  pump(out, now);
+  return out;
+}
+
+bool channels::is_looking() const {
+  return std::ranges::any_of(entries_, [](const auto& x) { return x.second.is_looking(); });
+}
+
+channels_outputs channels::look(std::optional<mote_id> heard, const surroundings& around,
+                                instant now) {
+  channels_outputs out;
+  std::vector<channel_id> looking;
+  for (const auto& [id, x] : entries_) {
+    if (x.is_looking() && (heard || *x.look_end <= now))
+      looking.push_back(id);
+  }
+  for (const auto& id : looking) {
+    auto& x = entries_.at(id);
+    if (heard && x.second_try == heard)
+      x.second_try.reset();
+    go_on(id, x, around, out, now);
   }
   pump(out, now);
   return out;
@@ -559,7 +607,7 @@ std::optional<instant> channels::deadline() const {
   std::optional<instant> next;
   for (const auto& [id, x] : entries_) {
     if (!x.open)
-      next = earliest(next, x.setup_end);
+      next = earliest(next, x.is_looking() ? std::min(x.setup_end, *x.look_end) : x.setup_end);
     else if (x.wish.expiry_s > 0)
       next = earliest(next, x.last_packet + x.wish.expiry_s * 1s);
   }

@@ -79,6 +79,9 @@ struct surroundings {
   std::vector<nearby_mote> heard; ///< other neighbours, of whose links too little is known
   mote_id parent = no_mote;       ///< in the tree
   bool is_crowd = false;          ///< there may be more than the table of neighbours holds
+  bool is_new = false;            ///< we have started lately: more neighbours may be there
+  duration beacon_wait = 1s;      ///< within which neighbours beacon that have just started, or see
+                                  ///< that we have
   duration turn_wait{};           ///< that a frame may have to wait before it leaves, at each hop
 };
 
@@ -135,7 +138,9 @@ using channels_output = std::variant<channel_hop, channel_connected, channel_acc
 using channels_outputs = std::vector<channels_output>;
 
 /// The connect message goes greedily towards the destination's coordinates, back one mote at a dead
-/// end, and from there to everybody. Each mote on the path keeps previous and next hop.
+/// end, and from there to everybody. Before that it waits for a neighbour that has just
+/// started, or that we do not know yet because we have: most dead ends in a settled island are
+/// such. Each mote on the path keeps previous and next hop.
 ///
 ///   source: connecting --connect-ack--> open --disconnect--> gone
 ///              |                          |
@@ -180,7 +185,15 @@ public:
   [[nodiscard]] channels_outputs on_sent(bool acked, const surroundings& around, instant now);
 
   /// A neighbour has begun anew: it knows of no channel.
-  [[nodiscard]] channels_outputs on_restarted(mote_id neighbour, instant now);
+  [[nodiscard]] channels_outputs on_restarted(mote_id neighbour, const surroundings& around,
+                                              instant now);
+
+  /// Whether a set-up waits for a neighbour: then look() is due with each beacon, and at
+  /// deadline().
+  [[nodiscard]] bool is_looking() const;
+  /// @param heard whose beacon has come: even if it has led nowhere before
+  [[nodiscard]] channels_outputs look(std::optional<mote_id> heard, const surroundings& around,
+                                      instant now);
 
   [[nodiscard]] channels_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
@@ -199,7 +212,7 @@ public:
   [[nodiscard]] const channels_counters& counters() const { return counters_; }
   [[nodiscard]] std::size_t footprint() const {
     // one that waits: next hop, kind, channel, sequence, rounds, when it is due
-    return config_.entries_max * 34 + config_.offers_max * 12 + config_.octets_max +
+    return config_.entries_max * 38 + config_.offers_max * 12 + config_.octets_max +
            (2 * config_.queue_max + 1) * 12 + 16;
   }
 
@@ -222,7 +235,11 @@ private:
     std::optional<std::uint8_t> from_next;
     instant last_packet;
     instant setup_end;
+    std::optional<instant> look_end; ///< it waits, or has waited, so long for a neighbour
+    bool flooded = false;            ///< by us
     flood_copies heard;
+
+    [[nodiscard]] bool is_looking() const { return look_end && !next && !open && !flooded; }
   };
 
   /// A flooded connect message that we have heard first from `previous`.
@@ -254,6 +271,7 @@ private:
                                                       const std::vector<nearby_mote>& among,
                                                       const surroundings& around,
                                                       std::uint32_t slack);
+  [[nodiscard]] static bool waits(entry& x, const surroundings& around, instant now);
   [[nodiscard]] static bool may_be_near(const entry& x, const surroundings& around);
   void flood(channel_id id, entry& x, const surroundings& around, instant now);
   static void note_copy(flood_copies& x, std::uint8_t hops, std::uint8_t own_hops);

@@ -14,6 +14,15 @@ std::uint32_t squared(hop_distance a, hop_distance b) {
   return static_cast<std::uint32_t>(difference * difference);
 }
 
+std::uint8_t octet_of(const anchor_entry& x) {
+  return x.was ? static_cast<std::uint8_t>(x.hops | anchor_entry::was_bit) : x.hops;
+}
+
+/// @returns `least` and one more
+hop_distance one_hop_on(hop_distance least) {
+  return least > hop_distance_max ? hops_unknown : static_cast<hop_distance>(least + 1);
+}
+
 std::array<mote_id, anchor_count> ids(const coordinates_part& x) {
   std::array<mote_id, anchor_count> found;
   std::ranges::transform(x.anchors, found.begin(), &anchor_entry::mote);
@@ -39,7 +48,7 @@ bool is_better(const anchor_candidate& a, const anchor_candidate& b) {
 void coordinates_part::write(byte_writer& out) const {
   out.big(epoch);
   for (const auto& x : anchors)
-    out.big(x.mote.value).big(x.sequence).octet(x.hops);
+    out.big(x.mote.value).big(x.sequence).octet(octet_of(x));
   out.big(candidate.mote.value).octet(candidate.score).octet(candidate.tie);
 }
 
@@ -49,7 +58,9 @@ coordinates_part coordinates_part::read(byte_reader& in) {
   for (auto& entry : x.anchors) {
     entry.mote = mote_id{in.big<std::uint16_t>()};
     entry.sequence = in.big<std::uint16_t>();
-    entry.hops = in.octet();
+    const auto hops = in.octet();
+    entry.was = hops != hops_unknown && (hops & anchor_entry::was_bit) != 0;
+    entry.hops = entry.was ? hops & hop_distance{0x7f} : hops;
   }
   x.candidate.mote = mote_id{in.big<std::uint16_t>()};
   x.candidate.score = in.octet();
@@ -83,7 +94,7 @@ void coordinates::on_beacon(mote_id source, const coordinates_part& x, const nei
     at->part = x;
   else
     at = rows_.insert(at, row{source, x});
-  if (const auto place = place_in(*at))
+  if (const auto place = last_place_in(*at))
     at->place = place;
 }
 
@@ -129,8 +140,8 @@ void coordinates::note_own_sequence(const coordinates_part& x) {
 }
 
 bool coordinates::speaks_of(const row& x, std::size_t anchor) const {
-  return x.part.anchors[anchor].mote == states_[anchor].mote &&
-         x.part.anchors[anchor].hops < hops_unknown - 1;
+  const auto& theirs = x.part.anchors[anchor];
+  return theirs.mote == states_[anchor].mote && !theirs.was && theirs.hops <= hop_distance_max;
 }
 
 /// Whether the anchor has shown no sign of life for too long.
@@ -301,6 +312,14 @@ coordinates_part coordinates::advertise() {
       mine.told.tell(mine.sequence, mine.hops);
     x.anchors[i] = {mine.mote, mine.sequence, mine.hops};
   }
+  if (last_place_ && place_epoch_ == epoch_) {
+    const auto& last = *last_place_;
+    const std::array<hop_distance, anchor_count> hops{hops_unknown, last.x, last.y, last.z};
+    for (std::size_t i = anchor_x; i < anchor_count; ++i) {
+      if (states_[i].hops == hops_unknown && hops[i] <= hop_distance_max)
+        x.anchors[i] = {states_[i].mote, states_[i].sequence, hops[i], true};
+    }
+  }
   x.candidate = candidate_;
   return x;
 }
@@ -320,7 +339,9 @@ const coordinates::row* coordinates::find(mote_id neighbour) const {
 
 std::optional<virtual_coordinates> coordinates::place_of(mote_id neighbour) const {
   const auto* const x = find(neighbour);
-  return x != nullptr ? place_in(*x) : std::nullopt;
+  const bool is_known = x != nullptr && is_complete() && speaks_of(*x, anchor_x) &&
+                        speaks_of(*x, anchor_y) && speaks_of(*x, anchor_z);
+  return is_known ? last_place_in(*x) : std::nullopt;
 }
 
 std::optional<virtual_coordinates> coordinates::likely_place_of(mote_id neighbour) const {
@@ -328,13 +349,38 @@ std::optional<virtual_coordinates> coordinates::likely_place_of(mote_id neighbou
   return x != nullptr ? x->place : std::nullopt;
 }
 
-std::optional<virtual_coordinates> coordinates::place_in(const row& x) const {
-  if (!is_complete() || !speaks_of(x, anchor_x) || !speaks_of(x, anchor_y) ||
-      !speaks_of(x, anchor_z))
-    return {};
+/// Where its beacon says that it is or was.
+std::optional<virtual_coordinates> coordinates::last_place_in(const row& x) const {
   const auto& anchors = x.part.anchors;
+  if (!is_complete())
+    return {};
+  for (std::size_t i = anchor_x; i < anchor_count; ++i) {
+    if (anchors[i].mote != states_[i].mote || anchors[i].hops > hop_distance_max)
+      return {};
+  }
   return virtual_coordinates{anchors[anchor_x].hops, anchors[anchor_y].hops,
                              anchors[anchor_z].hops};
+}
+
+std::optional<virtual_coordinates> coordinates::presumed_place() const {
+  if (last_place_ || !is_complete())
+    return last_place_;
+  constexpr virtual_coordinates nowhere{hops_unknown, hops_unknown, hops_unknown};
+  auto least = nowhere;
+  for (const auto& each : rows_) {
+    if (const auto& there = each.place)
+      least = {std::min(least.x, there->x), std::min(least.y, there->y),
+               std::min(least.z, there->z)};
+  }
+  if (least == nowhere)
+    return {};
+  const auto hops = [&](anchor which, hop_distance theirs) {
+    const auto ours = states_[which].hops;
+    return ours != hops_unknown ? ours : one_hop_on(theirs);
+  };
+  const virtual_coordinates here{hops(anchor_x, least.x), hops(anchor_y, least.y),
+                                 hops(anchor_z, least.z)};
+  return std::max({here.x, here.y, here.z}) == hops_unknown ? std::nullopt : std::optional(here);
 }
 
 std::optional<mote_id> coordinates::greedy_step(virtual_coordinates destination,

@@ -17,10 +17,11 @@
 
 namespace rubicon::network {
 
-/// Hops over good links; hops_unknown: none known, or 255 and more.
+/// Hops over good links; hops_unknown: none known, or more than hop_distance_max.
 using hop_distance = std::uint8_t;
 
 inline constexpr hop_distance hops_unknown = 255;
+inline constexpr hop_distance hop_distance_max = 126;
 
 /// Hop distances to the anchors X, Y and Z.
 struct virtual_coordinates {
@@ -37,11 +38,16 @@ struct virtual_coordinates {
 /// There are no fewer hops between them: neighbours differ by one in each coordinate, at most.
 [[nodiscard]] int hops_between(virtual_coordinates a, virtual_coordinates b);
 
-/// One anchor as a beacon tells of it: 5 octets.
+/// One anchor as a beacon tells of it: 5 octets, the last one with was_bit or hops_unknown.
 struct anchor_entry {
   mote_id mote = no_mote;           ///< no_mote: not elected yet
   std::uint16_t sequence = 0;       ///< counted up by the anchor with each of its beacons
   hop_distance hops = hops_unknown; ///< from the beacon's sender
+  /// The sender knows no way now; when it last did it was so far. Says where the sender is, and
+  /// nothing of ways.
+  bool was = false;
+
+  static constexpr std::uint8_t was_bit = 0x80;
 
   friend bool operator==(const anchor_entry&, const anchor_entry&) = default;
 };
@@ -141,6 +147,10 @@ public:
   [[nodiscard]] std::optional<virtual_coordinates> likely_place() const { return last_place_; }
   [[nodiscard]] std::optional<virtual_coordinates> likely_place_of(mote_id neighbour) const;
 
+  /// likely_place(); a mote that has just started, and has no good links yet, concludes it from the
+  /// places of those it hears. Too far from an anchor while it hears few: for its own decisions.
+  [[nodiscard]] std::optional<virtual_coordinates> presumed_place() const;
+
   /// The greedy step (NET-10): the good neighbour closest to `destination` in coordinate space and
   /// closer than this mote, of equals the lowest id; nothing at a dead end.
   [[nodiscard]] std::optional<mote_id> greedy_step(virtual_coordinates destination,
@@ -172,7 +182,7 @@ private:
   };
 
   [[nodiscard]] const row* find(mote_id neighbour) const;
-  [[nodiscard]] std::optional<virtual_coordinates> place_in(const row& x) const;
+  [[nodiscard]] std::optional<virtual_coordinates> last_place_in(const row& x) const;
   void prune(const neighbours& links);
   void take_decisions(const coordinates_part& x);
   void decide(std::uint16_t epoch, const std::array<mote_id, anchor_count>& anchors);

@@ -19,11 +19,20 @@ void place_cache::learn(mote_id mote, virtual_coordinates place, instant now) {
   entries_.insert(at, {mote, place, now});
 }
 
-std::optional<virtual_coordinates> place_cache::find(mote_id mote, instant now) const {
+const place_cache::entry* place_cache::entry_of(mote_id mote) const {
   const auto at = std::ranges::lower_bound(entries_, mote, {}, &entry::mote);
-  const bool is_known = at != entries_.end() && at->mote == mote &&
-                        (lifetime_ == 0ns || now - at->learnt < lifetime_);
-  return is_known ? std::optional(at->place) : std::nullopt;
+  return at != entries_.end() && at->mote == mote ? &*at : nullptr;
+}
+
+std::optional<virtual_coordinates> place_cache::find(mote_id mote, instant now) const {
+  const auto* const x = entry_of(mote);
+  const bool is_known = x != nullptr && (lifetime_ == 0ns || now - x->learnt < lifetime_);
+  return is_known ? std::optional(x->place) : std::nullopt;
+}
+
+std::optional<virtual_coordinates> place_cache::find_old(mote_id mote) const {
+  const auto* const x = entry_of(mote);
+  return x != nullptr ? std::optional(x->place) : std::nullopt;
 }
 
 void place_cache::keep_epoch(std::uint16_t epoch) {

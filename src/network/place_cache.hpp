@@ -23,6 +23,8 @@ public:
 
   void learn(mote_id mote, virtual_coordinates place, instant now);
   [[nodiscard]] std::optional<virtual_coordinates> find(mote_id mote, instant now) const;
+  /// However long ago: for who cannot learn it again.
+  [[nodiscard]] std::optional<virtual_coordinates> find_old(mote_id mote) const;
 
   /// Forgets all that is not of this epoch.
   void keep_epoch(std::uint16_t epoch);
@@ -36,6 +38,8 @@ private:
     virtual_coordinates place;
     instant learnt;
   };
+
+  [[nodiscard]] const entry* entry_of(mote_id mote) const;
 
   std::size_t motes_max_ = 0;
   duration lifetime_{};

@@ -15,6 +15,9 @@ constexpr unsigned purpose_bits = 2;
 /// after a mote in between has restarted. Meanwhile everybody goes by the places that it had.
 constexpr duration anchor_patience = 10min;
 constexpr duration crowd_beacon = 4s;
+/// Who hears a mote that has started beacons soon, where radios sleep in the next window: within
+/// this and two periods all have, if some beacons get lost.
+constexpr duration neighbours_wait = 1s;
 constexpr duration lost_pause = 1s; ///< then it is seen again whether the time is known
 constexpr duration reborn_quiet = 200ms;
 constexpr duration sleeping_round = 30s; ///< between rounds of the clock where radios sleep
@@ -23,13 +26,15 @@ neighbours_config links_of(const router_config& config) {
   neighbours_config x;
   if (config.is_sink)
     x.capacity = 24;
-  if (config.duty.enabled()) { // a beacon a window: links must be known after few
+  // A beacon a window: links must be known after few. Windows are crowded: a link over which nearly
+  // every unicast arrives, which is sent again, may lose half of its beacons.
+  if (config.duty.enabled()) {
     x.good_samples = 2;
     x.usable_samples = 2;
     x.unusable_missed = 4;
     x.bad_missed = 5;
-    x.good_from = quality_of(0.75);
-    x.bad_below = quality_of(0.55);
+    x.good_from = quality_of(0.5);
+    x.bad_below = quality_of(0.25);
     x.beacon_slack += config.duty.period;
     x.beacon_gap_max += config.duty.period;
   }
@@ -80,7 +85,7 @@ router::router(router_config config, random_stream rng, instant now)
       tree_({.self = config.self, .is_root = config.is_sink}),
       place_({.self = config.self, .is_sink = config.is_sink, .anchor_patience = anchor_patience},
              now),
-      timer_(beacons_of(config), random_stream(rng_.next()), now), reported_(now),
+      started_(now), timer_(beacons_of(config), random_stream(rng_.next()), now), reported_(now),
       seek_end_(now + config.seek_length), report_gap_(config.report_gap),
       helped_(now - config.help_gap), answered_(now - config.answer_gap_awake), silent_(now),
       requested_(now - config.period_request_gap) {
@@ -263,7 +268,7 @@ void router::on_content(collected x, router_outputs& out, instant now) {
       }
       const auto settled = *q;
       q = questions_.erase(q);
-      begin(settled, answer.place, out, now);
+      begin(settled, answer.place ? answer.place : places_.find_old(answer.mote), out, now);
     }
   }
 }
@@ -315,12 +320,15 @@ std::pair<channel_id, router_outputs> router::connect(mote_id destination,
   router_outputs out;
   keep_turns(now);
   const question x{paths_.next_id(), destination, schedule, expiry, now + answer_wait(now)};
-  const auto place = known_place(destination, now);
+  auto place = known_place(destination, now);
   const bool must_ask = !config_.is_sink && !place && !links_.good(destination) &&
-                        questions_.size() < config_.questions_max && has_route();
-  if (must_ask) {
+                        questions_.size() < config_.questions_max;
+  if (!place)
+    place = places_.find_old(destination);
+  if (must_ask && (has_route() || !place)) {
     questions_.push_back(x);
-    ask(x, out, now);
+    if (has_route())
+      ask(questions_.back(), out, now);
   } else {
     begin(x, place, out, now);
   }
@@ -328,15 +336,17 @@ std::pair<channel_id, router_outputs> router::connect(mote_id destination,
 }
 
 bool router::may_ask_again(const question& x) const {
-  return links_.is_full() && x.asks < config_.asks_max;
+  return links_.is_full() && x.asks > 0 && x.asks < config_.asks_max;
 }
 
 duration router::answer_wait(instant now) const {
   return config_.question_timeout + (4 + tree_.hops() / 2) * turn_wait(now); // several hops a turn
 }
 
-void router::ask(const question& x, router_outputs& out, instant now) {
+void router::ask(question& x, router_outputs& out, instant now) {
   ++counters_.questions;
+  ++x.asks;
+  x.due = now + answer_wait(now);
   send_router_message(tree_.root(), place_question{x.destination}, out, now);
 }
 
@@ -374,9 +384,11 @@ router_outputs router::refuse(channel_id channel, instant now) {
 
 surroundings router::around(instant now) const {
   surroundings x;
-  x.own_place = place_.likely_place();
+  x.own_place = place_.presumed_place();
   x.is_crowd = links_.is_full();
   x.turn_wait = turn_wait(now);
+  x.beacon_wait = neighbours_wait + 2 * config_.duty.period;
+  x.is_new = now - started_ < 2 * x.beacon_wait;
   x.parent = tree_.has_route() ? tree_.parent() : no_mote;
   for (const auto& each : links_.all()) {
     if (each.good)
@@ -457,7 +469,7 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   if ((what == admission::added && !is_crowd) || what == admission::restarted)
     hurry(now);
   if (what == admission::restarted)
-    take(paths_.on_restarted(source, now), out);
+    take(paths_.on_restarted(source, around(now), now), out);
   place_.on_beacon(source, x->coordinates, links_);
   if (what == admission::refused)
     return;
@@ -470,6 +482,8 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   }
   settle(out, now);
   feed(source, out, now);
+  if (paths_.is_looking())
+    take(paths_.look(source, around(now), now), out);
 }
 
 bool router::is_in_crowd() const {
@@ -644,6 +658,12 @@ void router::settle(router_outputs& out, instant now) {
     timer_.shorten(now, change_beacon());
   places_.keep_epoch(place_.place_epoch());
   take(packets_.on_route(tree_.parent(), tree_.cost(), now), out, now);
+  if (has_route()) {
+    for (auto& x : questions_) {
+      if (x.asks == 0)
+        ask(x, out, now);
+    }
+  }
 }
 
 /// The sink has to know where everybody is, and whose child.
@@ -756,14 +776,14 @@ router_outputs router::on_time(instant now) {
   request_period(out, now);
   take(packets_.on_time(now), out, now);
   take(paths_.on_time(now), out);
+  if (paths_.is_looking())
+    take(paths_.look(std::nullopt, around(now), now), out);
   for (auto q = questions_.begin(); q != questions_.end();) {
     if (q->due > now) {
       ++q;
       continue;
     }
     if (may_ask_again(*q)) {
-      ++q->asks;
-      q->due = now + answer_wait(now);
       ask(*q, out, now);
       ++q;
       continue;
@@ -771,7 +791,7 @@ router_outputs router::on_time(instant now) {
     ++counters_.unanswered;
     const auto unanswered = *q;
     q = questions_.erase(q);
-    begin(unanswered, std::nullopt, out, now);
+    begin(unanswered, places_.find_old(unanswered.destination), out, now);
   }
   report(out, now);
   return out;

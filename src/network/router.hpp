@@ -190,7 +190,7 @@ private:
     channel_schedule schedule;
     duration expiry{};
     instant due;
-    unsigned asks = 1;
+    unsigned asks = 0; ///< sent to the sink: none before there is a route to it
   };
 
   struct direct {
@@ -226,7 +226,7 @@ private:
   void watch_silence(bool acked, instant now);
   void request_period(router_outputs& out, instant now);
   [[nodiscard]] bool may_ask_again(const question& x) const;
-  void ask(const question& x, router_outputs& out, instant now);
+  void ask(question& x, router_outputs& out, instant now);
   void begin(const question& x, std::optional<virtual_coordinates> place, router_outputs& out,
              instant now);
   [[nodiscard]] surroundings around(instant now) const;
@@ -240,6 +240,7 @@ private:
   neighbours links_;
   gradient tree_;
   coordinates place_;
+  instant started_;
   trickle timer_;
   clock_sync clock_;
   collection packets_;

@@ -15,7 +15,7 @@ beacon sample() {
   x.coordinates.epoch = 0x0d0e;
   x.coordinates.anchors[anchor_w] = {mote_id{0x0f10}, 0x1112, 0x13};
   x.coordinates.anchors[anchor_x] = {mote_id{0x1415}, 0x1617, 0x18};
-  x.coordinates.anchors[anchor_y] = {mote_id{0x191a}, 0x1b1c, 0x1d};
+  x.coordinates.anchors[anchor_y] = {mote_id{0x191a}, 0x1b1c, 0x1d, true};
   x.coordinates.candidate = {mote_id{0x1e1f}, 0x20, 0x21};
   x.clock.root = mote_id{0x2223};
   x.clock.era = 0xe7;
@@ -40,7 +40,7 @@ TEST_CASE("a beacon has the octets that its header tells", "[network][NET-14]") 
                            "0d0e"
                            "0f10111213"
                            "1415161718"
-                           "191a1b1c1d"
+                           "191a1b1c9d"
                            "fffd0000ff"
                            "1e1f2021"
                            "2223e72425"

@@ -84,8 +84,11 @@ public:
       return due;
     };
     agenda_.run(now_, end, next, [this] {
-      for (auto& [id, x] : motes_)
+      for (auto& [id, x] : motes_) {
         perform(id, x.on_time(now_));
+        if (x.is_looking())
+          perform(id, x.look(std::nullopt, around(id), now_));
+      }
     });
   }
 
@@ -196,6 +199,54 @@ private:
   std::map<mote_id, channels> motes_;
   std::map<mote_id, virtual_coordinates> places_;
   test::agenda agenda_;
+};
+
+std::vector<mote_id> next_of(const channels_outputs& todo) {
+  std::vector<mote_id> next;
+  for (const auto& output : todo)
+    if (const auto* hop = std::get_if<channel_hop>(&output))
+      next.push_back(hop->next);
+  return next;
+}
+
+/// Of the mote that a connect message has come to, by the radio or to be sent on.
+struct relay_fixture {
+  static constexpr mote_id source{2};
+  static constexpr mote_id destination{9};
+  static constexpr mote_id a{5};
+  static constexpr channel_id id{source, 3};
+
+  relay_fixture() {
+    channels_config config;
+    config.self = mote_id{1};
+    x = channels(config, random_stream(1));
+    around.own_place = virtual_coordinates{3, 3, 3};
+    around.motes = {{source, virtual_coordinates{4, 4, 4}}, {a, virtual_coordinates{2, 2, 2}}};
+  }
+
+  std::vector<mote_id> connect(instant now) {
+    connect_message wish;
+    wish.destination = destination;
+    wish.place = virtual_coordinates{0, 0, 0};
+    wish.hops = 1;
+    return hear(source, {id, wish}, now);
+  }
+
+  std::vector<mote_id> hear(mote_id from, const channel_message& message, instant now) {
+    return next_of(x.on_frame(from, encode(message), around, now));
+  }
+
+  /// All rounds of what is in flight end without an acknowledgement. @returns what goes next
+  std::vector<mote_id> lose(instant now) {
+    for (int i = 0; i < 5; ++i) {
+      static_cast<void>(x.on_sent(false, around, now));
+      static_cast<void>(x.on_time(now + 60ms));
+    }
+    return next_of(x.on_sent(false, around, now));
+  }
+
+  channels x;
+  surroundings around;
 };
 
 /// A wall with a gap at one end: greedy forwarding runs against it.
@@ -501,6 +552,8 @@ TEST_CASE(
     todo = x.on_sent(false, around, now); // nobody answers
     if (todo.empty())
       todo = x.on_time(now = *x.deadline());
+    if (todo.empty() && x.is_looking())
+      todo = x.look(std::nullopt, around, now);
   }
   tried.erase(std::unique(tried.begin(), tried.end()), tried.end());
   CHECK(tried == (is_crowd ? std::vector{destination, nearer}
@@ -550,17 +603,81 @@ TEST_CASE("a set-up floods only where nobody is left who may be nearer, and says
     around.motes = each.motes;
     around.heard = each.heard;
     around.parent = each.parent;
-    const auto todo = x.connect(x.next_id(), destination, each.place, {}, 0s, around, instant{});
-    std::vector<mote_id> next;
-    for (const auto& output : todo)
-      if (const auto* hop = std::get_if<channel_hop>(&output))
-        next.push_back(hop->next);
-    CHECK(next == std::vector{each.next});
+    const auto next =
+        next_of(x.connect(x.next_id(), destination, each.place, {}, 0s, around, instant{}));
+    const bool waits = each.place && each.next == broadcast_mote;
+    CHECK(next == (waits ? std::vector<mote_id>{} : std::vector{each.next}));
+    CHECK(x.is_looking() == waits);
+    if (waits) {
+      CHECK(x.counters().floods == 0);
+      CHECK(x.deadline() == instant{around.beacon_wait});
+      CHECK(next_of(x.look(std::nullopt, around, instant{around.beacon_wait})) ==
+            std::vector{broadcast_mote});
+      CHECK_FALSE(x.is_looking());
+    }
     CHECK(x.counters().floods_place_unknown == each.place_unknown);
     CHECK(x.counters().floods_self_unknown == each.self_unknown);
     CHECK(x.counters().floods_dead_end == each.dead_end);
     CHECK(x.counters().floods == each.place_unknown + each.self_unknown + each.dead_end);
   }
+}
+
+TEST_CASE("a set-up waits for a neighbour that does not answer, and tries it again when it beacons",
+          "[network][NET-09][NET-12]") {
+  relay_fixture here;
+  CHECK(here.connect(instant{}) == std::vector{here.a});
+  CHECK(here.lose(instant{1s}).empty());
+  CHECK(here.x.is_looking());
+  CHECK(next_of(here.x.look(here.source, here.around, instant{1500ms})).empty()); // not that one
+  CHECK(next_of(here.x.look(here.a, here.around, instant{1600ms})) == std::vector{here.a});
+  CHECK_FALSE(here.x.is_looking());
+  CHECK(here.lose(instant{2500ms}) == std::vector{broadcast_mote}); // it has waited long enough
+  CHECK(here.x.counters().floods_dead_end == 1);
+}
+
+TEST_CASE("a dead end turns a set-up back at once, but not at a mote that has just started",
+          "[network][NET-12]") {
+  relay_fixture here;
+  here.around.motes.pop_back();
+  here.around.is_new = GENERATE(false, true);
+  const auto turned_back = std::vector{here.source};
+  const auto next = here.connect(instant{});
+  if (!here.around.is_new) {
+    CHECK(next == turned_back);
+    CHECK(here.x.table().empty());
+    return;
+  }
+  CHECK(next.empty());
+  const bool is_heard = GENERATE(false, true);
+  if (is_heard) {
+    here.around.heard = {{here.a, virtual_coordinates{2, 2, 2}}};
+    CHECK(next_of(here.x.look(here.a, here.around, instant{500ms})) == std::vector{here.a});
+  } else {
+    CHECK(next_of(here.x.look(std::nullopt, here.around, instant{1s})) == turned_back);
+  }
+  CHECK(here.x.counters().floods == 0);
+}
+
+TEST_CASE("two dead ends do not send a set-up to and fro while it waits", "[network][NET-12]") {
+  relay_fixture here;
+  constexpr mote_id b{6};
+  here.around.motes.push_back({b, virtual_coordinates{2, 2, 3}});
+  const channel_message dead_end{here.id, dead_end_message{}};
+  CHECK(here.connect(instant{}) == std::vector{here.a});
+  static_cast<void>(here.x.on_sent(true, here.around, instant{}));
+  CHECK(here.hear(here.a, dead_end, instant{10ms}) == std::vector{b});
+  static_cast<void>(here.x.on_sent(true, here.around, instant{}));
+  CHECK(here.hear(b, dead_end, instant{20ms}).empty());
+  CHECK(here.x.is_looking());
+  CHECK(here.x.counters().floods == 0);
+}
+
+TEST_CASE("a set-up that a neighbour has forgotten goes there again", "[network][NET-09]") {
+  relay_fixture here;
+  CHECK(here.connect(instant{}) == std::vector{here.a});
+  CHECK(next_of(here.x.on_sent(true, here.around, instant{10ms})).empty());
+  CHECK(next_of(here.x.on_restarted(here.source, here.around, instant{1s})).empty());
+  CHECK(next_of(here.x.on_restarted(here.a, here.around, instant{1s})) == std::vector{here.a});
 }
 
 TEST_CASE("in a crowd a flood that has been heard often is not passed on", "[network][NET-12]") {
@@ -622,8 +739,8 @@ TEST_CASE("a mote on the path that begins anew breaks its channels for both ends
   grid x(5, 1, 1);
   const auto id = x.connect(grid::id(0), grid::id(4));
   x.start(grid::id(2));
-  x.perform(grid::id(1), x.at(grid::id(1)).on_restarted(grid::id(2), x.now()));
-  x.perform(grid::id(3), x.at(grid::id(3)).on_restarted(grid::id(2), x.now()));
+  x.perform(grid::id(1), x.at(grid::id(1)).on_restarted(grid::id(2), {}, x.now()));
+  x.perform(grid::id(3), x.at(grid::id(3)).on_restarted(grid::id(2), {}, x.now()));
   x.run_for(1s);
   CHECK(x.ended.at({id, grid::id(0)}) == channel_end::broken);
   CHECK(x.ended.at({id, grid::id(4)}) == channel_end::broken);

@@ -165,6 +165,49 @@ TEST_CASE("coordinates are exact on a long line, and a link that dies is not cou
       [&] { return elected(world, anchor_x) == mote_id{30} && is_exact(world); }, 10min));
 }
 
+TEST_CASE("a mote that has lost an anchor still says where it was, and nothing of ways",
+          "[network][NET-11]") {
+  auto world = line_fixture(6);
+  REQUIRE(converges(world, 6min));
+  const auto place = world.at(mote_id{3}).place.place();
+  REQUIRE(place == virtual_coordinates{3, 2, 0}); // it is the third anchor itself
+  world.set_both(mote_id{3}, mote_id{4}, 0);
+  world.run_for(100s);
+  const auto& near = world.at(mote_id{2}).place;
+  CHECK_FALSE(near.place_of(mote_id{3}));
+  CHECK(near.likely_place_of(mote_id{3}) == place);
+  CHECK(near.hops_to(anchor_x) == hops_unknown);
+  const auto told = coordinates(world.at(mote_id{3}).place).advertise();
+  CHECK(told.anchors[anchor_x] ==
+        anchor_entry{mote_id{6}, told.anchors[anchor_x].sequence, 3, true});
+}
+
+TEST_CASE("who has just started presumes its place from those of its neighbours",
+          "[network][NET-10][NET-11]") {
+  neighbours links;
+  coordinates x({.self = mote_id{9}}, instant{});
+  CHECK_FALSE(x.presumed_place());
+  const auto beacon = [&](std::uint16_t from, std::array<hop_distance, 3> hops, bool was) {
+    coordinates_part part;
+    part.epoch = 3;
+    part.anchors = {anchor_entry{mote_id{1}, 1, 4}, anchor_entry{mote_id{2}, 1, hops[0], was},
+                    anchor_entry{mote_id{3}, 1, hops[1]}, anchor_entry{mote_id{9}, 1, hops[2]}};
+    link_report report;
+    report.source = mote_id{from};
+    static_cast<void>(links.on_beacon(report, instant{}));
+    x.on_beacon(mote_id{from}, part, links);
+    static_cast<void>(x.update(links, instant{}));
+  };
+  beacon(4, {7, 2, 1}, false);
+  CHECK(x.presumed_place() == virtual_coordinates{8, 3, 0}); // it is an anchor itself
+  beacon(5, {5, 4, 1}, true);
+  CHECK(x.presumed_place() == virtual_coordinates{6, 3, 0});
+  beacon(6, {4, hops_unknown, 1}, false); // does not know where it is
+  CHECK(x.presumed_place() == virtual_coordinates{6, 3, 0});
+  CHECK_FALSE(x.place());
+  CHECK_FALSE(x.likely_place()); // nobody else is told
+}
+
 TEST_CASE("a cycle that loses a link measures the way around", "[network][NET-11]") {
   auto world = line_fixture(20);
   world.set_both(mote_id{1}, mote_id{20}, 1);

@@ -29,11 +29,14 @@ TEST_CASE("a place is not known for ever, nor in another epoch", "[network][NET-
   x.learn(mote_id{5}, here, instant{});
   CHECK(x.find(mote_id{5}, instant{10min - 1ns}) == here);
   CHECK_FALSE(x.find(mote_id{5}, instant{10min}));
+  CHECK(x.find_old(mote_id{5}) == here);
+  CHECK_FALSE(x.find_old(mote_id{6}));
   x.learn(mote_id{5}, here, instant{10min});
   x.keep_epoch(0);
   CHECK(x.find(mote_id{5}, instant{10min}) == here);
   x.keep_epoch(1);
   CHECK(x.size() == 0);
+  CHECK_FALSE(x.find_old(mote_id{5}));
   place_cache of_sink(4, 0s);
   of_sink.learn(mote_id{5}, here, instant{});
   CHECK(of_sink.find(mote_id{5}, instant{24h}) == here);

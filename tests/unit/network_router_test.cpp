@@ -314,6 +314,55 @@ TEST_CASE("a settled grid floods for few of its channels, and asks once where a 
   CHECK(static_cast<double>(floods() - floods_before) < 0.05 * opened);
 }
 
+TEST_CASE("motes that have just started open channels without a flood", "[network][NET-12]") {
+  island x(6, 6, 0.95, 3);
+  x.run_for(10min);
+  std::uint64_t floods = 0;
+  for (const auto from : {8, 15, 22, 29, 36, 31}) { // one of them an anchor
+    const auto to = mote(38 - from);
+    x.start(mote(from));
+    x.run_for(3s); // it has a route, and no good links
+    const auto counted = [&] {
+      std::uint64_t sum = 0;
+      for (const auto each : x.motes())
+        sum += x.at(each).paths().counters().floods;
+      return sum;
+    };
+    const auto before = counted();
+    const auto id = x.connect(mote(from), to);
+    x.run_for(15s);
+    CHECK(x.connected.contains(id));
+    floods += counted() - before;
+    x.run_for(1min);
+  }
+  CHECK(floods == 0);
+}
+
+TEST_CASE("without a route to the sink a place that was known once is good enough",
+          "[network][NET-12]") {
+  island x(3, 3, 1);
+  x.run_for(8min);
+  const auto from = mote(9);
+  const auto to = mote(7);
+  const bool was_known = GENERATE(false, true);
+  if (was_known) {
+    const auto id = x.connect(from, to);
+    x.run_for(10s);
+    REQUIRE(x.connected.contains(id));
+    x.perform(from, x.at(from).disconnect(id, x.own_time(from)));
+    x.run_for(11min); // that place must be learnt again by now
+  }
+  for (const auto each : {1, 2, 3, 4, 5, 6})
+    x.kill(mote(each));
+  x.run_for(30min);
+  REQUIRE_FALSE(x.at(from).has_route());
+  const auto floods = x.at(from).paths().counters().floods_place_unknown;
+  const auto id = x.connect(from, to);
+  x.run_for(15s);
+  CHECK(x.connected.contains(id)); // by 8
+  CHECK(x.at(from).paths().counters().floods_place_unknown == floods + (was_known ? 0 : 1));
+}
+
 TEST_CASE("a channel that is given up while its way is asked for is not opened",
           "[network][NET-10]") {
   island x(3, 3, 1);
