@@ -5,7 +5,7 @@
 
 namespace rubicon::config {
 
-std::shared_ptr<const device::trace_table> trace_files::read(const table_reader& in,
+std::shared_ptr<const device::dated_trace> trace_files::read(const table_reader& in,
                                                              std::string_view key,
                                                              const std::string& name,
                                                              const device::trace_format& format) {
@@ -18,7 +18,7 @@ std::shared_ptr<const device::trace_table> trace_files::read(const table_reader&
     return nullptr;
   }
   auto found = device::read_trace(*file.text, format);
-  std::shared_ptr<const device::trace_table> table;
+  std::shared_ptr<const device::dated_trace> table;
   if (auto* wrong = std::get_if<device::trace_problem>(&found))
     in.problems().add(
         problem{path, static_cast<unsigned>(wrong->line), 0, std::move(wrong->message)});

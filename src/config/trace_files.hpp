@@ -19,14 +19,14 @@ public:
   explicit trace_files(const named_files& files) : files_(files) {}
 
   /// The column of the file that `key` of `in` names; nullptr: complained, of the file itself once.
-  [[nodiscard]] std::shared_ptr<const device::trace_table> read(const table_reader& in,
+  [[nodiscard]] std::shared_ptr<const device::dated_trace> read(const table_reader& in,
                                                                 std::string_view key,
                                                                 const std::string& name,
                                                                 const device::trace_format& format);
 
 private:
   const named_files& files_;
-  std::map<std::pair<std::string, device::trace_format>, std::shared_ptr<const device::trace_table>>
+  std::map<std::pair<std::string, device::trace_format>, std::shared_ptr<const device::dated_trace>>
       tables_; ///< nullptr: has mistakes, which are told
 };
 

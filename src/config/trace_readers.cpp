@@ -13,10 +13,11 @@ constexpr std::size_t path_octets_max = 4096;
 /// "12.5" or "2004-02-28 00:59:16"
 struct start_text {
   using type = device::trace_time;
+  device::time_form times; ///< as in the file
 
-  [[nodiscard]] static std::optional<type> read(const node& x, const asker& who) {
+  [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const {
     const auto* found = x.as<std::string>();
-    const auto time = found == nullptr ? std::nullopt : device::parse_trace_time(*found);
+    const auto time = found == nullptr ? std::nullopt : device::parse_trace_time(*found, times);
     if (!time)
       return who.refuse(x, "seconds or a date and a time of day between quotation marks, as in "
                            "\"12.5\" or \"2004-02-28 00:59:16\"");
@@ -41,13 +42,20 @@ bool has_mote(const table_reader& in, const device::trace_model& x) {
 device::trace_model read_trace(table_reader& in, device::quantity kind) {
   device::trace_model out;
   device::trace_format format;
-  format.value_column = in.shared().quantities.word_of(kind);
   std::string file;
   in.required("file", text{path_octets_max}, file,
               {"relative to the folder of the TOML file", "", "file"});
   in.all(format);
+  in.all(format.times);
+  const auto& word = in.shared().quantities.word_of(kind);
+  if (format.name_column.empty() && in.has("name"))
+    in.problems().add(in.at("name"), "`name` means nothing without a `name_column`");
+  if (format.name.empty())
+    format.name = word;
+  if (format.value_column.empty())
+    format.value_column = format.name_column.empty() ? word : "value";
   in.optional(
-      "start", start_text{}, format.start,
+      "start", start_text{format.times}, format.start,
       {"the time that is the start of the run", "`\"0\"`, or the earliest date in the file"});
   in.all(out);
   if (in.shared().traces == nullptr || !in.sound())
@@ -57,7 +65,8 @@ device::trace_model read_trace(table_reader& in, device::quantity kind) {
       in.problems().add(in.at("mote"), "`mote` means nothing without a `mote_column`");
     out.mote = 0;
   }
-  out.table = in.shared().traces->read(in, "file", file, format);
+  const auto table = in.shared().traces->read(in, "file", file, format);
+  out.table = table;
   if (out.table && in.sound() && !has_mote(in, out))
     out.table = nullptr;
   return out;

@@ -133,17 +133,36 @@ bool is_missing(std::string_view x) {
   return std::find(words.begin(), words.end(), folded) != words.end();
 }
 
-/// The number that is the whole of `x`.
-template <class T>
-std::optional<T> number_in(std::string_view x) {
-  if (x.size() > 1 && x[0] == '+' && x[1] != '-')
+/// A mote's number. @param base 10 or 16; one with 0x is hexadecimal in any case
+std::optional<std::uint32_t> mote_number(std::string_view x, int base) {
+  if (x.starts_with("0x") || x.starts_with("0X")) {
+    x.remove_prefix(2);
+    base = 16;
+  } else if (x.size() > 1 && x[0] == '+' && x[1] != '-') {
     x.remove_prefix(1);
-  T number{};
-  const auto end = x.data() + x.size();
-  const auto done = std::from_chars(x.data(), end, number);
+  }
+  std::uint32_t number = 0;
+  const auto* const end = x.data() + x.size();
+  const auto done = std::from_chars(x.data(), end, number, base);
   if (done.ec != std::errc() || done.ptr != end)
     return std::nullopt;
   return number;
+}
+
+/// `names`, for a message.
+std::string listed(const std::vector<std::string_view>& names) {
+  constexpr std::size_t listed_max = 12;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), listed_max); ++i)
+    text += (i == 0 ? "" : ", ") + quoted(names[i]);
+  return text + (names.size() > listed_max ? ", ..." : "");
+}
+
+bool same_letters(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  };
+  return std::ranges::equal(a, b, {}, lower, lower);
 }
 
 /// Where the wanted columns are among the fields of a line.
@@ -151,18 +170,27 @@ struct places {
   std::size_t time = 0;
   std::optional<std::size_t> date;
   std::optional<std::size_t> mote;
+  std::optional<std::size_t> name;
   std::size_t value = 0;
 };
 
 class trace_reader {
 public:
-  trace_reader(std::string_view text, const trace_format& format) : lines_(text), format_(format) {}
+  /// @param base of motes' numbers
+  trace_reader(std::string_view text, const trace_format& format, int base)
+      : lines_(text), format_(format), base_(base) {}
 
-  std::variant<std::shared_ptr<const trace_table>, trace_problem> read() {
+  /// A mote's number was met that is one in another base alone; read() has a problem then.
+  [[nodiscard]] bool needs_hex() const { return needs_hex_; }
+
+  std::variant<std::shared_ptr<const dated_trace>, trace_problem> read() {
     bool more = lines_.next();
     if (!more)
       return trace_problem{0, "there is no line in it"};
-    const splitter columns(format_.separator.value_or(separator_in(lines_.line())));
+    const auto separator = format_.separator.value_or(separator_in(lines_.line()));
+    const splitter columns(separator);
+    times_ = format_.times;
+    times_.comma = separator != ',';
     auto message = find_columns(columns);
     if (!message.empty())
       return trace_problem{format_.columns.empty() ? lines_.number() : 0, std::move(message)};
@@ -175,13 +203,18 @@ public:
       if (!message.empty())
         return trace_problem{lines_.number(), std::move(message)};
     }
+    if (readings_ == 0 && table_.others > 0)
+      return trace_problem{0, "no line has " + quoted(format_.name) + " in the column " +
+                                  quoted(format_.name_column) +
+                                  ": which one is wanted, `name` "
+                                  "says"};
     if (readings_ == 0)
       return trace_problem{0, "there is no reading in it"};
     if (format_.start && format_.start->is_date != *dates_)
       return trace_problem{0, *dates_ ? "its times are dates, and so must `start` be"
                                       : "its times are seconds, and so must `start` be"};
     finish();
-    return std::make_shared<const trace_table>(std::move(table_));
+    return std::make_shared<const dated_trace>(std::move(table_));
   }
 
 private:
@@ -193,18 +226,23 @@ private:
         return message;
     }
     std::string missing;
-    const auto find = [&](const std::string& name) -> std::size_t {
-      const auto found = std::find(names_.begin(), names_.end(), name);
+    const auto find = [&](const std::string& name, const char* key) -> std::size_t {
+      auto found = std::find(names_.begin(), names_.end(), name);
+      if (found == names_.end())
+        found = std::ranges::find_if(names_, [&](auto x) { return same_letters(x, name); });
       if (found == names_.end() && missing.empty())
-        missing = "there is no column " + quoted(name);
+        missing = "there is no column " + quoted(name) + ", which `" + key +
+                  "` can change; there is " + listed(names_);
       return static_cast<std::size_t>(found - names_.begin());
     };
-    places_.time = find(format_.time_column);
+    places_.time = find(format_.time_column, "time_column");
     if (!format_.date_column.empty())
-      places_.date = find(format_.date_column);
+      places_.date = find(format_.date_column, "date_column");
     if (!format_.mote_column.empty())
-      places_.mote = find(format_.mote_column);
-    places_.value = find(format_.value_column);
+      places_.mote = find(format_.mote_column, "mote_column");
+    if (!format_.name_column.empty())
+      places_.name = find(format_.name_column, "name_column");
+    places_.value = find(format_.value_column, "column");
     return missing;
   }
 
@@ -220,12 +258,18 @@ private:
     if (fields_.size() > names_.size())
       return "a line of " + std::to_string(fields_.size()) + " fields, where there are " +
              std::to_string(names_.size()) + " columns";
+    if (places_.name && !same_letters(field(*places_.name).value_or(""), format_.name)) {
+      ++table_.others;
+      return {};
+    }
     const auto text = time_text();
     if (!text)
       return skip();
-    const auto time = parse_trace_time(*text);
+    const auto time = parse_trace_time(*text, times_);
     if (!time)
-      return "a time is seconds, or a date and a time of day, not " + quoted(*text);
+      return no_time(*text);
+    if (!zone_)
+      zone_ = time->zone;
     if (dates_.value_or(time->is_date) != time->is_date)
       return "the times are " + std::string(*dates_ ? "dates" : "seconds") + " before, not " +
              quoted(*text);
@@ -234,13 +278,20 @@ private:
     return take_reading(time->since);
   }
 
+  static std::string no_time(std::string_view text) {
+    const auto hint = why_no_trace_time(text);
+    return "a time is seconds, or a date and a time of day, not " + quoted(text) +
+           (hint.empty() ? "" : ", " + hint);
+  }
+
   std::string take_reading(duration at) {
     const auto who = places_.mote ? field(*places_.mote) : "0";
     const auto what = field(places_.value);
-    const auto mote = number_in<std::uint32_t>(who.value_or("0"));
-    const auto value = number_in<double>(what.value_or("0"));
+    const auto mote = mote_number(who.value_or("0"), base_);
+    const auto value = parse_trace_number(what.value_or("0"), times_.comma);
+    needs_hex_ = !mote && mote_number(*who, 16);
     if (!mote)
-      return "a mote is a number from 0 to 4294967295, not " + quoted(*who);
+      return "a mote is a number from 0 to 4294967295, or a hexadecimal one, not " + quoted(*who);
     if (!value || !(std::abs(*value) <= trace_value_max))
       return "a value is a number up to 1e15, not " + quoted(*what);
     if (!who || !what || *value < format_.least || *value > format_.most)
@@ -269,7 +320,13 @@ private:
 
   /// Puts the readings in order, and their times behind the start of the run.
   void finish() {
-    const auto start = format_.start ? format_.start->since : *dates_ ? earliest_ : duration(0);
+    table_.start = {*dates_, *dates_ ? earliest_ : duration(0), zone_};
+    if (format_.start) {
+      table_.start.since = format_.start->since;
+      if (!format_.start->zone) // so it is in that of the file
+        table_.start.since -= zone_.value_or(0s);
+    }
+    const auto start = table_.start.since;
     for (auto& [mote, series] : table_.of_mote) {
       std::stable_sort(series.begin(), series.end(),
                        [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -296,24 +353,32 @@ private:
 
   line_reader lines_;
   const trace_format& format_;
+  time_form times_;
+  int base_;
+  bool needs_hex_ = false;
   std::vector<std::string_view> names_;
   std::vector<std::string_view> fields_;
   places places_;
   std::string time_text_;
-  std::optional<bool> dates_; ///< whether the times are dates, once there was one
+  std::optional<duration> zone_; ///< of the first time that has one
+  std::optional<bool> dates_;    ///< whether the times are dates, once there was one
   duration earliest_ = duration::max();
   std::size_t readings_ = 0;
-  trace_table table_;
+  dated_trace table_;
 };
 
 } // namespace
 
-std::variant<std::shared_ptr<const trace_table>, trace_problem>
+std::variant<std::shared_ptr<const dated_trace>, trace_problem>
 read_trace(std::string_view text, const trace_format& format) {
   if (text.size() > trace_octets_max)
     return trace_problem{0, "it has " + std::to_string(text.size()) + " octets, more than " +
                                 std::to_string(trace_octets_max)};
-  return trace_reader(text, format).read();
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    return trace_problem{0, "it is UTF-16: save it as UTF-8"};
+  trace_reader reader(text, format, 10);
+  auto found = reader.read();
+  return reader.needs_hex() ? trace_reader(text, format, 16).read() : std::move(found);
 }
 
 } // namespace rubicon::device

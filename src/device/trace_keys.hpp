@@ -6,6 +6,19 @@
 
 namespace rubicon::device {
 
+inline auto keys_of(const time_form*) {
+  return keys::of(
+      keys::optional(
+          "date_order", &time_form::order,
+          keys::word<day_order>{{{"dmy", day_order::day_first}, {"mdy", day_order::month_first}}},
+          {"of dates whose year comes last, as in `02/03/2016`",
+           "`\"dmy\"` between dots, else what only one order allows"}),
+      keys::optional("time_unit", &time_form::per_second,
+                     keys::word<double>{{{"s", 1}, {"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}}},
+                     {"of times that are numbers",
+                      "`\"s\"`, or that in which it is a time of 1990 to 2060 since 1970"}));
+}
+
 inline auto keys_of(const trace_format*) {
   return keys::of(
       keys::optional(
@@ -17,14 +30,21 @@ inline auto keys_of(const trace_format*) {
                      keys::list_of<keys::text>{{}, 1, trace_columns_max},
                      {"names of the columns, in order", "the first line names them"}),
       keys::optional("time_column", &trace_format::time_column, keys::text{},
-                     "seconds, or a time of day"),
+                     "numbers or dates, or times of day"),
       keys::optional(
           "date_column", &trace_format::date_column, keys::text{},
           {"stands before the time, if date and time of day have a column each", "none"}),
       keys::optional("mote_column", &trace_format::mote_column, keys::text{},
-                     {"numbers from 0 to 4294967295", "none: all readings are of one mote"}),
+                     {"numbers from 0 to 4294967295, decimal or, with `0x` or if one has letters, "
+                      "hexadecimal",
+                      "none: all readings are of one mote"}),
+      keys::optional("name_column", &trace_format::name_column, keys::text{},
+                     {"of a file with one value a line: tells what it is a value of",
+                      "none: a line has a value of everything"}),
+      keys::optional("name", &trace_format::name, keys::text{},
+                     {"which of these is wanted; only with `name_column`", "the quantity"}),
       keys::optional("column", &trace_format::value_column, keys::text{},
-                     {"the values", "the quantity"}),
+                     {"the values", "the quantity; with `name_column` `\"value\"`"}),
       keys::optional("min", &trace_format::least, keys::real{-trace_value_max, trace_value_max},
                      {"values below it, in the file's unit, are taken for missing", "none"}),
       keys::optional("max", &trace_format::most, keys::real{-trace_value_max, trace_value_max},

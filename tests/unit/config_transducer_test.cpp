@@ -162,7 +162,8 @@ TEST_CASE("mistakes in a trace are told once, with their place in it", "[config]
   CHECK(problem_with(light("model = \"trace\", file = \"none.csv\"")) ==
         "lab/x.toml:19:47: \"lab/none.csv\" cannot be opened: No such file or directory");
   CHECK(problem_with(light("model = \"trace\", file = \"room.csv\", column = \"lux\"")) ==
-        "lab/room.csv:1: there is no column \"lux\"");
+        "lab/room.csv:1: there is no column \"lux\", which `column` can change; there is \"time\", "
+        "\"light\", \"temperature\"");
 }
 
 TEST_CASE("keys of transducer models need their ranges", "[config][GEN-06]") {
