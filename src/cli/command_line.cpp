@@ -202,6 +202,7 @@ void add_run(CLI::App& app, run_command& x) {
              [&](const auto& text) { x.elapsed = parse_length(text, "--elapsed"); })
       ->needs(host)
       ->group("");
+  run.add_flag("--strict", x.is_strict, "Refuse a file with warnings, as one with mistakes");
   add_overrides(run, x.instead);
   run.add_flag("--check-determinism", x.check_determinism,
                "Run twice, the second time on one thread, and compare the trace hashes");
@@ -492,6 +493,8 @@ command parse_command_line(std::span<const char* const> arguments) {
   auto& check_app = *app.add_subcommand("check", "Check a file without running it, and sum it up");
   add_file(check_app, check.file);
   check_app.add_flag("--list", check.list, "List motes, peers and tuple keys instead");
+  check_app.add_flag("--strict", check.is_strict,
+                     "Refuse a file with warnings, as one with mistakes");
   add_overrides(check_app, check.instead);
   schema_command schema;
   auto& schema_app = *app.add_subcommand(

@@ -28,7 +28,8 @@ struct run_command {
   config::overrides instead; ///< files, and the seed of `options`
   config::extensions known;
   bool json = false;
-  bool full = false; ///< every row, as text
+  bool full = false;      ///< every row, as text
+  bool is_strict = false; ///< a warning of the file is an error
   watch_wishes watch;
   bool reloads = false;           ///< on SIGHUP, in wall time (ACT-10)
   bool check_determinism = false; ///< ACT-05
@@ -44,7 +45,8 @@ struct check_command {
   std::string file;
   config::overrides instead;
   config::extensions known;
-  bool list = false; ///< motes, peers and tuples instead of a summary
+  bool list = false;      ///< motes, peers and tuples instead of a summary
+  bool is_strict = false; ///< a warning is an error
 };
 
 /// `rubicon deploy FILE`

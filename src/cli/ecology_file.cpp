@@ -6,6 +6,7 @@
 #include "cli/bundle_file.hpp"
 #include "cli/console.hpp"
 #include "config/document.hpp"
+#include "config/doubts.hpp"
 #include "config/problem_text.hpp"
 #include "core/hash.hpp"
 #include "core/printable.hpp"
@@ -26,9 +27,9 @@ std::optional<ecology_file> load_bundle(const std::string& file, const config::o
   complain(loaded, bundle->name);
   if (!loaded.problems.empty())
     return std::nullopt;
+  auto doubts = config::doubts_of(loaded, bundle->name);
   return ecology_file{*std::move(loaded.ecology),
-                      fold64().add(std::string_view(bundle->toml)).value(),
-                      std::move(loaded.doubts)};
+                      fold64().add(std::string_view(bundle->toml)).value(), std::move(doubts)};
 }
 
 } // namespace
@@ -39,6 +40,15 @@ void complain(const config::loaded& x, const std::string& name) {
     text += to_string(skipped) + " (left out)\n";
   text += config::text_of(x.problems, name);
   static_cast<void>(print(stderr, text)); // without standard error the exit status must do
+}
+
+void warn(const ecology_file& x) {
+  std::string text;
+  for (auto each : x.doubts) {
+    each.message.insert(0, "warning: ");
+    text += to_string(each) + '\n';
+  }
+  static_cast<void>(print(stderr, text)); // nobody reads it, nobody misses it
 }
 
 std::optional<ecology_file> load_or_complain(const std::string& file,
@@ -58,8 +68,9 @@ std::optional<ecology_file> load_or_complain(const std::string& file,
   complain(loaded, name);
   if (!loaded.problems.empty())
     return std::nullopt;
+  auto doubts = config::doubts_of(loaded, name);
   return ecology_file{*std::move(loaded.ecology),
-                      fold64().add(std::string_view(*read.text)).value(), std::move(loaded.doubts)};
+                      fold64().add(std::string_view(*read.text)).value(), std::move(doubts)};
 }
 
 } // namespace rubicon::cli

@@ -23,6 +23,9 @@ struct ecology_file {
 /// Prints problems and warnings on standard error, one a line, at most 50 and then their count.
 void complain(const config::loaded& x, const std::string& name);
 
+/// Prints what hardly is meant on standard error, one a line.
+void warn(const ecology_file& x);
+
 /// Complains of what is wrong.
 /// @param file `-`: standard input
 /// @param is_bundled it is a deploy::bundle

@@ -411,6 +411,12 @@ exit_status perform(const run_command& x) {
   auto file = load_or_complain(x.file, x.instead, x.known, x.is_bundled);
   if (!file)
     return exit_status::refused;
+  if (x.is_strict && !file->doubts.empty()) {
+    complain({std::nullopt, file->doubts}, x.file);
+    return exit_status::refused;
+  }
+  if (!x.is_bundled) // whose sender has seen them
+    warn(*file);
   if (const auto why = config::debug_names(file->ecology).problem(x.options.debug_of);
       !why.empty()) {
     static_cast<void>(print(stderr, printable("--debug-of: " + why) + '\n'));

@@ -19,10 +19,28 @@ void check(const table_reader& in, stream_expectation& x) {
     x.to_name = *to->as<std::string>();
 }
 
+void check(const table_reader& in, actuations_expectation& x) {
+  if (x.proxy != "*")
+    in.shared().seen.uses.push_back({"an expectation looks at", x.proxy + ".*", in.at("proxy")});
+}
+
 void check(const table_reader& in, event_log_expectation& x) {
   if (x.at_most && in.sound() && *x.at_most < x.at_least)
     in.problems().add(in.at("at_most"), "`at_most` must not be less than `at_least`, which is " +
                                             std::to_string(x.at_least));
+}
+
+void note(const table_reader& in, const tuple_condition& x) {
+  auto& seen = in.shared().seen;
+  if (x.key.empty())
+    return;
+  seen.uses.push_back({"an expectation looks at", x.key, in.at("key")});
+  tuple_test test{"an expectation", x.key, texts_at(in, "equals", x.equals)};
+  if (x.above)
+    test.above = {*x.above, in.at("above")};
+  if (x.below)
+    test.below = {*x.below, in.at("below")};
+  seen.tests.push_back(std::move(test));
 }
 
 void read_condition(table_reader& in, tuple_condition& out) {
@@ -39,6 +57,7 @@ void read_condition(table_reader& in, tuple_condition& out) {
   if (out.above && out.below && *out.below <= *out.above)
     in.problems().add(in.at("below"),
                       "`below` must be more than `above`, which is " + shown(*out.above));
+  note(in, out);
 }
 
 void check(table_reader& in, tuple_expectation& x) {
@@ -128,6 +147,16 @@ expectation read_expectation(table_reader& in) {
 }
 
 } // namespace
+
+std::vector<located<std::string>> texts_at(const table_reader& in, std::string_view key,
+                                           const std::vector<std::string>& texts) {
+  const auto* given = in.value(key);
+  const auto* array = given == nullptr ? nullptr : given->as<node_array>();
+  std::vector<located<std::string>> out;
+  for (std::size_t i = 0; i < texts.size(); ++i)
+    out.push_back({texts[i], array != nullptr && i < array->size() ? (*array)[i].at : in.at(key)});
+  return out;
+}
 
 std::vector<expectation> read_expectations(table_reader& root) {
   constexpr std::size_t expectations_max = 1000;

@@ -113,6 +113,10 @@ void check_object_manager(const table_reader& root, const std::vector<peer_descr
 /// app = "rfid_reader" of a peer.
 [[nodiscard]] rfid::reader_config read_rfid_reader(table_reader& in, std::string_view peer_name);
 
+/// The texts that `key` of `in` has, with their places.
+[[nodiscard]] std::vector<located<std::string>>
+texts_at(const table_reader& in, std::string_view key, const std::vector<std::string>& texts);
+
 /// app = "rules" of a peer.
 [[nodiscard]] proxy::rules_config read_rules(table_reader& in, const surroundings& with);
 

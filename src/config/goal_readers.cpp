@@ -7,6 +7,7 @@
 #include "config/file_readers.hpp"
 #include "core/decimal.hpp"
 #include "goal/pursuer_keys.hpp"
+#include "peis/meta_tuple.hpp"
 
 namespace rubicon::config {
 
@@ -48,6 +49,12 @@ private:
   name_claims names_;
 };
 
+/// The key of what an input points at first; empty: its own tuple, or nothing.
+std::string target_of(std::string_view reference) {
+  const auto found = peis::parse_meta(reference);
+  return found && *found ? (*found)->name.text() : std::string();
+}
+
 void read_input(table_reader& in, pursuer_names& own, goal::pursuer_config& out) {
   goal::input_config found;
   if (in.required("name", name_text{}, found.name,
@@ -62,6 +69,9 @@ void read_input(table_reader& in, pursuer_names& own, goal::pursuer_config& out)
   }
   in.optional("from", tuple_reference{}, found.reference,
               {"where that points at first", "its own tuple `NAME.INPUT`"});
+  if (const auto target = target_of(found.reference); !target.empty())
+    in.shared().seen.uses.push_back(
+        {"an input of " + in.shared().seen.peer + " reads", target, in.at("from")});
   out.inputs.push_back(std::move(found));
 }
 
@@ -77,6 +87,20 @@ void read_output(table_reader& in, pursuer_names& own, goal::pursuer_config& out
   if (in.has("until") && !in.has("step"))
     in.problems().add(in.at("until"), "`until` means nothing without `step`");
   out.outputs.push_back(std::move(found));
+}
+
+void note(const table_reader& in, const goal::pursuer_config& own, const goal::condition& x) {
+  auto& seen = in.shared().seen;
+  const auto input = std::ranges::find(own.inputs, x.input, &goal::input_config::name);
+  const auto key = input == own.inputs.end() ? std::string() : target_of(input->reference);
+  if (key.empty())
+    return;
+  tuple_test test{"a state of " + seen.peer, key, texts_at(in, "equals", x.equals)};
+  if (x.above)
+    test.above = {*x.above, in.at("above")};
+  if (x.below)
+    test.below = {*x.below, in.at("below")};
+  seen.tests.push_back(std::move(test));
 }
 
 /// input, equals, above and below of a state.
@@ -103,6 +127,7 @@ void read_needs(table_reader& in, const goal::pursuer_config& own, goal::state_c
   if (found.above && found.below && *found.below <= *found.above)
     in.problems().add(in.at("below"),
                       "`below` must be more than `above`, which is " + shown(*found.above));
+  note(in, own, found);
   if (has_input)
     out.needs = std::move(found);
 }

@@ -177,6 +177,8 @@ void island_motes::read_mote(table_reader& in) {
   }
   if (has_place)
     placed_at_[out.id] = in.at("position_m");
+  with_.shared.seen.motes[{island_.id, out.id}] = {in.at(has_place ? "position_m" : "id"),
+                                                   in.at(in.has("step") ? "step" : "path")};
   note_flows(out.id, profile.apps, in.problems());
   island_.motes.push_back(std::move(out));
   note_programs(profile.apps, island_.motes.size() - 1, in.problems());
@@ -262,6 +264,8 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
     has_traces = has_traces && settle_traces(mote.transducers, mote.id, id_at, in.shared());
     if (i < places.size())
       placed_at_[mote.id] = in.at("layout");
+    with_.shared.seen.motes[{island_.id, mote.id}] = {in.at(i < places.size() ? "layout" : "count"),
+                                                      {}};
     island_.motes.push_back(std::move(mote));
   }
 }

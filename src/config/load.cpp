@@ -145,7 +145,11 @@ loaded load_text(std::string_view toml, const std::string& file_name, const over
   auto ecology = read_file_tables(in, files);
   if (!shared.problems.empty())
     return {std::nullopt, shared.problems.of_file(file_name), shared.problems.warnings()};
-  return {std::move(ecology), {}, shared.problems.warnings(), shared.problems.doubts_of(file_name)};
+  return {std::move(ecology),
+          {},
+          shared.problems.warnings(),
+          shared.problems.doubts_of(file_name),
+          std::move(shared.seen)};
 }
 
 loaded load_file(const std::string& path, const overrides& instead, const extensions& known) {

@@ -12,6 +12,7 @@
 
 #include "apps/registry.hpp"
 #include "config/ecology.hpp"
+#include "config/places.hpp"
 #include "config/problem.hpp"
 #include "proxy/program.hpp"
 
@@ -21,7 +22,9 @@ struct loaded {
   std::optional<ecology_description> ecology; ///< only if there are no problems
   std::vector<problem> problems;              ///< in order of place, those of named files last
   std::vector<problem> warnings = {};         ///< of named files that are left out
-  std::vector<problem> doubts = {}; ///< what is no mistake, but hardly what is meant, in order
+  std::vector<problem> doubts = {}; ///< what is no mistake, but hardly what is meant, in order,
+                                    ///< as far as it is seen while the file is read
+  file_places seen = {};            ///< for the rest of these: doubts.hpp
 };
 
 /// What a command line may say in the place of the TOML file.

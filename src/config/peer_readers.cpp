@@ -72,6 +72,9 @@ collector_app read_collector(table_reader& in) {
   if (asks && std::ranges::none_of(app.keys, names_output_channel))
     in.problems().add(in.at("every"), "`every` needs a key that names an output channel of motes, "
                                       "such as `devices.*.output.1`");
+  auto& seen = in.shared().seen;
+  for (auto& [key, at] : texts_at(in, "keys", app.keys))
+    seen.uses.push_back({"the collector of " + seen.peer + " reads", std::move(key), at});
   return app;
 }
 
@@ -255,6 +258,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
   read_connections(in, with, peers, apps, like);
   read_adapters(in, apps.places, like);
   end_claims ends;
+  in.shared().seen.peer = like.name;
   in.tables("apps", "apps of a peer", {"its programs", "none"}, [&](table_reader& x) {
     const auto add = [&like](peer_app app) { like.apps.push_back(std::move(app)); };
     std::vector<std::pair<std::string_view, table_reader::part_reader>> choices{

@@ -31,6 +31,13 @@ struct mark {
   friend auto operator<=>(const mark&, const mark&) = default;
 };
 
+/// A value and its place.
+template <class T>
+struct located {
+  T value{};
+  mark at;
+};
+
 /// `(line 3, column 7)`
 [[nodiscard]] std::string place_text(mark x);
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <functional>
+#include <map>
 #include <system_error>
 #include <utility>
 
@@ -378,6 +380,25 @@ void check_overlaps(const std::vector<placed_range>& all, complaints& problems) 
   }
 }
 
+/// The places of the tables at `key` by their names.
+std::map<std::string, mark, std::less<>> places_of(const table_reader& in, std::string_view key) {
+  std::map<std::string, mark, std::less<>> out;
+  const auto* given = in.value(key);
+  const auto* array = given == nullptr ? nullptr : given->as<node_array>();
+  if (array != nullptr)
+    for (const auto& each : *array)
+      if (const auto* name = each.find("name");
+          name != nullptr && name->as<std::string>() != nullptr)
+        out.emplace(*name->as<std::string>(), each.at);
+  return out;
+}
+
+void note(const table_reader& in, const proxy::proxy_class& x) {
+  in.shared().seen.classes.emplace(
+      x.name, class_places{in.at("name"), in.at(in.has("prefix") ? "prefix" : "name"),
+                           places_of(in, "field"), places_of(in, "input")});
+}
+
 } // namespace
 
 std::vector<proxy::proxy_class> read_proxies(table_reader& root,
@@ -440,6 +461,7 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root,
           found.tuples.push_back(std::move(each.what));
         }
         read_program(in, programs, names, found);
+        note(in, found);
         out.push_back(std::move(found));
       });
   check_overlaps(ranges, root.problems());

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "config/directory.hpp"
+#include "config/places.hpp"
 #include "config/problem.hpp"
 #include "config/quantities.hpp"
 #include "core/time.hpp"
@@ -23,6 +24,7 @@ struct reading {
   /// Empty where nobody knows yet who is there; never nullptr.
   std::shared_ptr<const directory> names = nobody_yet();
   config::quantities quantities;
+  file_places seen;
   duration end = duration::max(); ///< of the run, as far as the file says it well
 };
 

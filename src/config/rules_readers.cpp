@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <initializer_list>
 #include <set>
 #include <string>
@@ -6,6 +7,7 @@
 
 #include "config/claims.hpp"
 #include "config/file_readers.hpp"
+#include "peis/meta_tuple.hpp"
 #include "proxy/rules_keys.hpp"
 
 namespace rubicon::config {
@@ -17,6 +19,47 @@ void refuse(const table_reader& in, std::initializer_list<const char*> keys, con
   for (const auto* key : keys)
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) + "` means nothing " + why);
+}
+
+/// The key of what `x` points at; empty: nothing.
+std::string target_of(std::string_view x) {
+  const auto found = peis::parse_meta(x);
+  return found && *found ? (*found)->name.text() : std::string();
+}
+
+void note(const table_reader& in, const proxy::rule_write& x) {
+  auto& seen = in.shared().seen;
+  const auto who = "a rule of " + seen.peer;
+  if (x.key.empty())
+    return;
+  const auto at = in.at(x.meta ? "point" : "write");
+  seen.uses.push_back({who + (x.meta ? " points" : " writes"), x.key, at});
+  if (!x.from.empty())
+    seen.uses.push_back({who + " reads", x.from, in.at("from")});
+  tuple_write words{who, x.key, at, {}};
+  for (const auto& [key, text] : {std::pair("then", x.then), std::pair("otherwise", x.otherwise)})
+    if (const auto target = x.meta ? target_of(text) : ""; !target.empty())
+      seen.uses.push_back({who + " points at", target, in.at(key)});
+    else if (!x.meta && !text.empty())
+      words.words.push_back({text, in.at(key)});
+  seen.writes.push_back(std::move(words));
+}
+
+/// A rule without one of its thresholds has the other one for both.
+void note(const table_reader& in, const proxy::rule& x) {
+  auto& seen = in.shared().seen;
+  const auto who = "a rule of " + seen.peer;
+  if (x.when.empty())
+    return;
+  seen.uses.push_back({who + " waits for", x.when, in.at("when")});
+  tuple_test test{who, x.when, texts_at(in, "equals", x.equals)};
+  const bool has_end =
+      std::ranges::any_of(x.writes, [](const auto& each) { return !each.otherwise.empty(); });
+  if (const auto above = x.above ? x.above : x.below)
+    test.above = {*above, in.at(x.above ? "above" : "below")};
+  if (const auto below = x.below ? x.below : x.above; below && has_end)
+    test.below = {*below, in.at(x.below ? "below" : "above")};
+  seen.tests.push_back(std::move(test));
 }
 
 /// What a rule writes: a word, what another tuple tells, or where a meta tuple is to point.
@@ -50,6 +93,7 @@ proxy::rule_write read_rule_write(table_reader& in) {
     refuse(in, {"then", "point"}, "with `from`");
   if (!in.has("then") && !in.has("otherwise") && !in.has("from"))
     in.problems().add(in.at(), "a rule needs `then`, `otherwise` or both");
+  note(in, out);
   return out;
 }
 
@@ -86,6 +130,7 @@ proxy::rule read_rule(table_reader& in, const surroundings& with) {
   if (out.above && out.below && *out.below > *out.above)
     in.problems().add(in.at("below"),
                       "`below` must not be more than `above`, which is " + shown(*out.above));
+  note(in, out);
   return out;
 }
 

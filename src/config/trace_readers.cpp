@@ -67,6 +67,8 @@ device::trace_model read_trace(table_reader& in, device::quantity kind) {
   }
   const auto table = in.shared().traces->read(in, "file", file, format);
   out.table = table;
+  if (table)
+    in.shared().seen.traces.emplace(table, trace_place{in.at("file"), file, table->start});
   if (out.table && in.sound() && !has_mote(in, out))
     out.table = nullptr;
   return out;

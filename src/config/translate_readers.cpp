@@ -69,6 +69,9 @@ translate::translation read_translation(table_reader& in) {
     in.problems().add(in.at("decimals"), "`decimals` are those of a `value`");
   if (in.has("unit") && !in.has("to"))
     in.problems().add(in.at("unit"), "`unit` is that of the tuple `to`");
+  auto& seen = in.shared().seen;
+  if (!out.from.empty())
+    seen.uses.push_back({"a translation of " + seen.peer + " reads", out.from, in.at("from")});
   return out;
 }
 

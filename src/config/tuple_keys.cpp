@@ -22,7 +22,8 @@ std::string_view take_part(std::string_view& key) {
   return part;
 }
 
-/// Names in braces stand for what nobody knows before.
+} // namespace
+
 std::string without_names(std::string_view text) {
   std::string out;
   while (!text.empty()) {
@@ -33,7 +34,6 @@ std::string without_names(std::string_view text) {
   return out;
 }
 
-/// Of a mote of that island whose name nobody knows before.
 std::string prefix_of_any(const proxy::proxy_class& what, const island_description& island) {
   constexpr std::string_view place = "{island}";
   auto prefix = what.prefix;
@@ -41,6 +41,8 @@ std::string prefix_of_any(const proxy::proxy_class& what, const island_descripti
     prefix.replace(at, place.size(), island.name);
   return without_names(prefix);
 }
+
+namespace {
 
 class key_list {
 public:
@@ -124,7 +126,7 @@ struct app_keys {
     keys.add("interface." + x.name + ".**", peer.name);
   }
   void operator()(const goal::pursuer_config& x) const {
-    for (const auto* name : {"goal", "state", "outcome"})
+    for (const auto* name : {"goal", "state", "outcome", "outcome.cause"})
       keys.add(x.name + '.' + name, peer.name);
     for (const auto& input : x.inputs) {
       keys.add(x.name + '.' + input.name, peer.name);

@@ -26,6 +26,13 @@ struct known_key {
 [[nodiscard]] const proxy::proxy_class* class_of(const ecology_description& x, island_id island,
                                                  const mote_description& mote);
 
+/// Names in braces stand for what nobody knows before: such parts of a key become `*`.
+[[nodiscard]] std::string without_names(std::string_view text);
+
+/// What the keys of a proxy begin with, of a mote of that island whose name nobody knows before.
+[[nodiscard]] std::string prefix_of_any(const proxy::proxy_class& what,
+                                        const island_description& island);
+
 /// What the keys of a mote's proxy begin with.
 [[nodiscard]] std::string prefix_of(const proxy::proxy_class& what,
                                     const island_description& island, const mote_description& mote);

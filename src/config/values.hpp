@@ -42,13 +42,6 @@ struct asker {
   }
 };
 
-/// A value and its place.
-template <class T>
-struct located {
-  T value{};
-  mark at;
-};
-
 using keys::about;
 using keys::baud;
 using keys::bit_rate;

@@ -73,6 +73,31 @@ TEST_CASE("run refuses what check refuses", "[cli][GEN-06]") {
   CHECK(standard_output("run --json " + file).out.empty());
 }
 
+TEST_CASE("what hardly is meant is a warning, or with --strict a mistake", "[cli][GEN-06]") {
+  const auto file = fixture("slips.toml");
+  const std::vector<std::string> told{
+      ":17:55: %a rule of pc writes `an` to `hall.lamp-2.switch`, which takes \"on\" or \"off\"",
+      ":18:41: %a rule of pc compares `hall.lamp-2.state` with 1, but it tells \"off\" or \"on\", "
+      "which are no numbers"};
+  const auto all = [&](const std::string& kind) {
+    std::string out;
+    for (auto each : told)
+      out += file + each.replace(each.find('%'), 1, kind) + '\n';
+    return out;
+  };
+  for (const std::string command : {"check ", "run "}) {
+    CAPTURE(command);
+    const auto warned = standard_error(command + '\'' + file + '\'');
+    CHECK(warned.status == 0);
+    CHECK(warned.out == all("warning: "));
+    CHECK_FALSE(standard_output(command + '\'' + file + '\'').out.empty());
+    const auto refused = standard_error(command + "--strict '" + file + '\'');
+    CHECK(refused.status == 2);
+    CHECK(refused.out == all("") + file + ": 2 problems\n");
+    CHECK(standard_output(command + "--strict '" + file + '\'').out.empty());
+  }
+}
+
 TEST_CASE("a file that cannot be an ecology costs one line", "[cli][GEN-06]") {
   const auto file = GENERATE(as<std::string>{}, "empty.toml", "binary.toml", "missing.toml", ".");
   for (const auto* command : {"check ", "run "}) {

@@ -80,6 +80,9 @@ TEST_CASE("check takes the files that run takes", "[cli]") {
   CHECK(std::get<check_command>(x).file == "a.toml");
   CHECK(std::get<check_command>(x).instead.topology == "grid.txt");
   CHECK(std::get<check_command>(x).instead.noise_trace == "m.txt");
+  CHECK_FALSE(std::get<check_command>(x).is_strict);
+  CHECK(std::get<check_command>(parse({"check", "a.toml", "--strict"})).is_strict);
+  CHECK(parse_run({"--strict"}).is_strict);
 }
 
 TEST_CASE("each option of explain reaches it, and none without meaning", "[cli][explain]") {
