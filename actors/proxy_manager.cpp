@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "actors/failure.hpp"
 #include "actors/log.hpp"
@@ -43,6 +44,32 @@ proxy::proxy_identity identity_of(const proxy_manager_arguments& arguments,
   return who;
 }
 
+std::string name_of(const proxy::proxy_identity& who) {
+  return who.island_name + '/' + who.mote_name;
+}
+
+/// Notes whose the key is; tells if the proxy of another mote has it too.
+void claim_key(manager_pointer self, const std::string& prefix, const mote_address& mote) {
+  auto& state = self->state;
+  std::string folded = prefix;
+  std::ranges::transform(folded, folded.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  const auto [held, is_new] = state.keys.emplace(folded, mote);
+  const auto other = std::exchange(held->second, mote);
+  if (is_new || other == mote || !state.proxies.contains(other))
+    return;
+  const auto name = [&](const mote_address& x) {
+    return name_of(identity_of(state.arguments, x, peer_id()));
+  };
+  log(self, spdlog::level::warn, "event=shared_key key={} mote={} other={}", prefix,
+      to_string(mote), to_string(other));
+  self->send(state.arguments.ecology,
+             notable_event{self->path(), "the proxies of " + name(other) + " and " + name(mote) +
+                                             " have one key, " + prefix +
+                                             ": what is written to one reaches both"});
+}
+
 struct performer {
   manager_pointer self;
 
@@ -56,6 +83,7 @@ struct performer {
     const auto name = core.prefix();
     const auto layer = core.streams().empty() ? program_node_actor() : state.arguments.layer;
     log(self, spdlog::level::info, "event=started proxy={} class={}", name, x.class_name);
+    claim_key(self, name, x.mote);
     state.proxies[x.mote] = scheduler::spawn_at<scheduler::monitored>(
         self, "proxy/" + name, proxy_behavior,
         proxy_arguments{std::move(core), state.arguments.peer_number, state.arguments.peer,

@@ -49,6 +49,7 @@ struct proxy_manager_state {
   proxy::manager manager;
   std::map<island_id, proxy::gateway_choice> gateways;
   std::map<mote_address, proxy_actor> proxies;
+  std::map<std::string, mote_address> keys; ///< what theirs begin with, in small letters
   timer classes_wake;
 };
 

@@ -478,3 +478,24 @@ TEST_CASE("readings of ad0 become the kitchen's luminosity, with its history",
   REQUIRE(translate != x.report.programs.end());
   CHECK(translate->figures.at(1) == std::pair<std::string, double>("tuples", 2));
 }
+
+TEST_CASE("two proxies with one key are told in the event log", "[ecology][PXY-15]") {
+  const auto told = [](const std::string& prefix) {
+    const auto x = run_recorded(describe(kitchen(climate_mote, prefix + climate_fields, R"(
+[[island]]
+id = 2
+name = "cellar"
+gateway.links = ["inproc://pc"]
+[[island.mote]]
+id = 7
+name = "board"
+type = 300
+position_m = [5, 0]
+)")));
+    return std::ranges::count_if(x.report.event_log, [](const auto& line) {
+      return line.what.ends_with("/board have one key, board: what is written to one reaches both");
+    });
+  };
+  CHECK(told("") == 0);
+  CHECK(told("prefix = \"{name}\"\n") == 1);
+}
