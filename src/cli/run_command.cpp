@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -395,6 +396,15 @@ exit_status run_part(run_command x, ecology_file file) {
                              : run_for_deployment(x, std::move(file));
 }
 
+/// What the computer's clock shows.
+duration time_of_day_now() {
+  const auto now = std::chrono::system_clock::now();
+  const auto whole = std::chrono::system_clock::to_time_t(now);
+  std::tm parts{};
+  localtime_r(&whole, &parts);
+  return parts.tm_hour * 1h + parts.tm_min * 1min + parts.tm_sec * 1s;
+}
+
 /// Why nobody can do anything to a run; nullptr: somebody can.
 const char* why_untouchable(const run_command& x, const ecology_file& file) {
   if (x.file == standard_input)
@@ -406,7 +416,9 @@ const char* why_untouchable(const run_command& x, const ecology_file& file) {
 
 } // namespace
 
-exit_status perform(const run_command& x) {
+exit_status perform(const run_command& wanted) {
+  auto x = wanted;
+  x.instead.time_of_day = (time_of_day_now() + 24h - x.elapsed % duration(24h)) % duration(24h);
   set_up_logging(x.log_level, console_of(stderr));
   auto file = load_or_complain(x.file, x.instead, x.known, x.is_bundled);
   if (!file)

@@ -9,6 +9,34 @@ namespace {
 constexpr std::size_t network_octets_max = 62; ///< peis-wire.md 2
 constexpr duration tick_max = 8191ms;          ///< 13 bits of a clock stamp
 
+/// "07:30", or "now" for what the computer's clock shows.
+struct day_start {
+  using type = duration;
+
+  [[nodiscard]] static std::optional<duration> read(const node& x, const asker& who) {
+    const auto* found = x.as<std::string>();
+    if (found == nullptr || *found != "now")
+      return time_of_day::read(x, who);
+    return who.in.files == nullptr ? duration(0)
+                                   : who.in.files->instead.time_of_day.value_or(duration(0));
+  }
+  [[nodiscard]] static form takes() {
+    return {"time of day, `\"07:30\"` or `\"07:30:15\"`, or `\"now\"`",
+            pattern_schema("now|([01][0-9]|2[0-3]):[0-5][0-9](:[0-5][0-9])?")};
+  }
+};
+
+/// What the clock shows is another time in each run.
+void check_start(const table_reader& in, const ecology_description& x) {
+  const auto* given = in.value("start");
+  const auto* word = given == nullptr ? nullptr : given->as<std::string>();
+  const auto* files = in.shared().files;
+  const auto mode = files == nullptr ? x.mode : files->instead.mode.value_or(x.mode);
+  if (word != nullptr && *word == "now" && mode == run_mode::virtual_time)
+    in.problems().add(in.at("start"), "`start` = \"now\" needs mode = \"wall\": a run in virtual "
+                                      "time is the same whenever it is run");
+}
+
 } // namespace
 
 void read_ecology(table_reader& root, ecology_description& out) {
@@ -21,9 +49,14 @@ void read_ecology(table_reader& root, ecology_description& out) {
                     word<run_mode>{{{"virtual", run_mode::virtual_time}, {"wall", run_mode::wall}}},
                     out.mode, "as fast as the computer can, or in real time");
         in.optional("duration", time_span{1ms}, out.length, "of ecology time");
-        in.optional(
-            "start", time_of_day{}, out.day_begins,
-            {"time of day at the start of the run, for [rules](#rules) with `at`", "`\"00:00\"`"});
+        in.optional("start", day_start{}, out.day_begins,
+                    {"time of day at the start of the run, for [rules](#rules) with `at`; in wall "
+                     "time also "
+                     "`\"now\"`: that of the computer's clock and zone. A change to or from "
+                     "daylight saving "
+                     "during the run is not followed",
+                     "`\"00:00\"`"});
+        check_start(in, out);
         in.optional("date", calendar_day{}, out.date,
                     {"day on which a run in virtual time starts, at `start`: the [network "
                      "time](gateway.md#time) goes on from there. In wall time it is the computer's",

@@ -33,6 +33,7 @@ struct overrides {
   std::string noise_trace;                     ///< path; empty: [radio.noise] file
   std::optional<std::uint64_t> seed;           ///< it decides where the motes of a disk are
   std::optional<run_mode> mode = std::nullopt; ///< it decides what may be real
+  std::optional<duration> time_of_day{};       ///< that `start = "now"` stands for; unset: midnight
 };
 
 /// What files may name beside what every binary has.

@@ -160,6 +160,24 @@ TEST_CASE("a rule has a time of day, in the time of the ecology", "[config]") {
   CHECK(rule_of(x).writes.at(0).from == "c.d");
 }
 
+TEST_CASE("a day in wall time may begin now", "[config]") {
+  const std::string rule = "at = \"07:30\"\nwrite = \"a\"\nthen = \"on\"\n";
+  overrides instead;
+  instead.time_of_day = 6h;
+  const auto virtual_run = load_text(rule_file("start = \"now\"\n", rule), "t", instead);
+  REQUIRE(virtual_run.problems.size() == 1);
+  CHECK(virtual_run.problems[0].message == "`start` = \"now\" needs mode = \"wall\": a run in "
+                                           "virtual time is the same whenever it is run");
+  instead.mode = run_mode::wall;
+  const auto wall = load_text(rule_file("start = \"now\"\n", rule), "t", instead);
+  REQUIRE(wall.ecology);
+  CHECK(wall.ecology->day_begins == 6h);
+  CHECK(rule_of(*wall.ecology).daily == 90min);
+  const auto said = load_text(rule_file("start = \"05:00\"\n", rule), "t", instead);
+  REQUIRE(said.ecology);
+  CHECK(said.ecology->day_begins == 5h);
+}
+
 TEST_CASE("what a rule says of times and of other tuples fits together", "[config][GEN-06]") {
   check_mistakes(std::string(head) + "[[peer.apps]]\napp = \"rules\"\n", R"(
 [[peer.apps.rules]]
