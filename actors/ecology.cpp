@@ -952,7 +952,7 @@ report::run_truth truth_of(ecology_pointer self) {
   }
   if (has_settled_peers(self))
     truth.peers = views_of(self);
-  truth.half_open = state.counters.half_open();
+  truth.half_open = state.counters.half_open(now(self));
   for (const auto& [address, table] : state.channel_tables)
     if (is_quiet(self, address.island))
       for (const auto& id : table)

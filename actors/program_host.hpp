@@ -55,6 +55,7 @@ public:
     x.name = std::move(kind);
     x.number = static_cast<std::uint32_t>(number);
     x.program = std::move(program);
+    x.started = now;
     x.open(again);
     x.program->start(node.attach(*x.program), now);
   }
@@ -126,11 +127,11 @@ public:
         if (!figure.counts)
           status.measured.push_back(figure.name);
       }
-      status.streams = x.program->stream_ends(own);
+      status.streams = x.stream_ends(own, ended);
       const auto ahead = own - now(self); // the next life's clock begins with another time
       for (auto& end : status.streams) {
-        end.open = end.open && !ended;
-        for (auto* at : {&end.first_at, &end.last_at}) {
+        end.changed_at -= ahead;
+        for (auto* at : {&end.started_at, &end.first_at, &end.last_at}) {
           if (*at)
             **at -= ahead;
         }
@@ -168,6 +169,7 @@ private:
     std::string name;
     std::uint32_t number = 0; ///< among the programs of the node
     std::unique_ptr<apps::application> program;
+    instant started;                     ///< by the node's clock
     std::unique_ptr<std::ofstream> file; ///< nullptr: it writes none
     std::string failure;                 ///< the first; empty while all is well
     std::uint64_t unwritten = 0;         ///< lines
@@ -180,6 +182,17 @@ private:
           name_of_file, std::ios::binary | (again ? std::ios::app : std::ios::trunc));
       if (!again)
         *file << program->file_heading() << std::flush;
+    }
+
+    /// @param ended the node's life is over: what was open is not from now on
+    [[nodiscard]] std::vector<apps::stream_end> stream_ends(instant own, bool ended) const {
+      auto all = program->stream_ends(own);
+      for (auto& end : all) {
+        end.started_at = started;
+        end.changed_at = end.open && ended ? own : std::max(end.changed_at, started);
+        end.open = end.open && !ended;
+      }
+      return all;
     }
 
     /// Lines are in the file when this returns. @returns whether the first failure has shown

@@ -149,7 +149,7 @@ std::vector<stream_end> average::stream_ends(instant now) const {
     end.openings = x.openings;
     end.opens_failed = x.opens_failed;
     end.open = x.stream > 0;
-    end.steady = now - x.changed;
+    end.changed_at = x.changed;
     end.last_ms = x.last_ms;
     end.every = config_.every;
     all.push_back(end);

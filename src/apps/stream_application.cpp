@@ -107,7 +107,7 @@ std::vector<stream_end> stream_application::stream_ends(instant now) const {
     end.records = x.records;
     end.openings = x.openings;
     end.open = x.stream > 0;
-    end.steady = now - x.changed;
+    end.changed_at = x.changed;
     end.pause = x.records > 0 ? std::max(x.pause, now - x.last) : 0s;
     end.first_at = x.first;
     if (x.records > 0)

@@ -20,7 +20,8 @@ struct stream_end {
   std::uint64_t openings = 0;
   std::uint64_t opens_failed = 0;
   bool open = false;                    ///< now,
-  duration steady{};                    ///< and for how long it has been open or not
+  instant changed_at;                   ///< and since when, by the node's clock
+  std::optional<instant> started_at;    ///< when this life of the program began
   std::optional<instant> first_at;      ///< of a read end: when the first record of this life came,
   std::optional<instant> last_at;       ///< and the newest one, by the node's clock
   std::optional<std::uint32_t> last_ms; ///< time in the newest record, its low 32 bits
@@ -30,6 +31,6 @@ struct stream_end {
   friend bool operator==(const stream_end&, const stream_end&) = default;
 };
 RUBICON_FIELDS(stream_end, stream, writes, reader, records, unwritten, openings, opens_failed, open,
-               steady, first_at, last_at, last_ms, every, pause);
+               changed_at, started_at, first_at, last_at, last_ms, every, pause);
 
 } // namespace rubicon::apps

@@ -95,7 +95,7 @@ std::vector<figure> stream_writer::figures() const {
           {"opens failed", static_cast<double>(opens_failed_)}};
 }
 
-std::vector<stream_end> stream_writer::stream_ends(instant now) const {
+std::vector<stream_end> stream_writer::stream_ends(instant) const {
   stream_end end;
   end.stream = config_.stream;
   end.writes = true;
@@ -105,7 +105,7 @@ std::vector<stream_end> stream_writer::stream_ends(instant now) const {
   end.openings = openings_;
   end.opens_failed = opens_failed_;
   end.open = remote_ > 0;
-  end.steady = now - changed_;
+  end.changed_at = changed_;
   end.last_ms = last_ms_;
   end.every = config_.every;
   return {end};

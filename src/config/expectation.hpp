@@ -51,6 +51,7 @@ struct stream_expectation {
   std::string to_name; ///< as the file says
   double at_least = 1;
   std::optional<duration> pause; ///< the longest without a record, from the first to the end
+  std::optional<duration> first_within = {}; ///< since both programs were there; unset: `pause`
 };
 
 /// Share of what was asked of the inputs of proxies that their motes have acknowledged.

@@ -93,7 +93,11 @@ expectation read_expectation(table_reader& in) {
                     optional("pause", &stream_expectation::pause, time_span{1ms},
                              {"the longest that the reader may go without a record, from its first "
                               "one to the end of the run",
-                              "any"})));
+                              "any"}),
+                    optional("first_within", &stream_expectation::first_within, time_span{1ms},
+                             {"the longest until its first record, from when the programs at both "
+                              "ends were there for the first time",
+                              "`pause`"})));
   kind("actuations",
        of(optional("proxy", &actuations_expectation::proxy, proxy_name{},
                    {"whose inputs", "`\"*\"`"}),

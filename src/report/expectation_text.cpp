@@ -45,7 +45,8 @@ struct writer {
   }
   std::string operator()(const config::stream_expectation& x) const {
     return "stream " + std::to_string(x.stream) + " to " + x.to_name + " >= " + share(x.at_least) +
-           (x.pause ? ", no pause > " + rubicon::to_text(*x.pause) : "");
+           (x.pause ? ", no pause > " + rubicon::to_text(*x.pause) : "") +
+           (x.first_within ? ", the first within " + rubicon::to_text(*x.first_within) : "");
   }
   std::string operator()(const config::actuations_expectation& x) const {
     return (x.count > 1 ? with_thousands(x.count) + " actuations" : std::string("actuations")) +

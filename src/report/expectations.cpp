@@ -283,11 +283,13 @@ struct expectations::judge_one {
     if (!found->from.empty())
       out.explain.insert(out.explain.end(), {"--from", found->from});
     const auto share = *found->delivery();
-    decide(reaches(share, x.at_least) && found->pause <= x.pause.value_or(duration::max()),
+    const auto pause_max = x.pause.value_or(duration::max());
+    decide(reaches(share, x.at_least) && found->pause <= pause_max &&
+               found->first_after <= x.first_within.value_or(pause_max),
            share_text(share) + ": " + with_thousands(found->read) + " read of " +
                with_thousands(found->produced) + " produced, " + with_thousands(found->written) +
-               " written, " + counted(found->openings, "opening") + ", longest pause " +
-               seconds_text(found->pause));
+               " written, " + counted(found->openings, "opening") + ", the first after " +
+               seconds_text(found->first_after) + ", longest pause " + seconds_text(found->pause));
   }
 
   void operator()(const config::actuations_expectation& x) const {

@@ -127,7 +127,7 @@ private:
       end_open(counters);
     if (!life.is_final || !is_last)
       end_in_transit(counters);
-    counters_.add(counters);
+    counters_.add(counters, instant{} + life.elapsed);
     const bool is_told = !x.ecology.empty(); // it may have ended before it told anything
     out_.simulated = std::max(out_.simulated, x.simulated + life.elapsed);
     out_.wall_s = std::max(out_.wall_s, x.wall_s + seconds(life.elapsed));

@@ -443,12 +443,15 @@ struct stream_report {
   std::uint64_t opens_failed = 0; ///< at the writer
   /// the longest that the reader's program went without a record, from its first one to the end
   duration pause{};
+  /// from when both its programs were there, for the first time, to its first record; to the end if
+  /// there was none
+  duration first_after{};
 
   /// `read` / (`produced` - `open`); `null` if that is nothing
   [[nodiscard]] std::optional<double> delivery() const;
 };
 RUBICON_FIELDS(stream_report, stream, from, to, produced, written, read, open, missing, openings,
-               opens_failed, pause);
+               opens_failed, pause, first_after);
 
 /// How an expectation of the file has come out.
 struct expectation_report {

@@ -34,6 +34,19 @@ double& figure_of(program_report& x, const std::string& name) {
   return found != x.figures.end() ? found->second : x.figures.emplace_back(name, 0).second;
 }
 
+/// What was closed when a life ended and is so in the next one was closed all the while.
+void change(stream_counters::end& x, bool open, instant at) {
+  if (!x.is_known || x.open != open)
+    x.changed_at = at;
+  x.is_known = true;
+  x.open = open;
+}
+
+void add_life(stream_counters::end& x, const stream_part& part) {
+  change(x, part.open, part.changed_at);
+  x.asked_at = earliest(x.asked_at, part.started_at);
+}
+
 } // namespace
 
 cause_counts lost_of(const message_tally& x) {
@@ -94,9 +107,7 @@ void run_counters::add(const program_report& x, std::uint32_t number,
     stream.sum.stream = part.stream;
     stream.sum.to = part.reader_name;
     auto& end = part.writes ? stream.writer : stream.reader;
-    end.is_known = true;
-    end.open = part.open;
-    end.steady = part.steady;
+    add_life(end, part);
     if (part.writes) {
       stream.sum.from = part.writer_name;
       stream.sum.produced += part.records;
@@ -111,6 +122,7 @@ void run_counters::add(const program_report& x, std::uint32_t number,
       if (end.newest_at && part.first_at) // between two lives
         stream.sum.pause = std::max(stream.sum.pause, *part.first_at - *end.newest_at);
     }
+    end.first_at = end.first_at ? end.first_at : part.first_at;
     end.newest_at = part.last_at ? part.last_at : end.newest_at;
     end.newest_ms = part.last_ms ? part.last_ms : end.newest_ms;
   }
@@ -131,17 +143,20 @@ void run_counters::add(const proxy_report& x, bool ended) {
 
 namespace {
 
-void add_end(stream_counters::end& sum, const stream_counters::end& x) {
+void add_end(stream_counters::end& sum, stream_counters::end x, duration later) {
   if (!x.is_known)
     return;
-  const auto newest_ms = x.newest_ms ? x.newest_ms : sum.newest_ms;
-  const auto newest_at = x.newest_at ? x.newest_at : sum.newest_at;
-  sum = x;
-  sum.newest_ms = newest_ms;
-  sum.newest_at = newest_at;
+  for (auto* at : {&x.asked_at, &x.first_at, &x.newest_at})
+    if (*at)
+      **at += later;
+  change(sum, x.open, x.changed_at + later);
+  sum.asked_at = earliest(sum.asked_at, x.asked_at);
+  sum.first_at = earliest(sum.first_at, x.first_at);
+  sum.newest_ms = x.newest_ms ? x.newest_ms : sum.newest_ms;
+  sum.newest_at = x.newest_at ? x.newest_at : sum.newest_at;
 }
 
-void add_stream(stream_counters& sum, const stream_counters& x) {
+void add_stream(stream_counters& sum, const stream_counters& x, duration later) {
   sum.sum.stream = x.sum.stream;
   sum.sum.to = x.sum.to;
   if (!x.sum.from.empty())
@@ -153,13 +168,15 @@ void add_stream(stream_counters& sum, const stream_counters& x) {
   sum.sum.openings += x.sum.openings;
   sum.sum.pause = std::max(sum.sum.pause, x.sum.pause);
   sum.every = std::max(sum.every, x.every);
-  add_end(sum.writer, x.writer);
-  add_end(sum.reader, x.reader);
+  if (sum.reader.newest_at && x.reader.first_at) // between two lives of their process
+    sum.sum.pause = std::max(sum.sum.pause, *x.reader.first_at + later - *sum.reader.newest_at);
+  add_end(sum.writer, x.writer, later);
+  add_end(sum.reader, x.reader, later);
 }
 
 } // namespace
 
-void run_counters::add(const unsettled_counters& x) {
+void run_counters::add(const unsettled_counters& x, instant begun) {
   for (const auto& [key, program] : x.programs) {
     auto& sum = all_.programs[key];
     sum.sum.who = program.sum.who;
@@ -169,7 +186,7 @@ void run_counters::add(const unsettled_counters& x) {
     sum.read_ends = program.read_ends;
   }
   for (const auto& [key, stream] : x.streams)
-    add_stream(all_.streams[key], stream);
+    add_stream(all_.streams[key], stream, begun.time_since_epoch());
   for (const auto& [name, proxy] : x.proxies)
     add(proxy, proxy.status == "ended");
   add_to(all_.messages, x.messages);
@@ -205,8 +222,13 @@ std::uint64_t run_counters::vectors_missed(const std::string& node, std::uint32_
 }
 
 /// Records come in order: those newer than the newest that was read are in flight, if they can be.
-stream_report run_counters::settled(const stream_counters& x) {
+stream_report run_counters::settled(const stream_counters& x, instant now) {
   auto sum = x.sum;
+  const auto asked =
+      std::max(x.reader.asked_at.value_or(instant{}), x.writer.asked_at.value_or(instant{}));
+  sum.first_after = std::max(0ns, x.reader.first_at.value_or(now) - asked);
+  if (x.reader.newest_at) // its last life may have had none, or have ended
+    sum.pause = std::max(sum.pause, now - *x.reader.newest_at);
   const auto unread = above(sum.produced, sum.read);
   if (x.writer.newest_ms && x.reader.newest_ms && x.every > 0s) {
     const auto ahead = static_cast<std::int32_t>(*x.writer.newest_ms - *x.reader.newest_ms) * 1ms;
@@ -217,26 +239,27 @@ stream_report run_counters::settled(const stream_counters& x) {
   return sum;
 }
 
-std::vector<half_open_stream> run_counters::half_open() const {
+std::vector<half_open_stream> run_counters::half_open(instant now) const {
   std::vector<half_open_stream> found;
   for (const auto& [key, x] : all_.streams) {
     if (!x.writer.is_known || !x.reader.is_known || x.writer.open == x.reader.open)
       continue;
     found.push_back({x.sum.stream, x.writer.open ? x.sum.from : x.sum.to,
                      x.writer.open ? x.sum.to : x.sum.from,
-                     std::min(x.writer.steady, x.reader.steady)});
+                     now - std::max(x.writer.changed_at, x.reader.changed_at)});
   }
   return found;
 }
 
 void run_counters::settle_streams(run_report& x) const {
+  const auto end = instant{} + x.simulated;
   for (const auto& [key, stream] : all_.streams)
-    x.streams.push_back(settled(stream));
+    x.streams.push_back(settled(stream, end));
   for (const auto& [key, counters] : all_.programs) {
     auto& program = x.programs.emplace_back(counters.sum);
     if (program.kind != "stream_reader" || counters.read_ends.size() != 1)
       continue;
-    const auto stream = settled(all_.streams.at(counters.read_ends.front()));
+    const auto stream = settled(all_.streams.at(counters.read_ends.front()), end);
     const auto delivery = stream.delivery();
     if (stream.from.empty() || !delivery)
       continue; // nobody of this run writes it: the reader's own clock must do

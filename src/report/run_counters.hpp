@@ -46,7 +46,9 @@ struct stream_counters {
   struct end {
     bool is_known = false;
     bool open = false;
-    duration steady{};
+    instant changed_at;                     ///< since when
+    std::optional<instant> asked_at;        ///< when its program first began
+    std::optional<instant> first_at;        ///< of the reader: when its first record came
     std::optional<std::uint32_t> newest_ms; ///< time in its newest record, its low 32 bits
     std::optional<instant> newest_at;       ///< of the reader: when that came
   };
@@ -56,7 +58,8 @@ struct stream_counters {
   end reader;
   duration every{};
 };
-RUBICON_FIELDS(stream_counters::end, is_known, open, steady, newest_ms, newest_at);
+RUBICON_FIELDS(stream_counters::end, is_known, open, changed_at, asked_at, first_at, newest_ms,
+               newest_at);
 RUBICON_FIELDS(stream_counters, sum, writer, reader, every);
 
 /// The account of one sender's messages of one kind, as message_tally, where it may be incomplete:
@@ -110,13 +113,14 @@ public:
   void add(const proxy_report& x, bool ended);
 
   /// What another process has counted, of other things or of later lives of the same ones.
-  void add(const unsettled_counters& x);
+  /// @param begun when it began: its times are since then
+  void add(const unsettled_counters& x, instant begun = {});
 
   /// Vectors that a program has missed in lives that are over.
   [[nodiscard]] std::uint64_t vectors_missed(const std::string& node, std::uint32_t number) const;
 
   /// In the order of their readers and numbers, whatever their age.
-  [[nodiscard]] std::vector<half_open_stream> half_open() const;
+  [[nodiscard]] std::vector<half_open_stream> half_open(instant now) const;
 
   /// Fills in programs, streams, proxies, and messages of motes, islands and PCs.
   void settle(run_report& x) const;
@@ -124,7 +128,7 @@ public:
   [[nodiscard]] const unsettled_counters& unsettled() const { return all_; }
 
 private:
-  [[nodiscard]] static stream_report settled(const stream_counters& x);
+  [[nodiscard]] static stream_report settled(const stream_counters& x, instant now);
   [[nodiscard]] carried_report carried(const mote_address& who, message_kind kind) const;
   void settle_packets(run_report& x) const;
   void settle_streams(run_report& x) const;

@@ -93,6 +93,13 @@ TEST_CASE("a stream is judged by what its writer produced", "[report][expect]") 
   x.streams[0].pause = 30s;
   CHECK(one(stream_expectation{7, robot, "robot", 0.97, 30s}).met(x));
   CHECK_FALSE(one(stream_expectation{7, robot, "robot", 0.97, 29s}).met(x));
+  x.streams[0].first_after = 31s; // that is a pause as well,
+  CHECK_FALSE(one(stream_expectation{7, robot, "robot", 0.97, 30s}).met(x));
+  CHECK(one(stream_expectation{7, robot, "robot", 0.97, 30s, 31s}).met(x)); // or one of its own
+  CHECK_FALSE(one(stream_expectation{7, robot, "robot", 0.97, {}, 30s}).met(x));
+  CHECK(one(stream_expectation{7, robot, "robot", 0.97, {}}).met(x));
+  CHECK(to_text(stream_expectation{7, robot, "robot", 1, 10s, 30s}) ==
+        "stream 7 to robot >= 100%, no pause > 10 s, the first within 30 s");
 }
 
 TEST_CASE("actuations are judged together or of one proxy, and must have been",

@@ -10,8 +10,9 @@ namespace {
 const mote_address fan{island_id{3}, mote_id{4}};
 const mote_address button{island_id{3}, mote_id{5}};
 
-run_report of(const run_counters& all) {
+run_report of(const run_counters& all, duration length = {}) {
   run_report x;
+  x.simulated = length;
   x.islands.emplace_back();
   x.islands[0].id = island_id{3};
   x.islands[0].name = "kitchen";
@@ -35,7 +36,7 @@ stream_part writer(std::uint64_t records, std::uint64_t unwritten, std::uint32_t
   x.openings = 1;
   x.opens_failed = 2;
   x.open = true;
-  x.steady = 1h;
+  x.started_at = instant{};
   x.last_ms = last_ms;
   x.every = 1s;
   return x;
@@ -48,7 +49,7 @@ stream_part reader(std::uint64_t records, std::uint32_t last_ms) {
   x.records = records;
   x.openings = 1;
   x.open = true;
-  x.steady = 1h;
+  x.started_at = instant{};
   x.first_at = instant{std::chrono::milliseconds(last_ms - 10'000)};
   x.last_at = instant{std::chrono::milliseconds(last_ms)};
   x.last_ms = last_ms;
@@ -108,7 +109,7 @@ TEST_CASE("a stream's delivery is what its writer produced, over all lives",
   CHECK(stream.openings == 2);
   CHECK(stream.opens_failed == 4);
   CHECK(stream.pause == 108s); // between the last record of one life and the first of the next
-  CHECK(all.half_open().empty());
+  CHECK(all.half_open(instant{} + 15min).empty());
   CHECK(*stream.delivery() == Approx(375.0 / 398));
   REQUIRE(x.programs.size() == 2);
   CHECK(figure(x.programs[1], "records") == 375);
@@ -120,11 +121,11 @@ TEST_CASE("a stream that is open at one end only is half open", "[report][run_co
   run_counters all;
   auto closed = reader(60, 69'000);
   closed.open = false;
-  closed.steady = 11min;
+  closed.changed_at = instant{} + 4min;
   all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {writer(100, 0, 100'000)});
-  CHECK(all.half_open().empty()); // nobody here reads it
+  CHECK(all.half_open(instant{} + 15min).empty()); // nobody here reads it
   all.add(reader_figures(60), 1, {}, {closed});
-  const auto found = all.half_open();
+  const auto found = all.half_open(instant{} + 15min);
   REQUIRE(found.size() == 1);
   CHECK(found[0].open_at == "kitchen/fan");
   CHECK(found[0].closed_at == "robot");
@@ -132,7 +133,63 @@ TEST_CASE("a stream that is open at one end only is half open", "[report][run_co
   CHECK(check_streams({}, found).size() == 1);
   closed.open = true;
   all.add(reader_figures(60), 1, {}, {closed});
-  CHECK(all.half_open().empty());
+  CHECK(all.half_open(instant{} + 15min).empty());
+}
+
+TEST_CASE("a stream's end is closed since its life ended, and as long as its lives did not open it",
+          "[report][run_counters]") {
+  run_counters all;
+  auto open = writer(900, 0, 900'000);
+  open.changed_at = instant{} + 1s;
+  all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {open});
+  auto killed = reader(899, 899'000);
+  killed.open = false;
+  killed.changed_at = instant{} + 14min + 59s; // when it was killed, not when it was opened
+  all.add(reader_figures(899), 1, {}, {killed});
+  const auto young = all.half_open(instant{} + 15min);
+  REQUIRE(young.size() == 1);
+  CHECK(young[0].steady == 1s);
+  CHECK(check_streams({}, young).empty());
+
+  auto again = reader(0, 0); // never opened by its next life
+  again.open = false;
+  again.started_at = again.changed_at = instant{} + 20min;
+  again.first_at = again.last_at = {};
+  all.add(reader_figures(899), 1, {}, {again});
+  CHECK(all.half_open(instant{} + 30min).at(0).steady == 15min + 1s);
+
+  run_counters merged; // what another process has counted, which began later
+  merged.add(all.unsettled(), instant{} + 1h);
+  CHECK(merged.half_open(instant{} + 90min).at(0).steady == 15min + 1s);
+}
+
+TEST_CASE("a stream that opens late is seen, and one that is not read any more",
+          "[report][run_counters]") {
+  run_counters all;
+  auto early = writer(60, 0, 900'000);
+  all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {early});
+  auto dead = reader(0, 0); // killed at once
+  dead.first_at = dead.last_at = {};
+  dead.records = 0;
+  dead.pause = 0s;
+  all.add(reader_figures(0), 1, {}, {dead});
+  CHECK(of(all, 2min).streams.at(0).first_after == 2min); // none has come at all
+  CHECK(of(all, 2min).streams.at(0).pause == 0s);
+  auto late = reader(58, 860'000);
+  late.started_at = instant{} + 14min;
+  late.first_at = instant{} + 14min + 2s;
+  late.last_at = instant{} + 15min;
+  late.pause = 1s;
+  all.add(reader_figures(58), 1, {}, {late});
+  CHECK(of(all, 15min).streams.at(0).first_after == 14min + 2s);
+  CHECK(of(all, 15min).streams.at(0).pause == 1s);
+  CHECK(of(all, 25min).streams.at(0).pause == 10min); // its life has ended
+
+  run_counters asked_late; // by an init, say: nobody has waited before
+  early.started_at = instant{} + 14min;
+  asked_late.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {early});
+  asked_late.add(reader_figures(58), 1, {}, {late});
+  CHECK(of(asked_late, 15min).streams.at(0).first_after == 2s);
 }
 
 TEST_CASE("what is older than half a minute is no more in flight", "[report][run_counters]") {
