@@ -40,9 +40,9 @@ struct performer {
   }
   void operator()(components::write& x) const {
     if (x.meta)
-      send(set_meta_tuple{handle(), 0, x.owner, std::move(x.key), std::move(x.text)});
+      send(set_meta_tuple{handle(), x.token, x.owner, std::move(x.key), std::move(x.text)});
     else
-      send(set_remote_tuple{handle(), 0, x.owner, std::move(x.key),
+      send(set_remote_tuple{handle(), x.token, x.owner, std::move(x.key),
                             payload(to_bytes(std::string_view(x.text))), true});
   }
   void operator()(components::tell& x) const {
@@ -80,13 +80,18 @@ void on_tuple(component_pointer self, const tuple_event& x) {
 void send_status(component_pointer self) {
   const auto& x = self->state.arguments;
   if (auto figures = x.core->figures(); !figures.empty())
-    self->send(x.ecology, program_status{{x.who, x.kind, std::move(figures)}, 0, {}, {}});
+    self->send(x.ecology, program_status{{x.who, x.kind, std::move(figures)}, x.number, {}, {}});
 }
 
 } // namespace
 
 timed_peer_app_actor::behavior_type component_behavior(component_pointer self,
                                                        component_arguments arguments) {
+  self->set_exit_handler([self](const caf::exit_msg& x) {
+    if (self->state.arguments.number > 0) // a life that a fault has ended counts as well
+      send_status(self);
+    self->quit(x.reason);
+  });
   self->state.arguments = std::move(arguments);
   perform(self, self->state.arguments.core->start(now(self)));
   return {
@@ -99,6 +104,8 @@ timed_peer_app_actor::behavior_type component_behavior(component_pointer self,
       [self](const peis_outcome& x) {
         if (!x.success)
           log(self, spdlog::level::warn, "event=write_failed cause={}", x.cause);
+        if (x.token > 0)
+          perform(self, self->state.arguments.core->on_written(x.token, x.cause, now(self)));
       },
       [self](status_request) { send_status(self); },
   };

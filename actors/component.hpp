@@ -20,7 +20,9 @@ struct component_arguments {
   std::shared_ptr<components::component> core; ///< not nullptr, nobody else's
   std::string who;                             ///< its peer in the report
   std::string kind;                            ///< what the report calls it
-  peer_id self;                                ///< of its kernel
+  std::uint32_t number = 0; ///< among the apps of its peer, if its lives are added up; 0: each for
+                            ///< itself
+  peer_id self;             ///< of its kernel
   peis_peer_actor peer;
   ecology_actor ecology;
 };

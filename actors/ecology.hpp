@@ -117,7 +117,8 @@ struct supervised_peer {
   std::string machine;                       ///< host name of the kernel
   std::uint32_t incarnation = 0;
   bool powered = true;
-  instant changed; ///< when it was last started or ended
+  instant changed;                   ///< when it was last started or ended
+  std::optional<instant> away_since; ///< when its newest life but this one ended
 };
 
 /// What the process tells its peers about itself.

@@ -199,7 +199,9 @@ struct peer_app_spawner {
   }
 
   void operator()(const proxy::rules_config& x) const {
-    add_component<proxy::rules_component>("rules", proxy::rules(x.rules, x.retry));
+    spawn_component(
+        "rules", static_cast<std::uint32_t>(number),
+        std::make_shared<proxy::rules_component>(proxy::rules(x.rules, x.retry), peer.away_since));
   }
 
   void operator()(const apps::app_config&) const {} // all in one actor
@@ -264,10 +266,15 @@ struct peer_app_spawner {
 
   template <class Core, class... Arguments>
   void add_component(const std::string& kind, Arguments&&... arguments) const {
-    add(spawn_child(
-        *self->state.pcs, self, path(kind), component_behavior,
-        component_arguments{std::make_shared<Core>(std::forward<Arguments>(arguments)...),
-                            peer.name, kind, peer.id, peer.handle, ecology_handle(self)}));
+    spawn_component(kind, 0, std::make_shared<Core>(std::forward<Arguments>(arguments)...));
+  }
+
+  /// @param lives number under which its lives are added up, or 0
+  void spawn_component(const std::string& kind, std::uint32_t lives,
+                       std::shared_ptr<components::component> core) const {
+    add(spawn_child(*self->state.pcs, self, path(kind), component_behavior,
+                    component_arguments{std::move(core), peer.name, kind, lives, peer.id,
+                                        peer.handle, ecology_handle(self)}));
   }
 
   template <class Handle>

@@ -94,6 +94,7 @@ void end_process(ecology_pointer self, supervised_peer& peer) {
     end_quietly(self, peer.handle.strong());
   peer.handle = nullptr;
   peer.changed = now(self);
+  peer.away_since = now(self);
   if (is_watched(self, peer))
     tell_init<component_ended>(self, peer);
   if (peer.init)

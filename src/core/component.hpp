@@ -67,7 +67,8 @@ struct write {
   peer_id owner;
   std::string key;
   std::string text;
-  bool meta = false; ///< it is a meta tuple, and this is where it is to point
+  bool meta = false;       ///< it is a meta tuple, and this is where it is to point
+  std::uint64_t token = 0; ///< comes back with the outcome; 0: nobody asks for that
 };
 
 /// Something people who follow the run would want to hear.
@@ -90,6 +91,12 @@ public:
   [[nodiscard]] virtual outputs on_tuple(const news& /*x*/, instant /*now*/) { return {}; }
   /// @param to nothing: nowhere, or nobody understands it
   virtual void on_reference(std::uint64_t /*watch*/, const std::optional<tuple_name>& /*to*/) {}
+  /// What has become of a write with a token.
+  /// @param cause empty: its owner has taken it; else as peis::to_string() has it
+  [[nodiscard]] virtual outputs on_written(std::uint64_t /*token*/, std::string_view /*cause*/,
+                                           instant /*now*/) {
+    return {};
+  }
   [[nodiscard]] virtual outputs on_time(instant /*now*/) { return {}; } ///< harmless early
   [[nodiscard]] virtual std::optional<instant> deadline() const { return std::nullopt; }
   [[nodiscard]] virtual components::figures figures() const { return {}; }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/decimal.hpp"
+#include "core/printable.hpp"
 #include "proxy/tuple_key.hpp"
 
 namespace rubicon::proxy {
@@ -37,8 +38,12 @@ rules::rules(std::vector<rule> list, duration retry) : retry_(retry) {
       if (write.meta)
         add_once(meta_, write.key);
     }
-    rules_.push_back({std::move(x), level::unknown, level::unknown, {}, {}});
+    state one;
+    one.what = std::move(x);
+    one.number = rules_.size();
+    rules_.push_back(std::move(one));
   }
+  ended_.resize(rules_.size());
   if (retry_ > 0s) {
     for (const auto& key : written_)
       if (!is_meta(key)) // a reference has no outcome
@@ -50,7 +55,7 @@ bool rules::is_meta(std::string_view key) const {
   return std::ranges::any_of(meta_, [&](const auto& x) { return same_key(x, key); });
 }
 
-void rules::start(instant now) {
+void rules::start(instant now, std::optional<instant> away_since) {
   for (auto& x : rules_) {
     if (!x.what.daily)
       continue;
@@ -58,7 +63,20 @@ void rules::start(instant now) {
     while (next < now)
       next += day;
     x.due = next;
+    const auto previous = next - day;
+    if (away_since && previous >= *away_since && previous >= instant{})
+      make_up(x, previous, now);
   }
+}
+
+/// A time of day has passed while the rules were away.
+void rules::make_up(state& x, instant previous, instant now) {
+  const auto late = "the time of a rule that writes " + x.what.writes.front().key +
+                    " has passed while the rules were away, " + to_text(now - previous) + " ago";
+  x.is_late = x.what.retry && retry_ > 0s && now - previous <= lateness_max;
+  if (!x.is_late)
+    ++counters_.missed;
+  tell(late + (x.is_late ? "" : ": nothing is written"));
 }
 
 std::vector<write_tuple> rules::on_value(std::string_view key, std::string_view text, instant now) {
@@ -83,7 +101,7 @@ std::vector<write_tuple> rules::on_value(std::string_view key, std::string_view 
 void rules::follow(state& x, std::string_view text, instant now) {
   const auto next = judge(x.what, text);
   if (x.what.daily) {
-    x.is = next == level::unknown ? x.is : next;
+    x.is = next == level::unknown ? x.is : next; // on_time_of() makes up for what is late
   } else if (next == level::unknown || next == x.is) {
     x.due.reset();
   } else if (!x.due || x.next != next) {
@@ -103,15 +121,35 @@ bool rules::take_outcome(std::string_view key, std::string_view text, instant no
   const auto blank = text.rfind(' ');
   if (at == standing_.end() || text.substr(0, blank) != at->second.word)
     return true;
-  auto& x = at->second;
-  const auto outcome = text.substr(blank == std::string_view::npos ? text.size() : blank + 1);
-  if (outcome == "acknowledged" || outcome == "sent") {
-    x = {x.word, retry_, {}};
-  } else if (outcome == "failed" || outcome == "unreachable" || outcome == "timeout") {
-    x.due = now + x.pause;
-    x.pause = std::min(2 * x.pause, retry_max);
-  }
+  take_outcome(*of, at->second,
+               text.substr(blank == std::string_view::npos ? text.size() : blank + 1), now);
   return true;
+}
+
+void rules::take_outcome(const std::string& key, standing& x, std::string_view outcome,
+                         instant now) {
+  using stage = standing::stage;
+  const bool is_taken = x.is == stage::accepted; // else it may be of the same word before
+  if (outcome == "acknowledged" || outcome == "sent") {
+    x.due.reset();
+    x.pause = retry_;
+    x.is = is_taken ? stage::done : x.is;
+  } else if (outcome == "failed" || outcome == "unreachable" || outcome == "timeout") {
+    again_later(x, now);
+  } else if (is_taken && (outcome == "refused" || outcome == "superseded")) {
+    auto& ended = ended_[x.rule];
+    --ended.accepted;
+    ++(outcome == "refused" ? ended.refused : ended.replaced);
+    x.is = stage::done;
+    tell(key + " = " + x.word + ": " + std::string(outcome) + " by its proxy");
+  }
+}
+
+void rules::again_later(standing& x, instant now) {
+  if (!x.retry)
+    return;
+  x.due = now + x.pause;
+  x.pause = std::min(2 * x.pause, retry_max);
 }
 
 /// @returns unknown: stays what it is
@@ -123,6 +161,7 @@ rules::level rules::judge(const rule& x, std::string_view text) {
   const auto value = number_in(text);
   if (!value) {
     ++counters_.bad_values;
+    tell_unread(x, text);
     return level::unknown;
   }
   ++counters_.values;
@@ -131,6 +170,16 @@ rules::level rules::judge(const rule& x, std::string_view text) {
   if (*value >= *x.above)
     return level::high;
   return *value < *x.below ? level::low : level::unknown;
+}
+
+/// Once for each tuple: it may be told every second.
+void rules::tell_unread(const rule& x, std::string_view text) {
+  constexpr std::size_t shown_max = 40;
+  const auto key =
+      *std::ranges::find_if(watched_, [&x](const auto& y) { return same_key(y, x.when); });
+  if (unread_.insert(key).second)
+    tell("cannot read " + key + " = \"" + printable(text.substr(0, shown_max)) +
+         (text.size() > shown_max ? "…" : "") + "\": that is no number");
 }
 
 void rules::on_gone(std::string_view key) {
@@ -150,15 +199,25 @@ std::vector<write_tuple> rules::on_time(instant now) {
   std::vector<write_tuple> out;
   for (auto& x : rules_)
     on_time_of(x, now, out);
-  for (auto& [key, x] : standing_) {
-    if (!x.due || *x.due > now)
-      continue;
-    x.due.reset();
-    ++counters_.writes;
-    ++counters_.repeats;
-    out.push_back({key, x.word, true});
-  }
+  for (auto& [key, x] : standing_)
+    on_time_of(key, x, now, out);
   return out;
+}
+
+void rules::on_time_of(const std::string& key, standing& x, instant now,
+                       std::vector<write_tuple>& out) {
+  if (x.tell_due && *x.tell_due <= now) {
+    x.tell_due.reset();
+    x.is_told = true;
+    tell(key + " = " + x.word + " waits: nobody has that tuple");
+  }
+  if (!x.due || *x.due > now)
+    return;
+  x.due.reset();
+  ++counters_.writes;
+  ++counters_.repeats;
+  x.is = x.is == standing::stage::waiting ? standing::stage::asked : x.is;
+  out.push_back({key, x.word, true, is_meta(key)});
 }
 
 void rules::on_time_of(state& x, instant now, std::vector<write_tuple>& out) {
@@ -171,9 +230,13 @@ void rules::on_time_of(state& x, instant now, std::vector<write_tuple>& out) {
       enter(x, x.next, now, out);
     }
   }
+  if (x.is_late && (x.what.when.empty() || x.is != level::unknown)) {
+    x.is_late = false;
+    enter(x, x.what.when.empty() ? level::high : x.is, now, out);
+  }
   if (x.then_due && *x.then_due <= now) {
     x.then_due.reset();
-    write_then(x.what, out);
+    write_then(x, now, out);
   }
 }
 
@@ -182,35 +245,119 @@ std::optional<instant> rules::deadline() const {
   for (const auto& x : rules_)
     next = earliest(earliest(next, x.due), x.then_due);
   for (const auto& [key, x] : standing_)
-    next = earliest(next, x.due);
+    next = earliest(earliest(next, x.due), x.tell_due);
   return next;
 }
 
-std::vector<write_tuple> rules::on_owner(std::string_view key, instant) {
-  std::vector<write_tuple> out;
-  for (const auto& [target, x] : standing_)
-    if (same_key(target, key)) {
-      ++counters_.writes;
-      out.push_back({target, x.word, false, is_meta(target)});
-    }
-  return out;
+rules::standing* rules::standing_at(std::string_view key) {
+  const auto found =
+      std::ranges::find_if(standing_, [key](const auto& x) { return same_key(x.first, key); });
+  return found == standing_.end() ? nullptr : &found->second;
+}
+
+std::vector<write_tuple> rules::on_owner(std::string_view key, instant, bool is_back) {
+  using stage = standing::stage;
+  auto* const x = standing_at(key);
+  if (x == nullptr)
+    return {};
+  const bool is_settled = x->is == stage::accepted || x->is == stage::done;
+  // A reference is where it was by default, and is pointed again; a word may be a command.
+  const bool repeats = is_back ? !is_settled || is_meta(key) : !is_settled || !x->rule_ended;
+  if (!repeats)
+    return {};
+  x->is = is_settled ? x->is : stage::asked;
+  x->tell_due.reset();
+  x->due.reset();
+  ++counters_.writes;
+  const auto& target =
+      *std::ranges::find_if(written_, [key](const auto& k) { return same_key(k, key); });
+  return {{target, x->word, is_back || x->is_told, is_meta(target)}};
+}
+
+void rules::on_owner_gone(std::string_view key, instant now) {
+  using stage = standing::stage;
+  auto* const x = standing_at(key);
+  if (x == nullptr || is_meta(key))
+    return;
+  if (x->is != stage::accepted || now - x->accepted_at > unsure)
+    return;
+  --ended_[x->rule].accepted;
+  lose(std::string(key), *x, "its owner has gone, and may not have acted");
+}
+
+void rules::on_unowned(std::string_view key, instant now) {
+  auto* const x = standing_at(key);
+  if (x == nullptr || x->is != standing::stage::asked)
+    return;
+  x->is = standing::stage::waiting;
+  if (!x->is_told && !x->tell_due)
+    x->tell_due = now + patience;
+}
+
+void rules::on_written(std::string_view key, write_end end, std::string_view cause, instant now) {
+  using stage = standing::stage;
+  auto* const x = standing_at(key);
+  if (x == nullptr)
+    return;
+  if (x->is != stage::asked) { // a repeat of what had been accepted: a proxy had failed
+    if (end == write_end::unreached)
+      again_later(*x, now);
+    else if (x->is == stage::accepted)
+      x->accepted_at = now;
+    return;
+  }
+  const auto what = std::string(key) + " = " + x->word;
+  if (end == write_end::accepted) {
+    ++ended_[x->rule].accepted;
+    x->is = stage::accepted;
+    x->accepted_at = now;
+    x->pause = retry_;
+    if (std::exchange(x->is_told, false))
+      tell(what + " has arrived, " + to_text(now - x->since) + " late");
+  } else if (end == write_end::refused) {
+    ++ended_[x->rule].refused;
+    x->is = stage::done;
+    tell(what + " is refused: " + std::string(cause));
+  } else {
+    lose(std::string(key), *x, "its owner is away (" + std::string(cause) + ')');
+    if (x->is == stage::waiting)
+      again_later(*x, now);
+  }
+}
+
+/// Its owner has it not, or no more.
+void rules::lose(const std::string& key, standing& x, std::string_view why) {
+  x.is = x.retry ? standing::stage::waiting : standing::stage::done;
+  x.due.reset();
+  if (!x.retry)
+    ++ended_[x.rule].lost;
+  if (!std::exchange(x.is_told, true))
+    tell(key + " = " + x.word + (x.retry ? " waits: " : " is lost: ") + std::string(why));
 }
 
 void rules::enter(state& x, level next, instant now, std::vector<write_tuple>& out) {
   x.is = next;
   if (next == level::low) {
-    for (const auto& each : x.what.writes)
-      write(each.key, each.otherwise, out);
+    for (const auto& each : x.what.writes) {
+      end_words_of(x, each.key);
+      write(x, each.key, each.otherwise, now, out);
+    }
   } else if (next == level::high && x.what.after > 0s) {
     x.then_due = now + x.what.after;
   } else if (next == level::high) {
-    write_then(x.what, out);
+    write_then(x, now, out);
   }
 }
 
-void rules::write_then(const rule& x, std::vector<write_tuple>& out) {
-  for (const auto& each : x.writes)
-    write(each.key, each.from.empty() ? each.then : *read_from(each.from), out);
+/// What it has written is not repeated to another owner, once one has it.
+void rules::end_words_of(const state& x, const std::string& key) {
+  if (auto* const word = standing_at(key); word != nullptr && word->rule == x.number)
+    word->rule_ended = true;
+}
+
+void rules::write_then(const state& x, instant now, std::vector<write_tuple>& out) {
+  for (const auto& each : x.what.writes)
+    write(x, each.key, each.from.empty() ? each.then : *read_from(each.from), now, out);
 }
 
 /// The newest text of a tuple that some rule reads; nullptr: none does.
@@ -220,16 +367,41 @@ std::string* rules::read_from(std::string_view key) {
   return found == read_.end() ? nullptr : &found->second;
 }
 
-void rules::write(const std::string& to, const std::string& word, std::vector<write_tuple>& out) {
+void rules::write(const state& by, const std::string& to, const std::string& word, instant now,
+                  std::vector<write_tuple>& out) {
+  if (word.empty())
+    return;
   // The first spelling of a key stands for all.
   const auto key = *std::ranges::find_if(written_, [&](const auto& k) { return same_key(k, to); });
-  if (word.empty()) {
-    standing_.erase(key);
-    return;
-  }
-  standing_.insert_or_assign(key, standing{word, retry_, {}});
+  replace(key, word);
+  standing x;
+  x.word = word;
+  x.rule = by.number;
+  x.retry = by.what.retry && retry_ > 0s;
+  x.since = now;
+  x.pause = retry_;
+  standing_.insert_or_assign(key, std::move(x));
   ++counters_.writes;
+  ++ended_[by.number].writes;
   out.push_back({key, word, false, is_meta(key)});
+}
+
+/// What stands there is no more, and has not got to its owner.
+void rules::replace(const std::string& key, const std::string& word) {
+  using stage = standing::stage;
+  const auto* const x = standing_at(key);
+  if (x == nullptr || x->is == stage::accepted || x->is == stage::done)
+    return;
+  ++ended_[x->rule].replaced;
+  if (x->word != word)
+    tell(key + " = " + x->word + " is replaced by " + word + " before its owner had it");
+}
+
+/// Stories that nobody takes do not pile up.
+void rules::tell(std::string what) {
+  constexpr std::size_t stories_max = 1000;
+  if (stories_.size() < stories_max)
+    stories_.push_back(std::move(what));
 }
 
 } // namespace rubicon::proxy

@@ -35,6 +35,7 @@ struct rule {
   /// Instead of when it changes, the condition counts at this time of each day, in time since the
   /// start of the run, 0 to 24 h: `then` if it holds, `otherwise` if not; without `when`: `then`.
   std::optional<duration> daily;
+  bool retry = true; ///< what has not reached its owner is written again
 };
 
 struct rules_config {

@@ -86,9 +86,43 @@ TEST_CASE("a rule writes once when its threshold is passed, and not in between",
   x.read("23.9");
   x.read("hot");
   CHECK(x.writes() == std::vector<std::string>{"11:on", "11:off"});
-  REQUIRE(x.ecology.count<notable_event>() == 2);
-  CHECK(x.ecology.all<notable_event>()[0].who == "peer_app/care-pc/rules-1");
-  CHECK(x.ecology.all<notable_event>()[0].what == "writes kitchen.fan.switch = on");
+  REQUIRE(x.ecology.count<notable_event>() == 4);
+  const auto told = x.ecology.all<notable_event>();
+  CHECK(told[0].who == "peer_app/care-pc/rules-1");
+  CHECK(told[0].what == "writes kitchen.fan.switch = on");
+  CHECK(told[1].what == "writes kitchen.fan.switch = off");
+  CHECK(told[2].what == "kitchen.fan.switch = on is replaced by off before its owner had it");
+  CHECK(told[3].what == "cannot read kitchen.stove.temperature = \"hot\": that is no number");
+}
+
+TEST_CASE("what becomes of a rule's write is counted", "[actors][rules]") {
+  peer_apps_fixture x;
+  x.find_fan(fan_owner);
+  x.read("30");
+  const auto token = x.peer.all<set_remote_tuple>().back().token;
+  x.world.send(x.rules, peis_outcome{token, false, "no_route"});
+  x.world.send(x.rules, peis_outcome{token + 9, true, ""}); // somebody else's
+  x.world.run_for(5s);
+  CHECK(x.writes() == std::vector<std::string>{"11:on", "11:on"});
+  x.world.send(x.rules, peis_outcome{x.peer.all<set_remote_tuple>().back().token, true, ""});
+  const auto watch = watch_on(x.peer, "kitchen.fan.switch");
+  x.world.send(x.rules, tuple_event{watch.watch, fan_owner, watch.key, text_value("on"), true});
+  x.find_fan(fan_owner); // back so soon: it may not have acted
+  CHECK(x.writes().size() == 3);
+  x.world.send(x.rules, peis_outcome{x.peer.all<set_remote_tuple>().back().token, true, ""});
+  x.world.send(x.rules, status_request{});
+  const auto figures = x.ecology.all<program_status>().back().program.figures;
+  const auto figure = [&figures](std::string_view name) {
+    for (const auto& [each, value] : figures)
+      if (each == name)
+        return value;
+    return -1.0;
+  };
+  CHECK(figure("writes") == 1);
+  CHECK(figure("accepted") == 1);
+  CHECK(figure("lost") == 0);
+  CHECK(figure("waiting") == 0);
+  CHECK(figure("repeats") == 1);
 }
 
 TEST_CASE("a rule that does not know its tuple's owner writes when it finds one",

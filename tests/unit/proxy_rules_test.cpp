@@ -131,8 +131,30 @@ TEST_CASE("a new owner is told the word that stands", "[proxy][rules]") {
   one.writes[0].otherwise.clear();
   rules silent({one});
   CHECK(word_at(silent, "30") == "on");
+  silent.on_written("kitchen.fan.switch", write_end::accepted, "", instant{});
   CHECK(word_at(silent, "0").empty());
-  CHECK(silent.on_owner("kitchen.fan.switch", instant{}).empty()); // `on` no longer stands
+  CHECK(
+      silent.on_owner("kitchen.fan.switch", instant{}).empty()); // its time is over, and one had it
+}
+
+TEST_CASE("a rule without `otherwise` whose condition does not hold changes nothing",
+          "[proxy][rules]") {
+  rule warm;
+  warm.when = "store.warm";
+  warm.above = 30;
+  warm.writes = {{"store.goal", "vent", {}}};
+  auto wet = warm;
+  wet.when = "store.wet";
+  wet.above = 80;
+  rules aut({warm, wet});
+  const writes vent{{"store.goal", "vent"}};
+  CHECK(aut.on_value("store.warm", "31.5", instant{}) == vent);
+  aut.on_unowned("store.goal", instant{});
+  CHECK(aut.on_value("store.wet", "45", instant{}).empty());
+  CHECK(aut.on_value("store.warm", "20", instant{}).empty()); // nor does its own
+  CHECK(aut.on_owner("store.goal", instant(1ms)) == vent);
+  CHECK(aut.counters_of_rules()[0].writes == 1);
+  CHECK(aut.counters_of_rules()[1] == write_counters{});
 }
 
 TEST_CASE("a condition must last before anything is written", "[proxy][rules]") {
@@ -327,4 +349,162 @@ TEST_CASE("a rule writes what another tuple tells at that moment", "[proxy][rule
   CHECK(aut.on_owner("robot.goal", at(26h)) == writes{{"robot.goal", "cook"}});
   aut.on_gone("home.plan");
   CHECK(aut.on_time(at(49h)).empty());
+}
+
+namespace {
+
+constexpr auto key = "kitchen.fan.switch";
+
+/// One rule that has written `on`.
+struct written {
+  explicit written(rule x = heat()) : aut({std::move(x)}, 5s) { CHECK(word_at(aut, "30") == "on"); }
+
+  void ends(write_end end, duration when, std::string_view cause = "") {
+    aut.on_written(key, end, cause, at(when));
+  }
+  [[nodiscard]] const write_counters& counted() const { return aut.counters_of_rules()[0]; }
+  [[nodiscard]] std::string story() {
+    const auto all = aut.take_stories();
+    CHECK(all.size() <= 1);
+    return all.empty() ? "" : all.front();
+  }
+
+  rules aut;
+};
+
+} // namespace
+
+TEST_CASE("a write that its owner has is accepted, and nobody is told", "[proxy][rules]") {
+  written x;
+  x.ends(write_end::accepted, 1ms);
+  CHECK(x.counted() == write_counters{1, 1, 0, 0, 0});
+  CHECK(x.story().empty());
+  x.aut.on_owner_gone(key, at(1min)); // long after
+  CHECK(x.aut.on_owner(key, at(2min), true).empty());
+  CHECK(x.counted() == write_counters{1, 1, 0, 0, 0});
+}
+
+TEST_CASE("a write that its owner refuses is not repeated", "[proxy][rules]") {
+  written x;
+  x.ends(write_end::refused, 1ms, "bad_value");
+  CHECK(x.counted() == write_counters{1, 0, 1, 0, 0});
+  CHECK(x.story() == "kitchen.fan.switch = on is refused: bad_value");
+  CHECK(!x.aut.deadline());
+  CHECK(x.aut.on_owner(key, at(1s), true).empty());
+
+  written by_proxy;
+  by_proxy.ends(write_end::accepted, 1ms);
+  static_cast<void>(by_proxy.aut.on_value("kitchen.fan.switch.outcome", "on refused", at(1s)));
+  CHECK(by_proxy.counted() == write_counters{1, 0, 1, 0, 0});
+  CHECK(by_proxy.story() == "kitchen.fan.switch = on: refused by its proxy");
+}
+
+TEST_CASE("a write to an owner that is away is repeated, and when the owner is back",
+          "[proxy][rules]") {
+  const writes again{{key, "on", true}};
+  written x;
+  x.ends(write_end::unreached, 1s, "no_route");
+  CHECK(x.story() == "kitchen.fan.switch = on waits: its owner is away (no_route)");
+  CHECK(x.aut.deadline() == at(6s));
+  CHECK(x.aut.on_time(at(6s)) == again);
+  x.ends(write_end::unreached, 7s, "no_route");
+  CHECK(x.story().empty()); // told once
+  CHECK(x.aut.deadline() == at(17s));
+  CHECK(x.aut.on_owner(key, at(10s), true) == again);
+  CHECK(!x.aut.deadline());
+  x.ends(write_end::accepted, 11s);
+  CHECK(x.story() == "kitchen.fan.switch = on has arrived, 11 s late");
+  CHECK(x.counted() == write_counters{1, 1, 0, 0, 0});
+}
+
+TEST_CASE("an owner that goes at once may not have acted", "[proxy][rules]") {
+  written x;
+  x.ends(write_end::accepted, 1s);
+  x.aut.on_owner_gone(key, at(20s));
+  CHECK(x.story() == "kitchen.fan.switch = on waits: its owner has gone, and may not have acted");
+  CHECK(x.counted() == write_counters{1, 0, 0, 0, 0});
+  CHECK(x.aut.on_owner(key, at(40s), true) == writes{{key, "on", true}});
+  x.ends(write_end::accepted, 41s);
+  CHECK(x.counted() == write_counters{1, 1, 0, 0, 0});
+
+  written done; // its proxy has told that the mote has it
+  done.ends(write_end::accepted, 1s);
+  static_cast<void>(done.aut.on_value("kitchen.fan.switch.outcome", "on acknowledged", at(2s)));
+  done.aut.on_owner_gone(key, at(3s));
+  CHECK(done.aut.on_owner(key, at(20s), true).empty());
+  CHECK(done.story().empty());
+}
+
+TEST_CASE("with `retry = false` a write that is lost is lost", "[proxy][rules]") {
+  auto once = heat();
+  once.retry = false;
+  written away(once);
+  away.ends(write_end::unreached, 1s, "host_gone");
+  CHECK(away.counted() == write_counters{1, 0, 0, 0, 1});
+  CHECK(away.story() == "kitchen.fan.switch = on is lost: its owner is away (host_gone)");
+  CHECK(!away.aut.deadline());
+  CHECK(away.aut.on_owner(key, at(5s), true).empty());
+  written gone(once);
+  gone.ends(write_end::accepted, 1s);
+  gone.aut.on_owner_gone(key, at(2s));
+  CHECK(gone.counted() == write_counters{1, 0, 0, 0, 1});
+  CHECK(gone.aut.on_owner(key, at(5s), true).empty());
+}
+
+TEST_CASE("a word that waits is told of after a while, and replaced by the next",
+          "[proxy][rules]") {
+  written x;
+  x.aut.on_unowned(key, at(0s));
+  CHECK(x.story().empty());
+  CHECK(x.aut.deadline() == at(10s));
+  CHECK(x.aut.on_time(at(10s)).empty());
+  CHECK(x.story() == "kitchen.fan.switch = on waits: nobody has that tuple");
+  CHECK(word_at(x.aut, "0") == "off");
+  CHECK(x.story() == "kitchen.fan.switch = on is replaced by off before its owner had it");
+  CHECK(x.counted() == write_counters{2, 0, 0, 1, 0});
+}
+
+TEST_CASE("the first text of a tuple that is no number is told", "[proxy][rules]") {
+  rules aut({heat()});
+  CHECK(word_at(aut, "27,5").empty());
+  CHECK(word_at(aut, "nan").empty());
+  CHECK(aut.take_stories() ==
+        std::vector<std::string>{
+            "cannot read kitchen.climate.temperature = \"27,5\": that is no number"});
+  CHECK(aut.counters().bad_values == 2);
+}
+
+TEST_CASE("a time of day that has passed while the rules were away is made up for",
+          "[proxy][rules]") {
+  rule x;
+  x.daily = 5min;
+  x.writes = {{"hall.blind.target", "100", {}}};
+  rules late({x});
+  late.start(at(5min + 12s), at(4min + 57s));
+  CHECK(late.on_time(at(5min + 12s)) == writes{{"hall.blind.target", "100"}});
+  CHECK(late.take_stories() ==
+        std::vector<std::string>{"the time of a rule that writes hall.blind.target has passed "
+                                 "while the rules were away, 12 s ago"});
+  CHECK(late.deadline() == at(24h + 5min));
+  rules done({x});
+  done.start(at(5min + 12s), at(5min + 1s)); // away since then only
+  CHECK(done.on_time(at(5min + 12s)).empty());
+  rules too_late({x});
+  too_late.start(at(2h), at(1min));
+  CHECK(too_late.on_time(at(2h)).empty());
+  CHECK(too_late.counters().missed == 1);
+  x.retry = false;
+  rules never({x});
+  never.start(at(5min + 12s), at(4min));
+  CHECK(never.on_time(at(5min + 12s)).empty());
+  CHECK(never.counters().missed == 1);
+
+  auto warm = heat(); // with a condition: as soon as that is known
+  warm.daily = 5min;
+  rules conditional({warm});
+  conditional.start(at(5min + 12s), at(4min));
+  CHECK(conditional.on_time(at(5min + 12s)).empty());
+  CHECK(conditional.on_value("kitchen.climate.temperature", "30", at(5min + 13s)) ==
+        writes{{key, "on"}});
+  CHECK(conditional.on_value("kitchen.climate.temperature", "0", at(5min + 14s)).empty());
 }
