@@ -497,8 +497,13 @@ report::run_report empty_report(const config::ecology_description& x) {
 std::string command_for(const report::expectation_report& x, const report::run_report& report,
                         const run_options& options, const std::string& host) {
   const auto file = options.source.file.empty() ? "FILE" : shell_word(options.source.file);
-  auto text = "rubicon run " + file + (host.empty() ? "" : " --host " + shell_word(host)) +
-              " --seed " + std::to_string(report.seed);
+  const auto& given = options.source.options;
+  auto text = "rubicon run " + file;
+  if (!given.empty())
+    text += ' ' + given;
+  else if (!host.empty())
+    text += " --host " + shell_word(host);
+  text += " --seed " + std::to_string(report.seed);
   if (x.at < instant{} + report.simulated)
     text += " --for " + std::to_string(x.at.time_since_epoch() / 1ms + 1) + "ms";
   else if (options.length)

@@ -22,6 +22,7 @@
 #include "config/units.hpp"
 #include "core/ipv4_network.hpp"
 #include "core/printable.hpp"
+#include "core/shell_word.hpp"
 #include "core/spelling.hpp"
 
 namespace rubicon::cli {
@@ -126,7 +127,7 @@ CLI::Option* add_view(CLI::App& app, std::optional<page_place>& x) {
       ->expected(0, 1);
 }
 
-void add_run(CLI::App& app, run_command& x) {
+CLI::App& add_run(CLI::App& app, run_command& x) {
   auto& run = *app.add_subcommand("run", "Run an ecology to its end and report");
   auto& options = x.options;
   add_file(run, x.file);
@@ -209,6 +210,7 @@ void add_run(CLI::App& app, run_command& x) {
   run.footer(
       "What is not given here is as the file says; LEVEL is warn, N of --threads one a core.\n"
       "In wall time events are told on standard error as they happen, but with --log off.");
+  return run;
 }
 
 void add_tls(CLI::App& app, control::tls_files& x) {
@@ -400,6 +402,23 @@ CLI::App& add_view(CLI::App& app, view_command& x) {
   return view;
 }
 
+/// Options of `run` with their values, as a shell takes them.
+std::string repeated_options(const CLI::App& run) {
+  std::string text;
+  const auto& left_out = options_not_repeated();
+  for (const auto* option : run.get_options()) {
+    if (option->count() == 0 || option->get_lnames().empty())
+      continue;
+    const auto name = "--" + option->get_lnames().front();
+    if (std::ranges::find(left_out, name) != left_out.end())
+      continue;
+    const bool is_flag = option->get_items_expected_max() == 0;
+    for (const auto& value : option->results())
+      text += (text.empty() ? "" : " ") + name + (is_flag ? "" : ' ' + shell_word(value));
+  }
+  return text;
+}
+
 void check_combination(const explain_command& x) {
   if (x.what.empty() && (x.at || x.all))
     throw CLI::ValidationError(x.at ? "--at" : "--all", "of which tuple?");
@@ -477,6 +496,18 @@ std::string unknown_word(const CLI::App& app, std::span<const char* const> argum
 
 } // namespace
 
+const std::vector<std::string>& options_not_repeated() {
+  static const std::vector<std::string> names{
+      "--help",      "--for",           "--seed", // said anew
+      "--threads",   "--json",          "--full",     "--report",
+      "--csv",       "--csv-every",     "--view",     "--control",
+      "--log",       "--debug-dir",     "--debug-of", "--pcap",
+      "--pcap-lost", "--record-serial", "--record",   "--check-determinism",
+      "--reload",                      // looking, and what a hand does
+      "--bundled",   "--part-report"}; // between a host and the parts that it starts
+  return names;
+}
+
 command parse_command_line(std::span<const char* const> arguments) {
   CLI::App app(about, "rubicon");
   app.set_version_flag("--version", std::string("rubicon ") + version);
@@ -488,7 +519,7 @@ command parse_command_line(std::span<const char* const> arguments) {
   });
   run_command run;
   run.options.handle_signals = true;
-  add_run(app, run);
+  const auto& run_app = add_run(app, run);
   check_command check;
   auto& check_app = *app.add_subcommand("check", "Check a file without running it, and sum it up");
   add_file(check_app, check.file);
@@ -527,6 +558,7 @@ command parse_command_line(std::span<const char* const> arguments) {
       run.options.mode = config::run_mode::wall;
     run.instead.seed = run.options.seed;
     run.instead.mode = run.options.mode;
+    run.deciding = repeated_options(run_app);
   } catch (const CLI::ParseError& error) {
     std::ostringstream out;
     std::ostringstream err;

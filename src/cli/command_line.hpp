@@ -38,7 +38,13 @@ struct run_command {
   duration elapsed{};             ///< with `host`: the others have run for so long
   std::string part_file; ///< with `host`: reports go there, as deploy reads them; empty: printed
   std::string log_level = "warn"; ///< trace, debug, info, warn, error or off
+  /// The options that decide what runs, as they were given, but --seed and --for.
+  std::string deciding;
 };
+
+/// Options of `rubicon run` that do not decide what runs, or that whoever repeats a run sets anew:
+/// all others are repeated in the commands that are advised.
+[[nodiscard]] const std::vector<std::string>& options_not_repeated();
 
 /// `rubicon check FILE`
 struct check_command {

@@ -100,18 +100,12 @@ report::run_report run_watched(config::ecology_description ecology, run_options 
 }
 
 /// `rubicon run home.toml --seed 7 --for 20s`
-std::string command_of(const run_command& x, const std::string& mode, std::uint64_t seed) {
+std::string command_of(const run_command& x, std::uint64_t seed) {
   if (x.file == standard_input)
     return {};
   auto text = "rubicon run " + shell_word(x.file);
-  if (!x.instead.topology.empty())
-    text += " --topology " + shell_word(x.instead.topology);
-  if (!x.instead.noise_trace.empty())
-    text += " --noise-trace " + shell_word(x.instead.noise_trace);
-  if (!x.host.empty())
-    text += " --host " + shell_word(x.host);
-  else if (x.options.mode)
-    text += " --mode " + mode;
+  if (!x.deciding.empty())
+    text += ' ' + x.deciding;
   text += " --seed " + std::to_string(seed);
   if (x.options.length)
     text += " --for " + option_text(*x.options.length);
@@ -180,7 +174,7 @@ public:
         keeps_own_(record_.empty() && has_time_for_record(x, ecology)),
         page_(*x.watch.view, view::ecology_json(ecology),
               {.file = x.file,
-               .command = command_of(x, mode_of(x, ecology), x.options.seed.value_or(ecology.seed)),
+               .command = command_of(x, x.options.seed.value_or(ecology.seed)),
                .controls = hands_.has_value(),
                .messages = keeps_own_ || !record_.empty()},
               mode_of(x, ecology), floor_plan_of(x.file, ecology),
@@ -226,7 +220,7 @@ private:
 exit_status report_run(const run_command& x, ecology_file file) {
   auto options = x.options;
   const auto digest = to_hex(file.text_hash);
-  options.source = {x.file, digest};
+  options.source = {x.file, digest, x.deciding};
   run_watch watch(x.watch, file.ecology);
   watch.attach(options);
   std::optional<reloader> again;
@@ -243,7 +237,7 @@ exit_status report_run(const run_command& x, ecology_file file) {
   }
   auto report = run_watched(std::move(file.ecology), std::move(options), console_of(stderr),
                             x.log_level != "off");
-  watch.finish(report, command_of(x, report.mode, report.seed), digest);
+  watch.finish(report, command_of(x, report.seed), digest);
   const auto status = print_report(report, x.json, x.full);
   if (viewed && !report.interrupted)
     viewed->finish(report);
@@ -329,7 +323,7 @@ exit_status run_for_deployment(const run_command& x, ecology_file file) {
     return why.empty();
   };
   auto options = x.options;
-  options.source = {x.file, to_hex(file.text_hash)};
+  options.source = {x.file, to_hex(file.text_hash), {}}; // whoever repeats it deploys anew
   std::unique_ptr<io::line_input> orders;
   options.on_begun = [&](const run_control& control) { orders = listen(x, control); };
   line_rate rate;

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <string>
 #include <vector>
 
 #include "cli/command_line.hpp"
@@ -72,6 +74,40 @@ TEST_CASE("each option of run reaches the run", "[cli][GEN-07][NFR-01]") {
   CHECK(parse_run({"--seed", "7"}).instead.seed == 7U);
   CHECK(parse_run({"--json"}).json);
   CHECK(parse_run({"--check-determinism"}).check_determinism);
+}
+
+TEST_CASE("what decides what runs is repeated, in any order, and quoted", "[cli]") {
+  CHECK(parse_run({}).deciding.empty());
+  CHECK(
+      parse_run({"--seed", "3", "--for", "10s", "--record", "x", "--log", "off"}).deciding.empty());
+  CHECK(parse_run({"--speed", "5", "--mode=wall", "--seed", "3"}).deciding ==
+        "--mode wall --speed 5");
+  CHECK(parse_run({"--noise-trace", "a b.txt", "--topology", "grid.txt"}).deciding ==
+        "--topology grid.txt --noise-trace 'a b.txt'");
+  CHECK(parse_run({"--host", "kitchen", "--starts", "n"}).deciding == "--host kitchen --starts n");
+}
+
+TEST_CASE("no option of run is forgotten where a run is repeated", "[cli]") {
+  const std::vector<std::string> repeated{"--mode", "--speed",  "--topology", "--noise-trace",
+                                          "--host", "--starts", "--elapsed"};
+  const auto& others = options_not_repeated();
+  const auto help = parse({"run", "--help"});
+  REQUIRE(std::holds_alternative<show_command>(help));
+  const auto& text = std::get<show_command>(help).text;
+  std::size_t found = 0;
+  for (auto at = text.find("\n  --"); at != std::string::npos; at = text.find("\n  --", at + 1)) {
+    const auto end = text.find_first_not_of("abcdefghijklmnopqrstuvwxyz-", at + 3);
+    const auto name = text.substr(at + 3, end - at - 3);
+    CAPTURE(name); // a new one decides what runs, or it does not: say so here or there
+    CHECK(std::count(repeated.begin(), repeated.end(), name) +
+              std::count(others.begin(), others.end(), name) ==
+          1);
+    ++found;
+  }
+  CHECK(found > 20);
+  for (const auto& name : others) // and none that there is no more
+    if (name != "--help")
+      CHECK(!contains(refusal({"run", "x.toml", name.c_str()}), "there is no option"));
 }
 
 TEST_CASE("check takes the files that run takes", "[cli]") {
