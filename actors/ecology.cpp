@@ -80,11 +80,9 @@ std::optional<planned_end> take_planned(ecology_pointer self, const std::string&
   return plan;
 }
 
-void record_failure(ecology_pointer self, const std::string& path, const std::string& text,
-                    bool was_planned = false) {
+void record_failure(ecology_pointer self, const std::string& path, const std::string& text) {
   log(self, spdlog::level::err, "event=failed actor={} reason=\"{}\"", path, text);
-  if (!was_planned)
-    add_violation(self, report::no_actor_fails, path + ": " + text);
+  add_violation(self, report::no_actor_fails, path + ": " + text);
   auto& failures = self->state.report.actors.failures;
   constexpr std::size_t failures_max = 100;
   if (failures.size() < failures_max)
@@ -105,9 +103,16 @@ std::optional<planned_end> note_end(ecology_pointer self, const std::string& pat
                                     const std::string& who, const caf::error& reason) {
   const auto text = text_of(reason);
   auto plan = take_planned(self, path, text);
-  record_failure(self, path, text, plan.has_value());
-  const bool is_long = plan && plan->length != reboot_time;
-  note_event(self, who, "crashed: " + text + (is_long ? ", out for " + to_text(plan->length) : ""));
+  if (!plan) {
+    record_failure(self, path, text);
+    note_event(self, who, "crashed: " + text);
+    return plan;
+  }
+  const auto* how = plan->fault < self->state.planned_faults ? "as planned" : "by hand";
+  log(self, spdlog::level::info, "event=crashed actor={} how=\"{}\"", path, how);
+  const bool is_long = plan->length != reboot_time;
+  note_event(self, who,
+             std::string("crashed ") + how + (is_long ? ", out for " + to_text(plan->length) : ""));
   return plan;
 }
 

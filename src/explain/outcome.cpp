@@ -104,6 +104,22 @@ std::string sentence_of(loss x) {
   return text;
 }
 
+/// What ended a hop that did not arrive, however often it was tried.
+std::string last_obstacle(const node& x) {
+  if (x.over == medium::peis && !x.failure.empty()) {
+    auto text = x.failure;
+    std::ranges::replace(text, '_', ' ');
+    return text;
+  }
+  if (x.attempts.empty())
+    return x.failure.empty() ? "never sent" : words_of(x.failure);
+  if (x.failure == "channel_access_failure" || x.failure == "aborted")
+    return words_of(x.failure);
+  const auto missed = std::find_if(x.attempts.rbegin(), x.attempts.rend(),
+                                   [](const auto& each) { return !each.arrived; });
+  return missed == x.attempts.rend() ? "not all fragments were sent" : words_of(missed->outcome);
+}
+
 } // namespace
 
 std::string_view to_string(message_status x) {
@@ -201,6 +217,7 @@ void explain_end(const traces& all, const message& x, const node* last, outcome&
   } else {
     y.where = route_of(*last);
     y.why = obstacle(*last);
+    y.obstacle = last_obstacle(*last);
   }
 }
 
@@ -220,20 +237,22 @@ outcome outcome_of(const traces& all, const message& x) {
   }
   if (x.refused) {
     y.status = message_status::refused;
-    y.why = "its mote did not take it: no island joined, or too much waits already";
+    y.why = y.obstacle = "its mote did not take it: no island joined, or too much waits already";
     return y;
   }
   const auto* last = last_hop_of(all, x);
   y.status = x.ending ? message_status::lost : status_as_seen(all, x, last);
   explain_end(all, x, last, y);
-  if (!x.ending)
-    return y;
-  y.cause = x.ending->cause;
-  if (last == nullptr || last->arrived) { // the hops do not show it: the account does
+  if (x.ending)
+    y.cause = x.ending->cause;
+  if (x.ending && (last == nullptr || last->arrived)) { // the hops do not show it: the account does
     const auto cause = parse_loss(x.ending->cause);
     y.where = names::of(x.ending->place);
+    y.obstacle.clear();
     y.why = cause ? sentence_of(*cause) : x.ending->cause;
   }
+  if (y.obstacle.empty())
+    y.obstacle = y.why;
   return y;
 }
 

@@ -34,6 +34,7 @@ struct outcome {
   std::string where; ///< it was lost: `kitchen/mote-5 → kitchen/sink`; empty: nowhere special
   std::string why;   ///< empty unless it was lost or refused
   std::string cause; ///< of its loss, as docs/losses.md lists them; empty: not accounted for
+  std::string obstacle; ///< `why` without how often it was tried: what ended it
 };
 
 [[nodiscard]] outcome outcome_of(const traces& all, const message& x);

@@ -269,7 +269,9 @@ std::vector<std::pair<std::string, std::size_t>> loss_causes(const traces& all,
       continue;
     const auto how = outcome_of(all, x);
     if (how.status == message_status::lost || how.status == message_status::refused)
-      ++counts[how.status == message_status::refused ? "refused: " + how.why : how.why];
+      ++counts[how.status == message_status::refused ? "refused: " + how.obstacle
+               : how.where.empty()                   ? how.obstacle
+                                                     : how.where + ": " + how.obstacle];
   }
   std::vector<std::pair<std::string, std::size_t>> sorted(counts.begin(), counts.end());
   std::stable_sort(sorted.begin(), sorted.end(),

@@ -8,6 +8,7 @@
 #include "page/parts.hpp"
 #include "report/expectations.hpp"
 #include "report/figures.hpp"
+#include "report/repeated_violations.hpp"
 #include "report/report_parts.hpp"
 
 namespace rubicon::page {
@@ -212,19 +213,20 @@ std::string expectations_of(const run_page& x) {
 }
 
 std::string violations_of(const run_page& x) {
-  std::vector<report::violation> all;
-  std::ranges::copy_if(x.report.violations, std::back_inserter(all), [](const auto& each) {
+  std::vector<report::violation> others;
+  std::ranges::copy_if(x.report.violations, std::back_inserter(others), [](const auto& each) {
     return !each.invariant.starts_with(report::expected); // those have a section of their own
   });
+  const auto all = report::repeated(others);
   if (all.empty())
     return {};
   auto rows = head_row(
       {{x.report.simulated < 1h ? "seconds" : "time", true}, {"what must hold"}, {"what was"}});
   const auto shown = std::min(all.size(), violations_shown);
   for (std::size_t i = 0; i < shown; ++i)
-    rows += row({{report::run_time(all[i].at, x.report.simulated), true},
-                 {all[i].invariant, false, "long bad"},
-                 {all[i].detail, false, "long"}});
+    rows += row({{report::run_time(all[i].first.at, x.report.simulated), true},
+                 {all[i].first.invariant, false, "long bad"},
+                 {report::detail_of(all[i], x.report.simulated), false, "long"}});
   auto out = wide("<table>" + rows + "</table>");
   if (shown < all.size())
     out += element("p", "… and " + with_thousands(all.size() - shown) + " more", "class='soft'");

@@ -64,6 +64,10 @@ std::optional<double> message_report::delivery() const {
   return static_cast<double>(arrived) / static_cast<double>(offered - in_transit);
 }
 
+double latency_s(const actuation_report& x, double q) {
+  return std::min(x.latency.quantile_ms(q) / 1e3, seconds(x.slowest));
+}
+
 std::optional<double> stream_report::delivery() const {
   if (produced <= open)
     return std::nullopt;

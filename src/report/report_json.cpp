@@ -107,6 +107,13 @@ json to_json(const stream_report& x) {
   return with_delivery(x);
 }
 
+json to_json(const flow_report& x) {
+  auto object = to_json<flow_report>(x);
+  if (x.to.mote == broadcast_mote)
+    object["pdr"] = nullptr;
+  return object;
+}
+
 json membership(const mote_report& x) {
   auto object = to_json(x, "address", "mote");
   object.erase("energy"); // has a part of its own
@@ -174,8 +181,8 @@ json to_json(const actuation_report& x) {
   return {{"requested", x.requested},
           {"acknowledged", x.acknowledged},
           {"sent", x.sent},
-          {"latency_p50_s", x.latency.quantile_ms(0.5) / 1e3},
-          {"latency_p99_s", x.latency.quantile_ms(0.99) / 1e3},
+          {"latency_p50_s", latency_s(x, 0.5)},
+          {"latency_p99_s", latency_s(x, 0.99)},
           {"slowest_s", seconds(x.slowest)},
           {"failed", value_of(x.failed)}};
 }

@@ -6,6 +6,7 @@
 
 #include "report/event_log.hpp"
 #include "report/figures.hpp"
+#include "report/repeated_violations.hpp"
 #include "report/report.hpp"
 #include "report/report_page.hpp"
 #include "report/report_parts.hpp"
@@ -439,8 +440,8 @@ void add_actuations(report_page& page, const run_report& x) {
     rows.add({proxy.name,
               with_thousands(actuations.requested),
               acknowledged_text(actuations),
-              real_time(actuations.latency.quantile_ms(0.5) / 1e3),
-              real_time(actuations.latency.quantile_ms(0.99) / 1e3),
+              real_time(latency_s(actuations, 0.5)),
+              real_time(latency_s(actuations, 0.99)),
               real_time(seconds(actuations.slowest)),
               {causes(actuations.failed), look::bad}});
   }
@@ -449,8 +450,8 @@ void add_actuations(report_page& page, const run_report& x) {
     rows.add({{"all", look::strong},
               with_thousands(all.requested),
               acknowledged_text(all),
-              real_time(all.latency.quantile_ms(0.5) / 1e3),
-              real_time(all.latency.quantile_ms(0.99) / 1e3),
+              real_time(latency_s(all, 0.5)),
+              real_time(latency_s(all, 0.99)),
               real_time(seconds(all.slowest)),
               {causes(all.failed), look::bad}});
 
@@ -504,14 +505,15 @@ void add_verdict(report_page& page, const run_report& x) {
   }
   page.line("  ✗ " + counted(x.violations.size(), "violation"), look::bad);
   table rows({{page.time_heading(), align::right}, {"invariant"}, {"detail"}});
-  const auto shown = page.shown(x.violations.size(), violations_shown);
+  const auto all = repeated(x.violations);
+  const auto shown = page.shown(all.size(), violations_shown);
   for (std::size_t i = 0; i < shown; ++i) {
-    const auto& violation = x.violations[i];
+    const auto& violation = all[i].first;
     rows.add({{page.time(violation.at), look::faint},
               {violation.invariant, look::bad},
-              violation.detail});
+              detail_of(all[i], x.simulated)});
   }
-  page.add_rest(rows, x.violations.size(), shown);
+  page.add_rest(rows, all.size(), shown);
   page.add(rows);
 }
 

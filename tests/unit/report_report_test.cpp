@@ -141,6 +141,7 @@ TEST_CASE("the JSON of a report is one object with the run's figures", "[report]
                                      {"lost", {{"channel_access_failure", 20}, {"no_ack", 79}}},
                                      {"open", 1}}));
   CHECK(x.at("flows").at(1).at("to") == "20/65535");
+  CHECK(x.at("flows").at(1).at("pdr").is_null()); // of several receivers
   CHECK(x.at("islands").at(1).at("motes").at(1).at("joined") == false);
   CHECK(x.at("peers").at(0).at("lost").at("queue_full") == 2);
   CHECK(x.at("proxies").at(0).at("values").at("temperature") == "22.3 C");
@@ -409,4 +410,32 @@ TEST_CASE("the report tells which of several gateways has led", "[report][GW-14]
   const auto written = to_json(x);
   CHECK(written.find("\"leading_s\": 90.0") != std::string::npos);
   CHECK(written.find("\"led\": 2") != std::string::npos);
+}
+
+TEST_CASE("equal violations are one line with a count", "[report]") {
+  run_report x;
+  x.simulated = 10min;
+  for (int i = 1; i <= 48; ++i) {
+    x.violations.push_back({instant{i * 10s}, "clocks keep their bound", "lab: 3 ms off"});
+    if (i == 2)
+      x.violations.push_back({instant{i * 10s}, "clocks keep their bound", "lab: 4 ms off"});
+  }
+  const auto text = to_text(x, 120);
+  CHECK(contains(text, "✗ 49 violations"));
+  CHECK(contains(text, "   10.000  clocks keep their bound  lab: 3 ms off; 48 times, the last at "
+                       "480.000 s\n   20.000  clocks keep their bound  lab: 4 ms off\n"));
+  CHECK(!contains(text, "30.000"));
+}
+
+TEST_CASE("a median is not above the slowest", "[report]") {
+  actuation_report x;
+  for (const auto each : {9'999'999ns, 10'000'001ns, 1'234'567ns}) {
+    actuation_report one;
+    one.latency.add(each);
+    one.slowest.value = each;
+    CHECK(latency_s(one, 0.5) <= seconds(each));
+    CHECK(latency_s(one, 0.99) == Approx(seconds(each)).epsilon(0.01));
+    x += one;
+  }
+  CHECK(latency_s(x, 0.99) <= seconds(x.slowest));
 }
