@@ -1,14 +1,48 @@
 #include "apps/actuator.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace rubicon::apps {
+
+namespace {
+
+constexpr duration period_min = 100ms; ///< as of samplers, where the file says nothing
+
+} // namespace
 
 void actuator::on_start(instant) {
   provide(static_cast<std::uint8_t>(config_.channel));
 }
 
 void actuator::joined(communication::island_octet, std::uint16_t, communication::status success) {
-  if (success == communication::SUCCESS)
+  in_island_ = success == communication::SUCCESS;
+  if (in_island_)
     tell_state();
+  begin_period();
+}
+
+void actuator::outputsWanted(std::span<const communication::output_wanted> all) {
+  const auto wanted = communication::wanted_on(all, config_.channel);
+  const bool is_asked = wanted && wanted->period.count() > 0;
+  const auto period = is_asked ? std::max<duration>(wanted->period, period_min) : duration{};
+  if (std::exchange(period_, period) != period)
+    begin_period();
+}
+
+void actuator::begin_period() {
+  begins_ = in_island_ && period_ > 0s;
+  due_.reset();
+}
+
+void actuator::on_time(instant now) {
+  if (std::exchange(begins_, false))
+    due_ = now + period_;
+  if (!due_ || *due_ > now)
+    return;
+  while (*due_ <= now)
+    *due_ += period_;
+  tell_state(/*reliable=*/false); // the next one follows
 }
 
 void actuator::receiveFrom(mote_address, byte_view octets, std::uint8_t) {
@@ -21,8 +55,8 @@ void actuator::actuatorChanged(std::string_view, std::uint8_t state, bool) {
   tell_state();
 }
 
-void actuator::tell_state() {
-  layer().send_numbered(own_gateway, bytes{state_}, true,
+void actuator::tell_state(bool reliable) {
+  layer().send_numbered(own_gateway, bytes{state_}, reliable,
                         static_cast<std::uint8_t>(config_.channel));
 }
 

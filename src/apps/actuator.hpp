@@ -2,13 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 
 #include "apps/application.hpp"
 
 namespace rubicon::apps {
 
-/// Obeys the first octet of what it receives, and tells the actuator's state after every change and
-/// when its mote has joined.
+/// Obeys the first octet of what it receives, and tells the actuator's state after every change,
+/// when its mote has joined, and at the period that somebody has asked for (IF-03).
 class actuator final : public application {
 public:
   /// @param state of the actuator when its mote starts
@@ -18,14 +20,24 @@ public:
   void joined(communication::island_octet island, std::uint16_t mote,
               communication::status success) override;
   void receiveFrom(mote_address source, byte_view octets, std::uint8_t am_type) override;
+  void outputsWanted(std::span<const communication::output_wanted> all) override;
+  void on_time(instant now) override;
+  [[nodiscard]] std::optional<instant> deadline() const override {
+    return begins_ ? std::optional(instant{}) : due_; // as soon as it may be
+  }
   void actuatorChanged(std::string_view name, std::uint8_t state, bool obeyed) override;
 
 private:
   void on_start(instant now) override;
-  void tell_state();
+  void begin_period();
+  void tell_state(bool reliable = true);
 
   actuator_config config_;
   std::uint8_t state_ = 0;
+  bool in_island_ = false;
+  bool begins_ = false;        ///< its periods do, at the next on_time()
+  duration period_{};          ///< 0: nobody has asked for one
+  std::optional<instant> due_; ///< when the state is told again
 };
 
 } // namespace rubicon::apps

@@ -355,6 +355,29 @@ TEST_CASE("an actuator obeys the first octet and answers with the state that cam
   CHECK(x.sent.back().what.payload == bytes{0});
 }
 
+TEST_CASE("an actuator tells its state as often as somebody wants", "[apps][IF-03][IF-04]") {
+  fixture x(std::make_unique<apps::actuator>(apps::actuator_config{"switch", 2}, std::uint8_t{1}));
+  x.ask({{2, 1s}});
+  x.run_for(10s);
+  CHECK(x.sent.empty()); // in no island
+  x.join();
+  x.run_for(10s);
+  REQUIRE(x.sent.size() == 1 + 10);
+  for (std::size_t i = 1; i < x.sent.size(); ++i) {
+    CHECK(x.sent[i].what.am_type == 2);
+    CHECK(x.sent[i].what.payload == bytes{1});
+  }
+  x.ask({{2, 1ms}}); // no more often than ten times a second
+  const auto before = x.sent.size();
+  x.run_for(10s);
+  CHECK(x.sent.size() <= before + 100);
+  CHECK(x.sent.size() > before + 90);
+  x.ask({{1, 1s}});
+  const auto after = x.sent.size();
+  x.run_for(10s);
+  CHECK(x.sent.size() == after);
+}
+
 TEST_CASE("a messenger sends its text every period while its mote is in an island", "[apps]") {
   const mote_address pager{island_id{2}, mote_id{7}};
   fixture x(
