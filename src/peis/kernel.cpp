@@ -10,7 +10,8 @@ namespace rubicon::peis {
 namespace {
 
 constexpr std::string_view version_text = "v0.6.0.7 (proto 500)"; // what real kernels show
-constexpr std::string_view quit_key = "kernel.do-quit";
+/// An init lets its components end first.
+constexpr duration quit_patience = 6s;
 constexpr std::string_view id_taken_key = "kernel.id-taken"; ///< who else uses our id
 
 /// Any value but these asks to quit (peis-wire.md 18).
@@ -89,11 +90,15 @@ outputs kernel::on_link_closed(link_id link, instant now) {
 outputs kernel::on_time(instant now) {
   network_.on_time(now);
   perform(tuples_.on_time(now), now);
+  give_up_quits(now);
   return finish(now, true);
 }
 
 std::optional<instant> kernel::deadline() const {
-  return earliest(earliest(network_.deadline(), tuples_.deadline()), statistics_.deadline(tuples_));
+  auto due = earliest(network_.deadline(), tuples_.deadline());
+  for (const auto& [request, quit] : quits_)
+    due = earliest(due, quit.until);
+  return earliest(due, statistics_.deadline(tuples_));
 }
 
 /// Handles a turn's input, and all that comes of it.
@@ -140,8 +145,32 @@ void kernel::handle(id_taken& x, instant now) {
 }
 
 void kernel::handle(host_vanished& x, instant now) {
+  for (auto quit = quits_.begin(); quit != quits_.end();) {
+    const bool has_gone = quit->second.owner == x.host && quit->second.until;
+    if (has_gone)
+      report(quit->first, cause::none);
+    quit = has_gone ? quits_.erase(quit) : std::next(quit);
+  }
   perform(tuples_.on_host_vanished(x.host, now), now);
   out_.emplace_back(x);
+}
+
+/// @param asked is sent next
+void kernel::expect_quit(const tuple& asked, request_id request) {
+  const auto* record = network_.find_host(asked.owner);
+  if (request != no_request && asked.name.folded() == quit_key && asks_to_quit(asked) &&
+      record != nullptr && record->marked && record->host_name != config_.network.host_name)
+    quits_[request] = {asked.owner, std::nullopt};
+}
+
+/// Who has been asked to quit and is still there does not want to.
+void kernel::give_up_quits(instant now) {
+  for (auto quit = quits_.begin(); quit != quits_.end();) {
+    const bool is_due = quit->second.until && *quit->second.until <= now;
+    if (is_due)
+      report(quit->first, cause::refused);
+    quit = is_due ? quits_.erase(quit) : std::next(quit);
+  }
 }
 
 void kernel::handle(forgotten_by& x, instant now) {
@@ -157,13 +186,16 @@ void kernel::handle(device_noted& x, instant now) {
 }
 
 void kernel::handle(delivered& x, instant now) {
-  if (x.request.value >= own_ids_first)
+  if (const auto quit = quits_.find(x.request); quit != quits_.end())
+    quit->second.until = now + quit_patience;
+  else if (x.request.value >= own_ids_first)
     perform(tuples_.on_delivered(x.request, now), now);
   else
     report(x.request, cause::none);
 }
 
 void kernel::handle(undelivered& x, instant now) {
+  quits_.erase(x.request);
   if (x.request.value < own_ids_first)
     report(x.request, x.why);
   tuples_.on_undelivered(x.destination, x.port, x.head.view(), x.request, now);

@@ -357,12 +357,15 @@ private:
   void handle(undelivered& x, instant now);
   void on_set(peer_id source, const payload& octets, instant now);
   [[nodiscard]] bool may_stop_us(peer_id source) const;
+  void give_up_quits(instant now);
   void perform(tuple_events todo, instant now);
   void report(request_id request, cause why);
 
   // kernel_tuples.cpp
   [[nodiscard]] outputs ask(std::pair<cause, transmit> question, request_id request, instant now);
   void refuse(request_id request, cause why);
+  [[nodiscard]] cause refusal_of_owner(peer_id owner, const key& name, bool quits) const;
+  void expect_quit(const tuple& asked, request_id request);
   [[nodiscard]] outputs watch(const prototype& wanted, tuple_space::interest kind,
                               subscription_id id, request_id request, instant now);
   void publish(const kernel_statistics::texts& values, instant now);
@@ -384,8 +387,16 @@ private:
   [[nodiscard]] static bool is_user_port(std::uint16_t port);
   [[nodiscard]] cause refusal(const result<key>& name);
 
+  /// Somebody was asked to quit. Whether he does so is his to decide, and no answer tells it: he
+  /// goes, or he does not.
+  struct asked_to_quit {
+    peer_id owner;
+    std::optional<instant> until; ///< set: the question has arrived
+  };
+
   kernel_config config_;
   p2p network_;
+  std::map<request_id, asked_to_quit> quits_;
   tuple_space tuples_;
   kernel_statistics statistics_;
   std::map<subscription_id, indirection> indirections_;     ///< by the user's id

@@ -29,6 +29,12 @@ outputs kernel::insert_tuple(tuple draft, instant now, request_id request) {
     perform(std::move(todo), now);
     report(request, why);
   } else {
+    const bool quits = draft.expiry != deleted;
+    const auto why = refusal_of_owner(draft.owner, draft.name, quits);
+    if (why != cause::none)
+      return ask({why, {}}, request, now);
+    if (quits)
+      expect_quit(draft, request);
     return ask(tuples_.ask_to_set(std::move(draft), request, now), request, now);
   }
   return finish(now);
@@ -56,7 +62,8 @@ outputs kernel::append_tuple(const prototype& wanted, payload added, instant now
     return finish(now);
   }
   if (!ours && wanted.owner != any_peer)
-    return ask({cause::none, request_to(wanted.owner)}, request, now);
+    return ask({refusal_of_owner(wanted.owner, wanted.name, false), request_to(wanted.owner)},
+               request, now);
   auto [verdict, todo] = tuples_.append(wanted, added, now);
   perform(std::move(todo), now);
   if (!ours) {
@@ -89,6 +96,9 @@ outputs kernel::set_remote_tuple(peer_id owner, std::string_view name, tuple_con
   auto x = tuples_.draft(owner, *parsed, std::move(content));
   if (!x || parsed->is_pattern())
     return ask({x ? cause::bad_key : cause::bad_value, {}}, request, now);
+  if (why = refusal_of_owner(owner, *parsed, true); why != cause::none)
+    return ask({why, {}}, request, now);
+  expect_quit(*x, request);
   return ask(tuples_.ask_to_set(std::move(*x), request, now), request, now);
 }
 
@@ -97,10 +107,22 @@ outputs kernel::delete_remote_tuple(peer_id owner, std::string_view name, reques
   if (owner == id())
     return delete_tuple(name, now, request);
   const auto parsed = key::parse(name);
-  const auto why = refusal(parsed);
+  auto why = refusal(parsed);
+  if (why == cause::none)
+    why = refusal_of_owner(owner, *parsed, false);
   if (why != cause::none)
     return ask({why, {}}, request, now);
   return ask(tuples_.ask_to_delete(owner, *parsed, request, now), request, now);
+}
+
+/// What every kernel of our kind refuses is not sent: an acknowledgement says that it has arrived,
+/// and not what has become of it. What real kernels do is theirs.
+/// @param quits it may be the word to quit, which some are allowed to say
+cause kernel::refusal_of_owner(peer_id owner, const key& name, bool quits) const {
+  const auto* record = network_.find_host(owner);
+  const bool is_of_our_kind = record != nullptr && record->marked;
+  const bool may_be_taken = !is_reserved(name) || (quits && name.folded() == quit_key);
+  return is_of_our_kind && !may_be_taken ? cause::refused : cause::none;
 }
 
 /// Sends a question to another owner, or says why there is none.

@@ -68,6 +68,9 @@ private:
 /// Does it name what describes a kernel, which others may not write (TUP-22)?
 [[nodiscard]] bool is_reserved(const key& name);
 
+/// The reserved tuple by which some others may stop a peer (TUP-22).
+inline constexpr std::string_view quit_key = "kernel.do-quit";
+
 /// Equal up to letter case of the 26 ASCII letters.
 [[nodiscard]] bool equal_without_case(std::string_view a, std::string_view b);
 

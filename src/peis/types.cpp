@@ -36,6 +36,8 @@ std::string_view to_string(cause x) {
     return "bad_index";
   case cause::bad_meta_tuple:
     return "bad_meta_tuple";
+  case cause::refused:
+    return "refused";
   case cause::left:
     return "left";
   }

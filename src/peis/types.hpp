@@ -56,6 +56,7 @@ enum class cause : std::uint8_t {
   bad_handle,      ///< subscription id that is in use already, or unknown
   bad_index,       ///< the cursor of a result set stands on no tuple
   bad_meta_tuple,  ///< not a meta tuple, or one that points nowhere and is to be written through
+  refused,         ///< the owner does not let others write that tuple, or has no room (TUP-22)
   left,            ///< this kernel has left the network
 };
 

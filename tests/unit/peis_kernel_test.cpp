@@ -131,10 +131,25 @@ TEST_CASE("kernel tuples are there and cannot be written by others", "[peis][TUP
                                                 p.w.now()));
   p.w.perform(p.b, p.w.at(p.b).set_remote_tuple(p.a, "kernel.do-quit", text_content("yes"),
                                                 request_id{2}, p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).delete_remote_tuple(p.a, "kernel.name", request_id{3}, p.w.now()));
+  prototype name;
+  name.owner = p.a;
+  name.name = *key::parse("kernel.name");
+  p.w.perform(p.b, p.w.at(p.b).append_tuple(name, payload(to_bytes(std::string_view("x"))),
+                                            p.w.now(), request_id{4}));
   p.w.run_for(100ms);
   CHECK(value("kernel.id") == "1");
-  CHECK(p.w.at(p.a).counters().tuples.refused == 2);
+  CHECK(value("kernel.name") == "peer1");
+  CHECK(p.w.at(p.a).counters().tuples.refused == 1); // what is certain is not even sent
   CHECK(p.w.all<quit_requested>(p.a).empty());
+  const auto& ended = p.w.all<outcome>(p.b);
+  REQUIRE(ended.size() == 3);
+  for (const auto& each : ended)
+    CHECK(each.why == cause::refused);
+  p.w.run_for(7s); // whether it quits is for it to decide: it has not
+  REQUIRE(p.w.all<outcome>(p.b).size() == 4);
+  CHECK(p.w.all<outcome>(p.b)[3].request == request_id{2});
+  CHECK(p.w.all<outcome>(p.b)[3].why == cause::refused);
 }
 
 TEST_CASE("managers and peers of the same host may stop a peer", "[peis][TUP-22]") {

@@ -115,11 +115,14 @@ TEST_CASE("an append to what does not exist or is reserved has no effect", "[pei
   p.append(p.b, "x", request_id{2});
   const auto name = std::string(p.w.at(p.a).find_tuple(p.a, "kernel.name")->text());
   p.w.perform(p.b, p.w.at(p.b).append_tuple(prototype_of(p.a, *key::parse("kernel.*")),
+                                            to_bytes("x"), p.w.now(), request_id{3}));
+  CHECK(p.w.all<outcome>(p.b).back().why == cause::refused); // at once
+  p.w.perform(p.b, p.w.at(p.b).append_tuple(prototype_of(p.a, *key::parse("*.name")),
                                             to_bytes("x"), p.w.now()));
   p.w.run_for(1s);
   CHECK(p.held(p.a) == "none");
   CHECK(p.w.all<outcome>(p.a).at(0).success);
-  CHECK(p.w.all<outcome>(p.b).at(0).success);
+  CHECK(p.w.all<outcome>(p.b).back().success);
   CHECK(p.w.at(p.a).find_tuple(p.a, "kernel.name")->text() == name);
   CHECK(p.w.at(p.a).counters().tuples.refused > 0);
 }
