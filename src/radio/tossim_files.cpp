@@ -16,11 +16,15 @@ constexpr std::uint16_t node_max = 65534;
 constexpr double dbm_min = -250;
 constexpr double dbm_max = 50;
 constexpr std::string_view blanks = " \t";
+constexpr std::string_view between = " \t,;"; // two fields: some write tables
 
-/// The lines that say something, without the blanks around them.
+/// The lines that say something, without the blanks around them and the comments behind them.
 class line_reader {
 public:
-  explicit line_reader(std::string_view text) : rest_(text) {}
+  explicit line_reader(std::string_view text) : rest_(text) {
+    if (rest_.starts_with("\xef\xbb\xbf"))
+      rest_.remove_prefix(3);
+  }
 
   /// @returns false at the end
   bool next() {
@@ -29,8 +33,9 @@ public:
       const auto end = rest_.find('\n');
       line_ = rest_.substr(0, end);
       rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+      line_ = line_.substr(0, std::min(line_.find_first_of("#%"), line_.find("//")));
       trim();
-      if (!line_.empty() && !line_.starts_with('#') && !line_.starts_with("//"))
+      if (!line_.empty())
         return true;
     }
     return false;
@@ -59,16 +64,25 @@ struct fields {
   std::array<std::string_view, fields_max> at;
   std::size_t count = 0;
 
+  /// The same with one more at the beginning, which is empty.
+  [[nodiscard]] fields behind_a_word() const {
+    auto out = *this;
+    std::ranges::copy_backward(at.begin(), at.end() - 1, out.at.end());
+    out.at[0] = {};
+    ++out.count;
+    return out;
+  }
+
   explicit fields(std::string_view line) {
     while (!line.empty()) {
       if (count == fields_max) {
         ++count;
         return;
       }
-      const auto end = std::min(line.find_first_of(blanks), line.size());
+      const auto end = std::min(line.find_first_of(between), line.size());
       at[count++] = line.substr(0, end);
       line.remove_prefix(end);
-      line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
+      line.remove_prefix(std::min(line.find_first_not_of(between), line.size()));
     }
   }
 };
@@ -96,6 +110,13 @@ std::optional<float> decibels(std::string_view x) {
   if (!number || *number < dbm_min || *number > dbm_max)
     return std::nullopt;
   return static_cast<float>(*number);
+}
+
+/// @param word in small letters
+bool is_word(std::string_view x, std::string_view word) {
+  return std::ranges::equal(x, word, {}, [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
 }
 
 std::optional<std::uint16_t> node(std::string_view x) {
@@ -136,11 +157,13 @@ public:
 private:
   /// @returns what is wrong, or nothing
   std::string take(const fields& x) {
-    if (x.at[0] == "gain")
+    if (is_word(x.at[0], "gain"))
       return take_gain(x);
-    if (x.at[0] == "noise")
+    if (is_word(x.at[0], "noise"))
       return take_noise(x);
-    return "a line begins with gain or noise, not " + quoted(x.at[0]);
+    if (finite_number(x.at[0])) // without its word, as in TinyOS's tutorial
+      return take_gain(x.behind_a_word());
+    return "a line begins with gain, noise or, as in 0 1 -60.0, a node, not " + quoted(x.at[0]);
   }
 
   std::string take_gain(const fields& x) {

@@ -44,12 +44,13 @@ struct file_problem {
 
 inline constexpr std::size_t tossim_file_octets_max = 256U << 20U;
 
-/// Fields are separated by blanks or tabs; empty lines and lines that begin with # or // are left
-/// out, lines may end with CR LF. The first mistake ends the reading: unknown word, missing or
-/// surplus field, not a finite number, node above 65534, gain or floor outside -250..50 dBm, a link
-/// or node given twice, a link from a node to itself, no gain at all, more than
-/// tossim_file_octets_max. A quoted text in a message is cut to 40 octets, control characters and
-/// octets outside ASCII shown as `?`.
+/// Lines `gain FROM TO DB`, also without the word, and `noise NODE FLOOR DEVIATION`, the words in
+/// any letter case. Fields are separated by blanks, tabs, commas or semicolons; empty lines and
+/// what is behind #, % or // are left out, lines may end with CR LF, and a byte order mark is. The
+/// first mistake ends the reading: unknown word, missing or surplus field, not a finite number,
+/// node above 65534, gain or floor outside -250..50 dBm, a link or node given twice, a link from a
+/// node to itself, no gain at all, more than tossim_file_octets_max. A quoted text in a message is
+/// cut to 40 octets, control characters and octets outside ASCII shown as `?`.
 [[nodiscard]] std::variant<gain_table, file_problem> read_topology(std::string_view text);
 
 /// One number a line, -128..127 dBm; fractions are rounded down. Lines are left out and mistakes

@@ -60,15 +60,43 @@ TEST_CASE("a gain needs no noise, and its ends are allowed", "[radio][tossim]") 
   CHECK(table("gain 0 1 -250").floors.empty());
 }
 
+TEST_CASE("a topology is read as others write theirs", "[radio][tossim]") {
+  const auto same = table("gain 0 1 -60\ngain 1 0 -60.5\n");
+  for (const auto* text : {
+           "0 1 -60\n1 0 -60.5\n",
+           "0\t1\t-60\r\n  1  0  -60.5  \r\n",
+           "\xef\xbb\xbfgain 0 1 -60\ngain 1 0 -60.5",
+           "\xef\xbb\xbf# links\n0 1 -60\n1 0 -60.5",
+           "% links of the lab\ngain 0 1 -60\n%\ngain 1 0 -60.5\n",
+           "// links\ngain 0 1 -60 // to the window\ngain 1 0 -60.5//back\n",
+           "gain 0 1 -60 # to the window\ngain 1 0 -60.5% back\n",
+           "0,1,-60\n1, 0, -60.5\n",
+           "0;1;-60\n1;0;-60.5;\n",
+           "GAIN 0 1 -60\nGain 1 0 -60.5\n",
+       }) {
+    CAPTURE(text);
+    CHECK(table(text) == same);
+  }
+  CHECK(table("0 1 -60\nNoise 0 -105 4\n").floors == std::vector<gain_table::floor>{{0, -105}});
+  const auto trace = read_noise_trace("\xef\xbb\xbf-39 % loud\n" + repeated("-98 # quiet\n", 99));
+  CHECK(problem(trace) == "none");
+}
+
 TEST_CASE("mistakes in a topology are told with their line", "[radio][tossim]") {
   using row = std::pair<std::string, std::string>;
   for (const auto& [text, told] : {
            row{"", "0: there is no gain in it"},
            row{"# gain 0 1 -5\n", "0: there is no gain in it"},
            row{"noise 0 -98 1\n", "0: there is no gain in it"},
-           row{"\n\ngian 0 1 -5", R"(3: a line begins with gain or noise, not "gian")"},
-           row{"Gain 0 1 -5", R"(1: a line begins with gain or noise, not "Gain")"},
-           row{"0 1 -5", R"(1: a line begins with gain or noise, not "0")"},
+           row{"\n\ngian 0 1 -5",
+               R"(3: a line begins with gain, noise or, as in 0 1 -60.0, a node, not "gian")"},
+           row{"from,to,gain", // as heads of tables are
+               R"(1: a line begins with gain, noise or, as in 0 1 -60.0, a node, not "from")"},
+           row{"0 1", R"(1: gain needs two nodes and a number of dB, not "0 1")"},
+           row{"0 1 -5 6", R"(1: gain needs two nodes and a number of dB, not "0 1 -5 6")"},
+           row{"0 1 -5 6 7", R"(1: gain needs two nodes and a number of dB, not "0 1 -5 6 7")"},
+           row{"0 x -5", R"(1: gain needs nodes of 0 to 65534, not "x")"},
+           row{"-1 0 -5", R"(1: gain needs nodes of 0 to 65534, not "-1")"},
            row{"gain 0 1", R"(1: gain needs two nodes and a number of dB, not "0 1")"},
            row{"gain", R"(1: gain needs two nodes and a number of dB, not "")"},
            row{"gain 0 1 -5 6", R"(1: gain needs two nodes and a number of dB, not "0 1 -5 6")"},
@@ -118,9 +146,10 @@ TEST_CASE("the first mistake of a topology is told, of whichever kind", "[radio]
 
 TEST_CASE("a quoted text is short and plain", "[radio][tossim]") {
   CHECK(topology_problem("a\x01\x7f\xc3\xa4\"z") ==
-        "1: a line begins with gain or noise, not \"a????\"z\"");
+        "1: a line begins with gain, noise or, as in 0 1 -60.0, a node, not \"a????\"z\"");
   CHECK(topology_problem(std::string(1000, 'q')) ==
-        "1: a line begins with gain or noise, not \"" + std::string(40, 'q') + '"');
+        "1: a line begins with gain, noise or, as in 0 1 -60.0, a node, not \"" +
+            std::string(40, 'q') + '"');
   CHECK(topology_problem(std::string("gain 0 1 \0", 10)) ==
         "1: gain needs -250 to 50 dB, not \"?\"");
 }
