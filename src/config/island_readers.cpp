@@ -239,6 +239,9 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
     const auto short_window = doubt_of_window(out, with.radio);
     if (!short_window.empty())
       in.problems().doubt(window_at, short_window);
+    const auto traffic = doubt_of_traffic(out);
+    if (!traffic.empty())
+      in.problems().doubt(in.at("id"), traffic);
   }
   return out;
 }

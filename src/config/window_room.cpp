@@ -114,7 +114,7 @@ std::size_t crowd_of(const island_description& x, const radio::channel_config& r
   return most;
 }
 
-double messages_in_period(const island_description& x) {
+double messages_per_second(const island_description& x) {
   double sum = 0;
   for (const auto& mote : x.motes)
     for (const auto& app : mote.apps) {
@@ -128,7 +128,7 @@ double messages_in_period(const island_description& x) {
         reliable = messenger->reliable;
       }
       if (every && *every > 0s)
-        sum += (reliable ? 2 : 1) * seconds(x.duty.period) / seconds(*every);
+        sum += (reliable ? 2 : 1) / seconds(*every);
     }
   return sum;
 }
@@ -138,7 +138,8 @@ std::string doubt_of_window(const island_description& x, const radio::channel_co
     return {};
   const auto room = beacons_in(x.duty.window);
   const auto crowd = crowd_of(x, radio);
-  const auto messages = static_cast<std::size_t>(std::ceil(messages_in_period(x)));
+  const auto messages = static_cast<std::size_t>(
+      std::ceil(messages_per_second(x) * seconds(x.duty.period)));
   if (std::max(crowd, messages) <= room)
     return {};
   const auto needed = window_for(std::max(crowd, messages));
@@ -153,6 +154,18 @@ std::string doubt_of_window(const island_description& x, const radio::channel_co
   if (2 * needed > x.duty.period)
     text += ", with a period of " + to_text(2 * needed) + " at least";
   return text;
+}
+
+std::string doubt_of_traffic(const island_description& x) {
+  const auto rate = messages_per_second(x);
+  if (x.duty.enabled || rate <= sink_carries)
+    return {};
+  const auto times = static_cast<int>(std::ceil(rate / sink_carries));
+  return "its motes send " + std::to_string(static_cast<int>(rate)) +
+         " messages a second, but the radio of a sink carries about " +
+         std::to_string(static_cast<int>(sink_carries)) +
+         ": many are lost, and motes are taken for gone; periods " + std::to_string(times) +
+         " times as long would do";
 }
 
 } // namespace rubicon::config

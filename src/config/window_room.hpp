@@ -1,4 +1,5 @@
-// Whether the common windows of an island whose radios sleep have room for its motes (NRG-01).
+// Whether an island's motes have room for what they send: in their common windows where radios
+// sleep (NRG-01), in the air around the sink where they do not.
 #pragma once
 
 #include <cstddef>
@@ -21,11 +22,19 @@ namespace rubicon::config {
 /// shadowing, itself included. Of large islands the sink and some of the motes are looked at.
 [[nodiscard]] std::size_t crowd_of(const island_description& x, const radio::channel_config& radio);
 
-/// Messages that the programs of an island send to its sink in one period of its windows.
-[[nodiscard]] double messages_in_period(const island_description& x);
+/// Messages that the programs of an island send to its sink; reliable ones are two, since they are
+/// acknowledged end to end. [1/s]
+[[nodiscard]] double messages_per_second(const island_description& x);
+
+/// What the radio of one sink carries, when all its motes are in its reach. Measured with stars of 60
+/// to 254 motes (docs/radio.md). [1/s]
+inline constexpr double sink_carries = 85;
 
 /// What is to be said of a window that is too short for those that share it; empty: nothing.
 [[nodiscard]] std::string doubt_of_window(const island_description& x,
                                           const radio::channel_config& radio);
+
+/// The same of an island whose motes send more than the radio of its sink carries.
+[[nodiscard]] std::string doubt_of_traffic(const island_description& x);
 
 } // namespace rubicon::config

@@ -138,7 +138,9 @@ std::string conclusion(const traces& all, const message& x, const paper& on) {
 }
 
 /// Faults of the ecology shortly before a time, and until another.
-std::string around(const traces& all, instant from, instant to, const paper& on) {
+/// @param key and what is told of writes to that tuple; empty: of none
+std::string around(const traces& all, instant from, instant to, const paper& on,
+                   const std::string& key = {}) {
   constexpr std::size_t lines_max = 5;
   constexpr duration shortly = 60s;
   report::table rows({{"around then", align::right}, {"who"}, {"what"}});
@@ -146,7 +148,8 @@ std::string around(const traces& all, instant from, instant to, const paper& on)
   for (const auto& x : all.events) {
     const bool is_fault = x.from.starts_with("serial_line/") || x.from.starts_with("peis_peer/") ||
                           x.from.starts_with("ecology/") || x.text.starts_with("crashed") ||
-                          x.text.starts_with("battery");
+                          x.text.starts_with("battery") ||
+                          (!key.empty() && x.text.starts_with(key + " = "));
     if (is_fault && x.time + shortly >= from && x.time <= to && ++lines <= lines_max)
       rows.add({clock(x.time), names::of(x.from), printable(x.text)});
   }
@@ -209,7 +212,7 @@ std::string tuple_text(const traces& all, std::size_t index, const paper& on) {
     text += report::painted("never set: it did not reach " + printable(all.known.of(x.owner)),
                             look::bad, on.colour) +
             '\n';
-    return text + around(all, begun, all.nodes[x.root].begin + 60s, on) + cut_note(all);
+    return text + around(all, begun, all.nodes[x.root].begin + 60s, on, x.key) + cut_note(all);
   }
   text += "set at " + printable(all.known.of(x.owner)) +
           (*x.set > begun ? " after " + span(*x.set - begun) : "");

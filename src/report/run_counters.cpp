@@ -34,16 +34,18 @@ double& figure_of(program_report& x, const std::string& name) {
   return found != x.figures.end() ? found->second : x.figures.emplace_back(name, 0).second;
 }
 
-/// What was closed when a life ended and is so in the next one was closed all the while.
-void change(stream_counters::end& x, bool open, instant at) {
-  if (!x.is_known || x.open != open)
+/// What was closed when a life ended, and was not opened in the next one, was closed all the while.
+/// @param began when that life did
+void change(stream_counters::end& x, bool open, instant at, std::optional<instant> began) {
+  const bool was_never_open = !open && began && at == *began;
+  if (!x.is_known || x.open || !was_never_open)
     x.changed_at = at;
   x.is_known = true;
   x.open = open;
 }
 
 void add_life(stream_counters::end& x, const stream_part& part) {
-  change(x, part.open, part.changed_at);
+  change(x, part.open, part.changed_at, part.started_at);
   x.asked_at = earliest(x.asked_at, part.started_at);
 }
 
@@ -149,7 +151,7 @@ void add_end(stream_counters::end& sum, stream_counters::end x, duration later) 
   for (auto* at : {&x.asked_at, &x.first_at, &x.newest_at})
     if (*at)
       **at += later;
-  change(sum, x.open, x.changed_at + later);
+  change(sum, x.open, x.changed_at + later, x.asked_at);
   sum.asked_at = earliest(sum.asked_at, x.asked_at);
   sum.first_at = earliest(sum.first_at, x.first_at);
   sum.newest_ms = x.newest_ms ? x.newest_ms : sum.newest_ms;

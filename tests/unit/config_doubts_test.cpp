@@ -101,6 +101,16 @@ TEST_CASE("windows have room for those who share them", "[config][NRG-01]") {
   CHECK(crowd.find("with a period of 3.94 s at least") != std::string::npos);
 }
 
+TEST_CASE("the radio of a sink carries so many messages a second", "[config]") {
+  const auto doubts = doubts_of_island(254, "", "2s");
+  REQUIRE(doubts.size() == 1);
+  CHECK(to_string(doubts[0]) ==
+        "t.toml:11:6: its motes send 127 messages a second, but the radio of a sink carries about "
+        "85: many are lost, and motes are taken for gone; periods 2 times as long would do");
+  CHECK(doubts_of_island(170, "", "2s").empty());
+  CHECK(doubts_of_island(171, "", "2s").size() == 1);
+}
+
 TEST_CASE("only those who hear each other share a window", "[config][NRG-01]") {
   std::string toml = "[ecology]\nname = 't'\n[radio]\nrange = '30m'\n[[island]]\nname = 'k'\n"
                      "id = 1\nduty_cycle = { period = '2s', window = '100ms' }\n";

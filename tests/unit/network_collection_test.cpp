@@ -264,6 +264,23 @@ TEST_CASE("a loop is seen and left", "[network][NET-09]") {
   CHECK(x.at(mote(2)).queued() + x.at(mote(3)).queued() == 0);
 }
 
+TEST_CASE("copies over several parents are one packet to the root", "[network]") {
+  collection_config config;
+  config.self = sink;
+  config.is_root = true;
+  collection root(config, random_stream(1));
+  const auto arrive = [&root](mote_id from, std::uint16_t sequence, std::uint8_t hops) {
+    const up_packet x{mote(5), mote(2), sequence, 10, hops, {1}};
+    return root.on_frame(from, am::up, encode(x), instant()).size();
+  };
+  CHECK(arrive(mote(2), 7, 1) == 1);
+  CHECK(arrive(mote(3), 7, 2) == 0); // its acknowledgement was missed, and it went another way
+  CHECK(arrive(mote(3), 8, 2) == 1);
+  CHECK(arrive(mote(2), 7, 1) == 0);
+  CHECK(root.counters().arrived == 2);
+  CHECK(root.counters().duplicates == 2);
+}
+
 TEST_CASE("a sink knows no route where parents form a circle", "[network][NET-04]") {
   source_routes x(sink);
   x.learn(mote(2), mote(3));

@@ -117,8 +117,8 @@ TEST_CASE("an append to what does not exist or is reserved has no effect", "[pei
   p.w.perform(p.b, p.w.at(p.b).append_tuple(prototype_of(p.a, *key::parse("kernel.*")),
                                             to_bytes("x"), p.w.now(), request_id{3}));
   CHECK(p.w.all<outcome>(p.b).back().why == cause::refused); // at once
-  p.w.perform(p.b, p.w.at(p.b).append_tuple(prototype_of(p.a, *key::parse("*.name")),
-                                            to_bytes("x"), p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).append_tuple(prototype_of(p.a, *key::parse("*.name")), to_bytes("x"),
+                                            p.w.now()));
   p.w.run_for(1s);
   CHECK(p.held(p.a) == "none");
   CHECK(p.w.all<outcome>(p.a).at(0).success);

@@ -163,6 +163,23 @@ TEST_CASE("a stream's end is closed since its life ended, and as long as its liv
   CHECK(merged.half_open(instant{} + 90min).at(0).steady == 15min + 1s);
 }
 
+TEST_CASE("a stream's end that an earlier life never opened is closed since its last life",
+          "[report][run_counters]") {
+  run_counters all;
+  all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {writer(700, 0, 1'199'000)});
+  auto first = reader(0, 0); // killed as soon as it began
+  first.open = false;
+  first.first_at = first.last_at = {};
+  all.add(reader_figures(0), 1, {}, {first});
+  auto second = reader(700, 1'190'000);
+  second.started_at = instant{} + 8min;
+  second.open = false;
+  second.changed_at = instant{} + 19min + 50s;
+  all.add(reader_figures(700), 1, {}, {second});
+  REQUIRE(all.half_open(instant{} + 20min).size() == 1);
+  CHECK(all.half_open(instant{} + 20min)[0].steady == 10s);
+}
+
 TEST_CASE("a stream that opens late is seen, and one that is not read any more",
           "[report][run_counters]") {
   run_counters all;
