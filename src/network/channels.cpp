@@ -87,8 +87,8 @@ channels_outputs channels::connect(channel_id channel, mote_id destination,
 
 /// The next mote: the destination, if it is a good neighbour; else a good one that is nearer to it.
 /// Where there is none, the same among other neighbours: one that has just started is not a good
-/// one yet. Then a good one that is about as far from it as we are. Who does not know where it is
-/// itself leaves it to the mote above it in the tree.
+/// one yet. Then one that is about as far from it as we are, a good one first. Who does not know
+/// where it is itself leaves it to the mote above it in the tree.
 std::optional<mote_id> channels::nearer(const entry& x, const surroundings& around) {
   const bool is_untried = x.second_try != x.wish.destination;
   const auto is_destination = [&](const nearby_mote& y) { return y.mote == x.wish.destination; };
@@ -98,8 +98,10 @@ std::optional<mote_id> channels::nearer(const entry& x, const surroundings& arou
     if (const auto next = nearest(x, *among, around, 0))
       return next;
   }
-  if (const auto next = nearest(x, around.motes, around, sidestep))
-    return next;
+  for (const auto* among : {&around.motes, &around.heard}) {
+    if (const auto next = nearest(x, *among, around, sidestep))
+      return next;
+  }
   const bool may_ascend = x.wish.place && !around.own_place && around.parent != no_mote &&
                           around.parent != x.previous && around.parent != x.second_try;
   return may_ascend ? std::optional(around.parent) : std::nullopt;

@@ -591,6 +591,7 @@ TEST_CASE("a set-up floods only where nobody is left who may be nearer, and says
       {"neighbours know", target, {}, {{a, near}, {b, far}}, {}, b, a, 0, 0, 0},
       {"a good one is nearer", target, here, {{a, near}}, {{b, nearer}}, b, a, 0, 0, 0},
       {"another is nearer", target, here, {{a, far}}, {{b, near}}, a, b, 0, 0, 0},
+      {"one is as far", target, here, {{b, far}}, {{a, here}}, b, a, 0, 0, 0},
       {"nobody is nearer", target, here, {{a, far}}, {{b, far}}, a, broadcast_mote, 0, 0, 1},
   };
   for (const auto& each : rows) {
