@@ -85,6 +85,22 @@ struct performer {
   }
 };
 
+/// Why a mote that is away is not back yet: searches become rare, which nothing else shows.
+void tell_search(mote_pointer self) {
+  auto& since = self->state.rests_since;
+  const auto& search = self->state.node->search();
+  const auto tell = [self](std::string what) {
+    self->send(self->state.arguments->ecology, notable_event{self->path(), std::move(what)});
+  };
+  if (!since && search.rests()) {
+    since = now(self);
+    tell("finds nobody who knows the time: rests, and searches ever more rarely");
+  } else if (since && !search.is_lost()) {
+    tell("knows the time again, after resting for " +
+         to_text(now(self) - *std::exchange(since, {})));
+  }
+}
+
 void perform(mote_pointer self, mote::node_outputs todo) {
   auto& state = self->state;
   // Programs that have had no turn have nothing to tell: most frames are none of theirs.
@@ -98,6 +114,7 @@ void perform(mote_pointer self, mote::node_outputs todo) {
   for (auto& output : todo)
     std::visit(performer{self}, output);
   state.separate.send_events(self);
+  tell_search(self);
   const auto due = earliest(state.node->deadline(), state.programs_due);
   state.wake.follow(self, state.crystal.real(*due));
   if (!had_turns)

@@ -73,6 +73,7 @@ struct mote_state {
   separate_programs separate;
   std::uint32_t program_turns = 0;     ///< of the node, when programs were last asked,
   std::optional<instant> programs_due; ///< and what those in the mote's time said
+  std::optional<instant> rests_since;  ///< it has searched in vain for who knows the time
   bool flat = false;
 };
 

@@ -163,6 +163,9 @@ public:
   [[nodiscard]] node_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] instant deadline() const;
 
+  /// How it looks for who knows the island's time.
+  [[nodiscard]] const network::time_search& search() const { return packets_.router().search(); }
+
   /// Grows whenever programs have heard or done something: while it does not, none of them has
   /// anything new to tell, nor another deadline.
   [[nodiscard]] std::uint32_t program_turns() const { return program_turns_; }

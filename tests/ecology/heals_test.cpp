@@ -110,6 +110,33 @@ TEST_CASE("motes whose radios sleep for as long as `keep_alive` stay",
   }
 }
 
+TEST_CASE("a mote whose radio sleeps says that it searches ever more rarely, and when it is back",
+          "[ecology][CLK-01][NRG-01]") {
+  const std::string who = "hall/probe-2";
+  const std::string rests = "finds nobody who knows the time: rests, and searches ever more rarely";
+  const std::string knows = "knows the time again, after resting for ";
+  const auto what =
+      describe(std::string("[ecology]\nname = \"away\"\nduration = \"40min\"\n") + two_motes +
+               "keep_alive = \"60s\"\n"
+               "duty_cycle = { period = \"4s\", window = \"200ms\" }\n" +
+               cut("10min", "25min"));
+  for (std::uint64_t seed = 1; seed <= seeds(2); ++seed) {
+    CAPTURE(seed);
+    const auto log = run(what, seed).event_log;
+    const auto first =
+        std::ranges::find_if(log, [&](const auto& x) { return x.who == who && x.what == rests; });
+    REQUIRE(first != log.end());
+    CHECK(first->at > instant{10min});
+    CHECK(first->at < instant{15min});
+    const auto back = std::ranges::find_if(
+        log, [&](const auto& x) { return x.who == who && x.what.starts_with(knows); });
+    REQUIRE(back != log.end());
+    CHECK(back->at > instant{25min});
+    CHECK(back->at < instant{32min});
+    CHECK(std::ranges::count(log, rests, &report::logged_event::what) == 1); // nor any other mote
+  }
+}
+
 TEST_CASE("time goes on when it has more than 32 bits of seconds", "[ecology][CLK-06][CLK-08]") {
   const std::string file = "heals-2038.csv";
   const auto what = describe(
