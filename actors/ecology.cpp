@@ -664,7 +664,7 @@ std::string name_elsewhere(const config::part_description& part, const mote_addr
   const auto island = std::ranges::find(part.others, x.island, &config::island_description::id);
   if (island != part.others.end()) {
     const auto mote = std::ranges::find(island->motes, x.mote, &config::mote_description::id);
-    return x.mote == no_mote               ? island->gateway_name
+    return x.mote == no_mote             ? island->gateway_name
            : mote == island->motes.end() ? std::string()
                                          : island->name + '/' + mote->name;
   }

@@ -277,7 +277,7 @@ struct host_description {
 /// What one host has of an ecology that runs on several.
 struct part_description {
   std::string host;
-  std::vector<island_description> others;      ///< islands of the other hosts
+  std::vector<island_description> others;       ///< islands of the other hosts
   std::map<peer_id, std::string> other_peers{}; ///< names of the other hosts' peers
 };
 

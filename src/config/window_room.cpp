@@ -138,8 +138,8 @@ std::string doubt_of_window(const island_description& x, const radio::channel_co
     return {};
   const auto room = beacons_in(x.duty.window);
   const auto crowd = crowd_of(x, radio);
-  const auto messages = static_cast<std::size_t>(
-      std::ceil(messages_per_second(x) * seconds(x.duty.period)));
+  const auto messages =
+      static_cast<std::size_t>(std::ceil(messages_per_second(x) * seconds(x.duty.period)));
   if (std::max(crowd, messages) <= room)
     return {};
   const auto needed = window_for(std::max(crowd, messages));

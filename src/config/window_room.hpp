@@ -26,8 +26,8 @@ namespace rubicon::config {
 /// acknowledged end to end. [1/s]
 [[nodiscard]] double messages_per_second(const island_description& x);
 
-/// What the radio of one sink carries, when all its motes are in its reach. Measured with stars of 60
-/// to 254 motes (docs/radio.md). [1/s]
+/// What the radio of one sink carries, when all its motes are in its reach. Measured with stars of
+/// 60 to 254 motes (docs/radio.md). [1/s]
 inline constexpr double sink_carries = 85;
 
 /// What is to be said of a window that is too short for those that share it; empty: nothing.

@@ -31,9 +31,9 @@ struct outcome {
   message_status status = message_status::in_flight;
   std::optional<duration> took; ///< until it was delivered
   explain::retries retries;
-  std::string where; ///< it was lost: `kitchen/mote-5 → kitchen/sink`; empty: nowhere special
-  std::string why;   ///< empty unless it was lost or refused
-  std::string cause; ///< of its loss, as docs/losses.md lists them; empty: not accounted for
+  std::string where;    ///< it was lost: `kitchen/mote-5 → kitchen/sink`; empty: nowhere special
+  std::string why;      ///< empty unless it was lost or refused
+  std::string cause;    ///< of its loss, as docs/losses.md lists them; empty: not accounted for
   std::string obstacle; ///< `why` without how often it was tried: what ended it
 };
 
