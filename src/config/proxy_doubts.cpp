@@ -9,7 +9,6 @@
 #include "config/counts.hpp"
 #include "config/doubts.hpp"
 #include "config/tuple_keys.hpp"
-#include "config/tuple_values.hpp"
 #include "proxy/layout.hpp"
 
 namespace rubicon::config {

@@ -101,11 +101,12 @@ struct app_keys {
   key_list& keys;
 
   void operator()(const proxy_manager_app& x) const {
+    mote_classes classes(all);
     for (const auto& island : all.islands) {
       if (std::ranges::find(x.islands, island.id) == x.islands.end())
         continue;
       for (const auto& mote : island.motes)
-        if (const auto* what = class_of(all, island.id, mote))
+        if (const auto* what = classes.of(mote))
           keys.add_proxy(*what, prefix_of(*what, island, mote), peer.name);
       for (const auto& rule : island.plain) { // nobody knows which of them will come
         mote_description real;
@@ -172,6 +173,17 @@ const proxy::proxy_class* class_of(const ecology_description& x, island_id islan
     return nullptr;
   const auto found = std::ranges::find(x.proxies, best->name, &proxy::proxy_class::name);
   return found == x.proxies.end() ? nullptr : &*found;
+}
+
+mote_classes::mote_classes(const ecology_description& x) : all_(x), table_(x.proxies) {}
+
+const proxy::proxy_class* mote_classes::of(const mote_description& mote) {
+  const auto [at, is_new] = known_.emplace(mote.type, nullptr);
+  if (!is_new)
+    return at->second;
+  if (const auto* best = table_.find(proxy::signature_of({{}, mote.id}, mote.type)))
+    at->second = &*std::ranges::find(all_.proxies, best->name, &proxy::proxy_class::name);
+  return at->second;
 }
 
 std::string prefix_of(const proxy::proxy_class& what, const island_description& island,

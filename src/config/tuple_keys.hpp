@@ -1,11 +1,14 @@
 // The keys of tuples that an ecology has, as far as its file tells.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "config/ecology.hpp"
+#include "proxy/class_table.hpp"
 
 namespace rubicon::config {
 
@@ -25,6 +28,20 @@ struct known_key {
 /// The class that claims a mote; nullptr: none.
 [[nodiscard]] const proxy::proxy_class* class_of(const ecology_description& x, island_id island,
                                                  const mote_description& mote);
+
+/// The same of many motes.
+class mote_classes {
+public:
+  explicit mote_classes(const ecology_description& x);
+
+  /// nullptr: no class claims the mote.
+  [[nodiscard]] const proxy::proxy_class* of(const mote_description& mote);
+
+private:
+  const ecology_description& all_;
+  proxy::class_table table_;
+  std::map<std::uint32_t, const proxy::proxy_class*> known_; ///< by type
+};
 
 /// Names in braces stand for what nobody knows before: such parts of a key become `*`.
 [[nodiscard]] std::string without_names(std::string_view text);

@@ -11,7 +11,6 @@
 #include "core/decimal.hpp"
 #include "core/spelling.hpp"
 #include "proxy/layout.hpp"
-#include "proxy/signature.hpp"
 #include "proxy/tuple_key.hpp"
 
 namespace rubicon::config {
@@ -131,19 +130,6 @@ std::optional<tuple_value> of_pursuer(const goal::pursuer_config& x, std::string
 }
 
 } // namespace
-
-// ------------------------------------------------------------------------------------------------
-
-mote_classes::mote_classes(const ecology_description& x) : all_(x), table_(x.proxies) {}
-
-const proxy::proxy_class* mote_classes::of(const mote_description& mote) {
-  const auto [at, is_new] = known_.emplace(mote.type, nullptr);
-  if (!is_new)
-    return at->second;
-  if (const auto* best = table_.find(proxy::signature_of({{}, mote.id}, mote.type)))
-    at->second = &*std::ranges::find(all_.proxies, best->name, &proxy::proxy_class::name);
-  return at->second;
-}
 
 // ------------------------------------------------------------------------------------------------
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,23 +9,8 @@
 #include <vector>
 
 #include "config/ecology.hpp"
-#include "proxy/class_table.hpp"
 
 namespace rubicon::config {
-
-/// The classes that claim motes.
-class mote_classes {
-public:
-  explicit mote_classes(const ecology_description& x);
-
-  /// nullptr: no class claims the mote.
-  [[nodiscard]] const proxy::proxy_class* of(const mote_description& mote);
-
-private:
-  const ecology_description& all_;
-  proxy::class_table table_;
-  std::map<std::uint32_t, const proxy::proxy_class*> known_; ///< by type
-};
 
 /// What a tuple may tell. More than one of these may be so.
 struct told_values {

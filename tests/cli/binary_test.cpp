@@ -76,7 +76,7 @@ TEST_CASE("run refuses what check refuses", "[cli][GEN-06]") {
 TEST_CASE("what hardly is meant is a warning, or with --strict a mistake", "[cli][GEN-06]") {
   const auto file = fixture("slips.toml");
   const std::vector<std::string> told{
-      ":17:55: %a rule of pc writes `an` to `hall.lamp-2.switch`, which takes \"on\" or \"off\"",
+      ":17:56: %a rule of pc writes `an` to `hall.lamp-2.switch`, which takes \"on\" or \"off\"",
       ":18:41: %a rule of pc compares `hall.lamp-2.state` with 1, but it tells \"off\" or \"on\", "
       "which are no numbers"};
   const auto all = [&](const std::string& kind) {
