@@ -13,6 +13,7 @@ namespace rubicon {
 #define RUBICON_LOSSES(X)                                                                          \
   X(unknown, "No copy is left, and no part of the system has said why.")                           \
   X(duplicate, "A receiver took it for a repeat of an earlier one; no other copy arrived.")        \
+  X(unanswered, "Its receiver was greeted, and has not answered; the message itself never left.")  \
   X(not_received, "A frame that nobody acknowledges, such as a broadcast, reached no receiver.")   \
   X(false_ack, "Its sender took the acknowledgement of another frame for its own: those of "       \
                "802.15.4 name a number of 8 bits and no mote.")                                    \
@@ -36,7 +37,8 @@ namespace rubicon {
   X(no_program, "No program at its destination takes messages of its type.")                       \
   X(not_taken, "The receiver had been started again since, or had no room for it.")                \
   X(sender_left, "Its sender left the island while it waited.")                                    \
-  X(node_stopped, "The mote, gateway or PC that held it crashed or was switched off.")
+  X(node_stopped, "The mote, gateway or PC that held it crashed, was switched off, or led its "    \
+                  "island no longer.")
 
 /// Ordered so that a later one replaces an earlier one that two copies met at the same time.
 enum class loss : std::uint8_t {

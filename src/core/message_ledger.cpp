@@ -55,10 +55,10 @@ void message_ledger::cancel(message_account& x) {
 }
 
 /// Of two at the same time, which may be noted by two threads in any order, the larger cause and
-/// place stand. That a repeat was recognised says less than any other note.
+/// place stand. That a repeat was recognised, or a greeting came, says less than any other note.
 void message_ledger::keep(message_account& x, note what) {
   auto& known = x.about_;
-  const auto weight = [](loss cause) { return cause > loss::duplicate; };
+  const auto weight = [](loss cause) { return cause > loss::unanswered; };
   const auto is_newer = std::tuple(weight(what.why), what.at, what.why, what.place) >
                         std::tuple(weight(known.cause), known.at, known.cause, known.place);
   if (x.state_ != message_account::state::open || !is_newer)

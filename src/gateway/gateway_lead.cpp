@@ -90,6 +90,7 @@ void gateway::take_lead(outputs& out) {
   earlier_offers_.unjoined += above().counters().unjoined;
   earlier_offers_.misaddressed += above().counters().misaddressed;
   messages_->layer.reset();
+  const stopping its_messages;
   pc_ = communication::pc(pc_of(config_, lead_.term()), random_stream(rng_.next()));
   pc_.observe(observer_);
   pc_.set_line(line_up_);

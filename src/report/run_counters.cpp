@@ -24,9 +24,9 @@ std::string place_name(std::string_view path) {
     return std::string(path);
   const auto kind = path.substr(0, slash);
   const auto rest = std::string(path.substr(slash + 1));
-  return kind == "sink" || kind == "gateway" || kind == "serial_line"
-             ? rest + '/' + std::string(kind)
-             : rest;
+  if (kind == "serial_line")
+    return rest + "/line";
+  return kind == "sink" || kind == "gateway" ? rest + '/' + std::string(kind) : rest;
 }
 
 double& figure_of(program_report& x, const std::string& name) {

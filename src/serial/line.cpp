@@ -113,6 +113,7 @@ payload line::carry(payload octets, std::size_t kept, line_counters& counters) {
       continue;
     octet = static_cast<std::uint8_t>(octet ^ (1 + rng_.below(255)));
     ++counters.corrupted;
+    note_loss(loss::line_failed);
   }
   return copy;
 }

@@ -190,11 +190,13 @@ void messenger::on_hello(mote_address from, const segment& x, outputs& out, inst
                            : !is_ahead(x.sender, known->second.sender, sender_incarnations));
   if (is_old) {
     ++counters_.duplicates;
+    note_loss(loss::unanswered);
     return;
   }
   if (known == sources_.end() && sources_.size() >= config_.sources_max)
     forget_oldest(sources_, [](const source&) { return true; });
   sources_[from] = {x.sender, x.counter, now, ++uses_};
+  note_loss(loss::unanswered); // unless more comes of it
   answer(from, x, segment::kind::acknowledgement, out);
 }
 

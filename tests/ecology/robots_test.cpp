@@ -1,5 +1,7 @@
 // Robots that are not there: their faces in the tuple space, wired and put to work from a third
 // computer (SVC-10, META-05).
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
@@ -61,6 +63,14 @@ std::size_t goals_told(const report::run_report& x, std::string_view who, std::s
   }));
 }
 
+/// When rules wrote that, for the first time or again.
+std::vector<instant> wirings(const report::run_report& x, const std::string& what) {
+  auto all = times(x, "rules-1", "writes " + what);
+  std::ranges::copy(times(x, "rules-1", "writes " + what + " again"), std::back_inserter(all));
+  std::ranges::sort(all);
+  return all;
+}
+
 } // namespace
 
 TEST_CASE("two robots work together as a third computer has wired them",
@@ -74,7 +84,7 @@ TEST_CASE("two robots work together as a third computer has wired them",
 
     // Each is wired to the other once it is known, and the opener once more after its computer was
     // off.
-    CHECK(times(x, "rules-1", "writes carrier.mi-door = (META 32 opener.door)").size() == 1);
+    CHECK(wirings(x, "carrier.mi-door = (META 32 opener.door)").size() == 1);
     const auto wired = times(x, "rules-1", "writes opener.mi-visitor = (META 31 carrier.place)");
     CHECK(between(wired, {}, instant(2min)) == 1);
     CHECK(between(wired, instant(210s), instant(6min)) == 1);
@@ -147,7 +157,7 @@ TEST_CASE("a robot that is started again at once is wired again", "[ecology][SVC
     show(x);
     CHECK(x.violations.empty());
     check_outcomes(x);
-    const auto wired = times(x, "rules-1", "writes carrier.mi-door = (META 32 opener.door)");
+    const auto wired = wirings(x, "carrier.mi-door = (META 32 opener.door)");
     CHECK(between(wired, {}, instant(70s)) == 1);
     CHECK(between(wired, instant(70s), instant(100s)) == 1);
     CHECK(between(times(x, "carrier", "at kitchen succeeded"), instant(70s), instant(4min)) >= 1);
