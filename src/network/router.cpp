@@ -463,8 +463,8 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   if (what == admission::repeated)
     return;
   // In a crowd neighbours come and go in the table, and a new one finds enough others.
-  const bool is_crowd = is_in_crowd();
-  if (has_route() || is_crowd) // else nobody does what we do: look for one
+  const bool is_crowd = 2 * links_.all().size() > links_.config().capacity;
+  if (has_route() || is_in_crowd()) // else nobody does what we do: look for one
     timer_.hear();
   if ((what == admission::added && !is_crowd) || what == admission::restarted)
     hurry(now);
@@ -486,8 +486,9 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
     take(paths_.look(source, around(now), now), out);
 }
 
+/// More neighbours than it can keep.
 bool router::is_in_crowd() const {
-  return 2 * links_.all().size() > links_.config().capacity;
+  return links_.is_full();
 }
 
 /// A beacon should come soon. In a crowd many do that at the same time: an interval that is long
