@@ -6,6 +6,7 @@
 #include "actors/messages/common.hpp"
 #include "actors/messages/serial.hpp"
 #include "actors/messages/supervision.hpp"
+#include "core/hand_over.hpp"
 
 namespace rubicon {
 
@@ -41,12 +42,16 @@ void on_presence(line_pointer self, const serial_presence& x) {
 
 void on_write(line_pointer self, const payload& octets) {
   auto& state = self->state;
-  if (!state.there)
+  if (!state.there) {
     state.unplugged += octets.size();
-  else if (state.access->send(octets))
+    note_loss(loss::line_failed);
+  } else if (state.access->send(octets)) {
     state.down += octets.size();
-  else
+    hand_over();
+  } else {
     state.overflow += octets.size();
+    note_loss(loss::line_failed);
+  }
 }
 
 void on_octets(line_pointer self, const serial_octets& x) {

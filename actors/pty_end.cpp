@@ -7,6 +7,7 @@
 #include "actors/messages/common.hpp"
 #include "actors/messages/serial.hpp"
 #include "actors/messages/supervision.hpp"
+#include "core/hand_over.hpp"
 
 namespace rubicon {
 
@@ -35,8 +36,12 @@ void open(end_pointer self) {
 
 void on_octets(end_pointer self, const payload& octets) {
   auto& state = self->state;
-  if (!state.pty || !state.pty->send(octets))
+  if (state.pty && state.pty->send(octets)) {
+    hand_over();
+  } else {
     (state.attached ? state.slow : state.absent) += octets.size();
+    note_loss(loss::line_failed);
+  }
 }
 
 void on_presence(end_pointer self, bool attached) {

@@ -498,13 +498,29 @@ std::string unknown_word(const CLI::App& app, std::span<const char* const> argum
 
 const std::vector<std::string>& options_not_repeated() {
   static const std::vector<std::string> names{
-      "--help",      "--for",           "--seed", // said anew
-      "--threads",   "--json",          "--full",     "--report",
-      "--csv",       "--csv-every",     "--view",     "--control",
-      "--log",       "--debug-dir",     "--debug-of", "--pcap",
-      "--pcap-lost", "--record-serial", "--record",   "--check-determinism",
-      "--reload",                      // looking, and what a hand does
-      "--bundled",   "--part-report"}; // between a host and the parts that it starts
+      "--help",
+      "--for",
+      "--seed", // said anew
+      "--threads",
+      "--json",
+      "--full",
+      "--report",
+      "--csv",
+      "--csv-every",
+      "--view",
+      "--control",
+      "--strict",
+      "--log",
+      "--debug-dir",
+      "--debug-of",
+      "--pcap",
+      "--pcap-lost",
+      "--record-serial",
+      "--record",
+      "--check-determinism",
+      "--reload", // looking, and what a hand does
+      "--bundled",
+      "--part-report"}; // between a host and the parts that it starts
   return names;
 }
 

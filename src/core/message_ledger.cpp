@@ -1,7 +1,10 @@
 #include "core/message_ledger.hpp"
 
+#include <atomic>
 #include <numeric>
 #include <tuple>
+
+#include "core/hand_over.hpp"
 
 namespace rubicon {
 
@@ -93,6 +96,15 @@ void message_ledger::note_foreign_arrival(mote_address source, message_kind kind
 }
 
 void message_ledger::finish() {
+  {
+    gone left; // destroyed unlocked: it is handed over
+    const std::lock_guard lock(mutex_);
+    for (auto x = departures_.begin(); x != departures_.end();) {
+      const auto name = (x++)->second;
+      if (account_of(packages_.at(name).account)->leaves_)
+        remove(name, left);
+    }
+  }
   const std::lock_guard lock(mutex_);
   finished_ = true;
 }
@@ -177,11 +189,20 @@ void message_ledger::remove(std::uint64_t name, gone& to) {
   to.push_back(std::move(found.mapped()));
 }
 
+/// Who hands a package to another process sees it come back soon or never.
 void message_ledger::expire(instant now, gone& to) {
-  while (!departures_.empty()) {
-    const auto name = departures_.begin()->second;
-    if (now - packages_.at(name).if_lost.at < package_lifetime && packages_.size() < packages_max)
-      return;
+  constexpr duration left_lifetime = 2s;
+  for (auto x = departures_.begin(); x != departures_.end();) {
+    const auto name = (x++)->second;
+    auto& oldest = packages_.at(name);
+    const auto age = now - oldest.if_lost.at;
+    const bool leaves = account_of(oldest.account)->leaves_;
+    if (packages_.size() < packages_max) {
+      if (age < left_lifetime)
+        return;
+      if (!leaves && age < package_lifetime)
+        continue;
+    }
     remove(name, to);
     keep(*account_of(to.back().account), to.back().if_lost);
   }
@@ -263,6 +284,13 @@ void note_arrival(message_kind kind, std::optional<mote_address> source) {
 void package_departs(std::uint64_t name, bool leaves) {
   if (auto* const ledger = ledger_here())
     ledger->depart(name, leaves);
+}
+
+/// Names of packages of PEIS begin with the id of a peer, which is positive.
+void hand_over() {
+  static std::atomic<std::uint64_t> so_far{0}; // NOLINT
+  constexpr auto of_no_peer = std::uint64_t{1} << 63U;
+  package_departs(of_no_peer | ++so_far, true);
 }
 
 provenance package_comes(std::uint64_t name) {

@@ -272,13 +272,10 @@ void run_counters::settle_streams(run_report& x) const {
 
 namespace {
 
-/// What other processes have not received of what was handed over is lost on its way.
+/// What was handed over is in transit until the other process says that it has arrived.
 carried_report settled(const sender_account& x) {
   carried_report out{x.sent, x.arrived, x.lost, 0};
-  const auto arrived_there = std::min(x.handed_over, x.came_over);
-  out.arrived += arrived_there;
-  if (const auto missing = x.handed_over - arrived_there; missing > 0)
-    out.lost[std::string(to_string(loss::package_lost))] += missing;
+  out.arrived += std::min(x.handed_over, x.came_over);
   out.in_transit = above(out.sent, out.arrived + total(out.lost));
   return out;
 }
