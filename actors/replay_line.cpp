@@ -6,6 +6,7 @@
 #include "actors/messages/common.hpp"
 #include "actors/messages/serial.hpp"
 #include "actors/messages/supervision.hpp"
+#include "core/hand_over.hpp"
 
 namespace rubicon {
 
@@ -36,8 +37,10 @@ void on_write(line_pointer self, const payload& octets) {
   auto& state = self->state;
   if (!state.plugged) {
     state.unplugged += octets.size();
+    note_loss(loss::line_failed);
     return;
   }
+  hand_over(); // to a sink that is no more
   state.down += octets.size();
   give(self, state.replay.on_pc(octets.view()));
 }

@@ -15,12 +15,14 @@ void perform(line_pointer self, serial::line_outputs todo) {
   for (auto& x : todo) {
     const acting_on its(x.from);
     const auto& end = self->state.ends[static_cast<std::size_t>(x.towards)];
-    if (!end)
+    if (!end) {
       self->state.unheard += x.octets.size();
-    else if (x.towards == serial::direction::to_pc)
+      note_loss(loss::line_failed);
+    } else if (x.towards == serial::direction::to_pc) {
       self->delayed_send(end, self->state.latency, serial_octets{std::move(x.octets)});
-    else
+    } else {
       self->send(end, serial_octets{std::move(x.octets)});
+    }
   }
   self->state.wake.follow(self, self->state.line.deadline());
 }
