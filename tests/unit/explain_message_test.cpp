@@ -129,7 +129,7 @@ TEST_CASE("a message that no frame brings to the sink is lost there", "[explain]
   CHECK(y.status == message_status::lost);
   CHECK(y.where == "kitchen/far → sink");
   CHECK(y.why == "4 tries: 4 × out of range");
-  CHECK(y.cause == "out of range");
+  CHECK(y.obstacle == "out of range");
   using groups = std::vector<std::pair<std::string, std::size_t>>;
   CHECK(loss_causes(all, {}) == groups{{"kitchen/far → sink: out of range", 1}});
   CHECK(y.retries.transport == 1);

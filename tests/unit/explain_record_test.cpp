@@ -13,7 +13,13 @@ header sample_header() {
   x.seed = 18446744073709551615U;
   x.file = "config/home.toml";
   x.digest = "0123";
-  x.islands = {{1, "kitchen", 1, "kitchen-gateway", {{7, "climate-7"}, {65532, "far"}}, {"attic"}}};
+  x.islands = {{1,
+                "kitchen",
+                1,
+                "kitchen-gateway",
+                {{7, "climate-7"}, {65532, "far"}},
+                {"attic"},
+                {{"far-double", 65532}}}};
   x.peers = {{1, "kitchen-gateway"}, {40, "care-pc"}};
   return x;
 }

@@ -70,8 +70,8 @@ TEST_CASE("delivery counts what was refused and leaves out what is open", "[repo
   CHECK(unmet.measured.starts_with("97.297% of 111 messages, crowded 1"));
   CHECK(unmet.explain == std::vector<std::string>{"--lost", "--from", "kitchen/climate-7"});
   auto x = sample_report();
-  x.islands[0].motes[0].messages.reliable_open = 1;
-  x.islands[0].motes[0].messages.reliable_failed = 0;
+  x.islands[0].motes[0].messages.in_transit = 1;
+  x.islands[0].motes[0].messages.lost = {{"gave_up", 1}};
   CHECK(one(delivery_expectation{of_climate_7, 0.98}).met(x));
   CHECK(one(delivery_expectation{kitchen, 0.97}).met());
   const mote_scope silent{"kitchen/climate-8", island_id{3}, mote_id{8}};

@@ -178,6 +178,7 @@ TEST_CASE("what parts have judged is judged, the rest is found in the whole", "[
   part.report.islands[0].motes[0].name = "fan";
   auto& sent = part.counters.messages[fan];
   sent.offered = sent.reliable_sent = sent.reliable_acked = 4;
+  part.counters.accounts[{fan, "message"}] = {4, 4, 0, 0, {}};
   using verdict = expectation_report::verdict;
   part.report.expectations = {
       {to_text(description.expectations[0]), verdict::unmet, "1 late", instant(10s)}};

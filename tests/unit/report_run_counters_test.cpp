@@ -278,13 +278,19 @@ TEST_CASE("actuations of a proxy that is started again are kept", "[report][run_
   CHECK(check_actuations(x).empty());
 }
 
-TEST_CASE("a packet of a channel that did not arrive is lost, one that was repeated is not",
+TEST_CASE("packets of channels belong to the island of their sender, of tunnels to the run",
           "[report][run_counters]") {
-  run_report x;
-  x.islands.emplace_back();
-  x.islands[0].network.channel_packets = 100;
-  x.islands[0].network.channel_packets_arrived = 97;
-  x.islands[0].network.lost["channel_lost"] = 43; // acknowledgements that did not come
-  run_counters{}.settle(x);
-  CHECK(x.islands[0].network.lost.at("channel_lost") == 3);
+  unsettled_counters told;
+  told.accounts[{fan, "channel"}] = {100, 97, 0, 0, {{"gave_up", 2}}};
+  told.accounts[{fan, "tunnel"}] = {10, 10, 0, 0, {}};
+  run_counters all;
+  all.add(told);
+  const auto x = of(all);
+  const auto& packets = x.islands[0].network.channel_packets;
+  CHECK(packets.sent == 100);
+  CHECK(packets.arrived == 97);
+  CHECK(packets.lost == cause_counts{{"gave_up", 2}});
+  CHECK(packets.in_transit == 1);
+  CHECK(x.tunnels.sent == 10);
+  CHECK(x.messages().offered == 0);
 }
