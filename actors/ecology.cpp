@@ -1012,8 +1012,6 @@ void deliver(ecology_pointer self) {
   compare_clocks(self);
   report.simulated = now(self).time_since_epoch();
   std::ranges::sort(report.peers, {}, &report::peer_report::id);
-  if (self->state.ending) // else somebody asks in between
-    self->state.messages->finish();
   self->state.counters.take(*self->state.messages);
   if (self->state.process.on_counters)
     self->state.process.on_counters(self->state.counters);

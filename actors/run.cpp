@@ -300,6 +300,7 @@ public:
     const auto cause = run_to(end);
     timers_ = world_.stats().waiting;
     tell(collect_report{});
+    world_.trace().messages().finish();
     tell(deliver_report{});
     report_.interrupted = cause == scheduler::stop_cause::requested && ended_early_.empty();
     if (report_.complete && !report_.interrupted && world_.now() < end && ended_early_.empty())

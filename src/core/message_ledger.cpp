@@ -80,7 +80,8 @@ void message_ledger::note_loss(message_account& x, loss why) {
 void message_ledger::note_arrival(message_account& x) {
   {
     const std::lock_guard lock(mutex_);
-    if (std::exchange(x.state_, message_account::state::ended) != message_account::state::open)
+    if (finished_ ||
+        std::exchange(x.state_, message_account::state::ended) != message_account::state::open)
       return;
     x.about_.outcome = message_end::how::arrived;
     x.about_.place = place_here();

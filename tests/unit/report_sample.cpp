@@ -85,7 +85,8 @@ island_report living_room() {
   x.radio.mac_sent = 450;
   x.radio.transmissions = 900;
   x.serial = {9'876, 9'000, 400, 400, {}};
-  x.messages = {.offered = 200, .reliable_sent = 200, .reliable_acked = 200, .arrived = 200, .received = 200};
+  x.messages = {
+      .offered = 200, .reliable_sent = 200, .reliable_acked = 200, .arrived = 200, .received = 200};
   x.motes = {sample_mote(x.id, 2, "climate-2", 3.311), sample_mote(x.id, 3, "blinds-3", 2.95)};
   x.motes[1].joined = false;
   return x;
