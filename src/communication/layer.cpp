@@ -268,7 +268,9 @@ void layer::on_outcome(const transport::outcome& x) {
 void layer::on_packet(island_id source, std::uint16_t channel, byte_view body, instant now) {
   now_ = now;
   if (channel <= 0xff) {
-    take(messages_.on_segment(source, body, now));
+    take(messages_.on_segment(source, body, now, [this](std::uint8_t am_type) {
+      return rest_owner_ || owners_.contains(am_type) || am_type == network::am::outputs_wanted;
+    }));
   } else if (channel == transport::tunnel_channel) {
     take(tunnels_.on_packet(source, body, now));
   } else {
@@ -392,7 +394,8 @@ void layer::on_channel_octets(stream::channel_handle channel, byte_view octets, 
     note_loss(loss::channel_closed);
     return;
   }
-  note_arrival(kind_of(channel), std::nullopt);
+  note_arrival(kind_of(channel),
+               is_tunnel(channel) ? tunnels_.peer_of(tunnel_of(channel)) : std::nullopt);
   if (user->second)
     take(synaptic_.on_channel_octets(channel, octets));
   else

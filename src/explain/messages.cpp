@@ -175,6 +175,8 @@ std::optional<sighting> message_follower::recognise(const envelope& x, std::uint
     return answered(cargo::answer, "answer: busy", true, cause);
   case says::refused:
     return answered(cargo::answer, "answer: refused", true, cause);
+  case says::no_program:
+    return answered(cargo::answer, "answer: no program", true, cause);
   }
   return std::nullopt;
 }

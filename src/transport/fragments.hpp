@@ -8,6 +8,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::transport {
@@ -32,6 +33,7 @@ struct assembly_counters {
   std::uint64_t malformed = 0;
   std::uint64_t incomplete = 0; ///< packets given up
 };
+RUBICON_FIELDS(assembly_counters, malformed, incomplete);
 
 /// Puts fragments together again, whatever their order.
 class assembly {

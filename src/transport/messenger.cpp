@@ -137,7 +137,8 @@ duration messenger::slack_to(mote_address destination) const {
   return own_slack_ + (there == config_.answer_slack->end() ? 0ns : there->second);
 }
 
-outputs messenger::on_segment(island_id source_island, byte_view octets, instant now) {
+outputs messenger::on_segment(island_id source_island, byte_view octets, instant now,
+                              const std::function<bool(std::uint8_t)>& has_program) {
   outputs out;
   auto decoded = decode_segment(octets);
   if (!decoded) {
@@ -153,7 +154,7 @@ outputs messenger::on_segment(island_id source_island, byte_view octets, instant
     out.emplace_back(received{from, x.am_type, std::move(x.payload)});
     break;
   case segment::kind::reliable:
-    on_reliable(from, std::move(x), out, now);
+    on_reliable(from, std::move(x), !has_program || has_program(x.am_type), out, now);
     break;
   case segment::kind::hello:
     on_hello(from, x, out, now);
@@ -161,6 +162,7 @@ outputs messenger::on_segment(island_id source_island, byte_view octets, instant
   case segment::kind::acknowledgement:
   case segment::kind::busy:
   case segment::kind::refused:
+  case segment::kind::no_program:
     on_answer(from, x, out, now);
     break;
   }
@@ -200,7 +202,8 @@ void messenger::on_hello(mote_address from, const segment& x, outputs& out, inst
   answer(from, x, segment::kind::acknowledgement, out);
 }
 
-void messenger::on_reliable(mote_address from, segment x, outputs& out, instant now) {
+void messenger::on_reliable(mote_address from, segment x, bool has_program, outputs& out,
+                            instant now) {
   const auto known = sources_.find(from);
   const auto self = static_cast<incarnation>(config_.incarnation % receiver_incarnations);
   if (x.receiver != self || known == sources_.end() || x.sender != known->second.sender) {
@@ -216,6 +219,12 @@ void messenger::on_reliable(mote_address from, segment x, outputs& out, instant 
     ++counters_.duplicates;
     if (x.counter == history.counter) // its acknowledgement may have been lost
       answer(from, x, segment::kind::acknowledgement, out);
+    return;
+  }
+  if (!has_program) {
+    ++counters_.no_program;
+    note_loss(loss::no_program);
+    answer(from, x, segment::kind::no_program, out);
     return;
   }
   if (held_.contains(x.am_type)) {
@@ -251,6 +260,9 @@ void messenger::on_answer(mote_address from, const segment& x, outputs& out, ins
   } else if (x.what == segment::kind::busy) { // so no copy has been passed up
     to.attempts = 0;
     to.due = now + config_.busy_wait;
+  } else if (x.what == segment::kind::no_program) {
+    ++counters_.failed_no_program;
+    end_first(from, to, false, out, now);
   } else {
     const bool is_same = x.receiver == to.receiver; // it has only forgotten us
     to.receiver.reset();

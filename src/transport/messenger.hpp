@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -79,6 +80,7 @@ struct messenger_counters {
   std::uint64_t unreliable_sent = 0;
   std::uint64_t failed_unanswered = 0; ///< of those: nobody has acknowledged any attempt
   std::uint64_t failed_refused = 0;    ///< the receiver was another incarnation by then
+  std::uint64_t failed_no_program = 0; ///< no program of the receiver has their AM type
   std::uint64_t failed_left = 0;       ///< this node has left its island (fail_all)
   std::uint64_t refused = 0;         ///< sends: bad destination, too long, or too many outstanding
   std::uint64_t refused_crowded = 0; ///< of those: too many outstanding
@@ -89,12 +91,14 @@ struct messenger_counters {
   std::uint64_t throttled = 0;  ///< answered with busy
   std::uint64_t strangers =
       0; ///< answered with refused: for another incarnation, or from nobody known
+  std::uint64_t no_program = 0; ///< answered so: reliable ones of AM types that nobody has here
   std::uint64_t malformed = 0;
   std::uint64_t stray_answers = 0; ///< to nothing that is in flight
 };
 RUBICON_FIELDS(messenger_counters, reliable_sent, reliable_acked, reliable_failed, unreliable_sent,
-               failed_unanswered, failed_refused, failed_left, refused, refused_crowded, retries,
-               hellos, received, duplicates, throttled, strangers, malformed, stray_answers);
+               failed_unanswered, failed_refused, failed_no_program, failed_left, refused,
+               refused_crowded, retries, hellos, received, duplicates, throttled, strangers,
+               no_program, malformed, stray_answers);
 
 /// One end of connectionless messaging, on a mote or on the PC side of a gateway.
 ///
@@ -131,7 +135,10 @@ public:
   void release(std::uint8_t am_type) { held_.erase(am_type); }
 
   /// A segment from `source_island` has arrived.
-  [[nodiscard]] outputs on_segment(island_id source_island, byte_view octets, instant now);
+  /// @param has_program whether a program here has that AM type: a reliable message of another one
+  ///        is not acknowledged, and its sender learns why; empty: all are taken
+  [[nodiscard]] outputs on_segment(island_id source_island, byte_view octets, instant now,
+                                   const std::function<bool(std::uint8_t)>& has_program = {});
 
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
@@ -187,7 +194,7 @@ private:
   void learn(mote_address from, session& x, instant now) const;
   [[nodiscard]] instant gives_up(mote_address destination, const session& x) const;
   void on_hello(mote_address from, const segment& x, outputs& out, instant now);
-  void on_reliable(mote_address from, segment x, outputs& out, instant now);
+  void on_reliable(mote_address from, segment x, bool has_program, outputs& out, instant now);
   void answer(mote_address to, const segment& x, segment::kind what, outputs& out) const;
 
   messenger_config config_;

@@ -7,7 +7,7 @@ namespace rubicon::transport {
 namespace {
 
 bool is_known(std::uint8_t kind) {
-  return kind <= 2 || (kind >= 5 && kind <= 7);
+  return kind <= 3 || (kind >= 5 && kind <= 7);
 }
 
 } // namespace

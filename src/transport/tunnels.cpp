@@ -306,4 +306,9 @@ void tunnels::on_due(entry at, tunnels_outputs& out, instant now) {
   }
 }
 
+std::optional<mote_address> tunnels::peer_of(tunnel_id id) const {
+  const auto at = entries_.find(id);
+  return at == entries_.end() ? std::nullopt : std::optional(at->second.peer);
+}
+
 } // namespace rubicon::transport

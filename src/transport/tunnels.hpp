@@ -13,6 +13,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "transport/tunnel_message.hpp"
 
@@ -96,6 +97,9 @@ struct tunnels_counters {
   std::uint64_t misdirected = 0; ///< for another node
   std::uint64_t malformed = 0;
 };
+RUBICON_FIELDS(tunnels_counters, connects, connected, retries, accepted, no_room, refused,
+               unreachable, closed, silent, sent, received, not_sent, keep_alives, strays,
+               misdirected, malformed);
 
 /// All tunnels that begin or end at one node.
 ///
@@ -144,7 +148,8 @@ public:
   /// Nothing: the tunnel is not open, or nothing has come back yet.
   [[nodiscard]] std::optional<route> route_of(tunnel_id id) const;
 
-  [[nodiscard]] std::size_t size() const { return entries_.size(); } ///< connecting or open
+  [[nodiscard]] std::optional<mote_address> peer_of(tunnel_id id) const; ///< who is at its end
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }     ///< connecting or open
   [[nodiscard]] const tunnels_counters& counters() const { return counters_; }
 
   /// Octets on a mote.

@@ -327,6 +327,33 @@ TEST_CASE("many starts of a sender are not taken for old ones for ever", "[trans
   CHECK(x.handled == std::vector<std::uint16_t>{1, 2});
 }
 
+TEST_CASE("a reliable message that no program takes fails at once", "[transport][ACK-01][AM-01]") {
+  messenger_config config;
+  config.self = alice;
+  messenger a(config, random_stream(1));
+  config.self = bob;
+  messenger b(config, random_stream(2));
+  a.join(island);
+  b.join(island);
+  const auto only_10 = [](std::uint8_t am_type) { return am_type == 10; };
+  const auto deliver = [&](ticket id, std::uint8_t am_type) {
+    auto todo = *a.send(id, {island, bob}, am_type, {1}, true, start);
+    std::size_t arrived = 0;
+    while (!pick<to_network>(todo).empty()) {
+      const auto at_b = b.on_segment(island, pick<to_network>(todo).at(0).segment, start, only_10);
+      arrived += pick<received>(at_b).size();
+      todo = a.on_segment(island, pick<to_network>(at_b).at(0).segment, start);
+    }
+    CHECK(pick<outcome>(todo).at(0).acked == (arrived == 1));
+    return arrived == 1;
+  };
+  CHECK(deliver(1, 10));
+  CHECK(!deliver(2, 11));
+  CHECK(deliver(3, 10)); // the session goes on
+  CHECK(a.counters().failed_no_program == 1);
+  CHECK(b.counters().no_program == 1);
+}
+
 TEST_CASE("memory for sources and sessions is bounded", "[transport][AM-03]") {
   messenger_config config;
   config.self = bob;
