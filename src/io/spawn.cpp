@@ -110,6 +110,8 @@ public:
     if (child == -1)
       fail(error, program_ + " cannot be started");
     failure.theirs.close();
+    if (own_group_)
+      guard_->keep(child);
     await_exec(child, failure.ours.get());
     return child;
   }

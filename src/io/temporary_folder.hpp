@@ -6,7 +6,7 @@
 
 namespace rubicon::io {
 
-/// For its owner only, and gone with this object.
+/// For its owner only, and gone with this object, also if the process is killed before.
 class temporary_folder {
 public:
   /// @param name the beginning of its name

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,7 +13,10 @@
 #include <unistd.h>
 
 #include "io/file_lock.hpp"
+#include "io/group_guard.hpp"
+#include "io/loop.hpp"
 #include "io/process.hpp"
+#include "io/temporary_folder.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -200,6 +204,51 @@ TEST_CASE("processes and what they have started end with us, even if we are kill
     CHECK(is_gone(each));
     ::kill(each, SIGKILL);
   }
+}
+
+TEST_CASE("a guard that is killed is replaced, and guards what the first did", "[io][SVC-05]") {
+  int said[2] = {-1, -1};
+  REQUIRE(::pipe(said) == 0);
+  const auto us = ::fork();
+  REQUIRE(us >= 0);
+  if (us == 0) {
+    auto& guard = io::group_guard::instance();
+    const io::temporary_folder folder("rubicon-test");
+    std::ofstream(folder.path() / "kept").put('x');
+    io::loop loop;
+    std::string out;
+    auto made = process::start(
+        loop, {"/bin/sh", {"sh", "-c", "sleep 1000 & echo $!; wait"}},
+        {[&](process::output, byte_view octets) { out.append(octets.begin(), octets.end()); },
+         [](io::process_end) {}});
+    while (out.find('\n') == std::string::npos)
+      loop.wait_until(std::chrono::steady_clock::now() + std::chrono::seconds(1));
+    for (int i = 0; i < 3; ++i) {
+      const auto first = guard.pid();
+      ::kill(first, SIGKILL);
+      while (guard.pid() == first)
+        ::usleep(1000);
+    }
+    out += folder.path().string();
+    static_cast<void>(::write(said[1], out.data(), out.size()));
+    ::kill(::getpid(), SIGKILL);
+  }
+  ::close(said[1]);
+  std::string text(400, '\0');
+  const auto size = ::read(said[0], text.data(), text.size());
+  REQUIRE(size > 0);
+  ::close(said[0]);
+  text.resize(static_cast<std::size_t>(size));
+  REQUIRE(::waitpid(us, nullptr, 0) == us);
+  const auto sleeper = static_cast<pid_t>(std::stol(text));
+  const std::filesystem::path folder = text.substr(text.find('\n') + 1);
+  const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while ((!is_gone(sleeper) || std::filesystem::exists(folder)) &&
+         std::chrono::steady_clock::now() < latest)
+    ::usleep(1000);
+  CHECK(is_gone(sleeper));
+  CHECK(!std::filesystem::exists(folder));
+  ::kill(sleeper, SIGKILL);
 }
 
 TEST_CASE("a process has the signals that programs expect", "[io][SVC-03]") {
