@@ -250,6 +250,7 @@ void deployment::take(followed& x, deploy::life_news& told) {
   }
   auto& life = x.report.lives[number];
   life.elapsed = told.elapsed;
+  life.ended = told.ended;
   life.is_final = told.is_final;
   life.told = std::move(told.told);
 }

@@ -19,6 +19,7 @@
 #include "core/printable.hpp"
 #include "deploy/fault_sentence.hpp"
 #include "io/machine.hpp"
+#include "io/replace_file.hpp"
 #include "io/serial_devices.hpp"
 #include "io/tcp_listener.hpp"
 
@@ -137,13 +138,13 @@ deploy::verdict hosted_part::offer(deploy::offer x) {
     return out;
   if (auto why = write_bundle(file(".bundle").string(), x.what); !why.empty())
     return refuse(std::move(why));
-  remove_reports();
   part_.emplace();
   part_->id = x.deployment;
   part_->ecology = *std::move(loaded.ecology);
   part_->files_hash = hash_of(x.what);
   part_->what = std::move(x.what);
   part_->log_level = std::move(x.log_level);
+  take_over_lives();
   return out;
 }
 
@@ -164,10 +165,11 @@ void hosted_part::start() {
   now.number = next_life_++;
   if (x.lives.size() > 1 || elapsed() > restart_pause_min)
     now.elapsed = elapsed();
-  now.file = file('-' + std::to_string(x.lives.size()) + ".report");
+  now.file = report_file(x.lives.size());
   now.change = ++x.changes;
   std::error_code ignored;
   fs::remove(now.file, ignored); // an earlier service of this host may have left one
+  keep_lives();
   io::spawn_request what;
   what.program = own_binary;
   what.feeds = true;
@@ -206,7 +208,10 @@ void hosted_part::on_end(io::process_end how) {
   process_.reset();
   auto& x = *part_;
   take_reports();
-  const auto& last = x.lives.back();
+  auto& last = x.lives.back();
+  last.ended = elapsed();
+  last.change = ++x.changes;
+  keep_lives();
   const bool is_over = x.ending || last.is_final;
   x.refused = x.lives.size() == 1 && how.status == static_cast<int>(exit_status::refused);
   x.pause = elapsed() - last.elapsed < early
@@ -267,26 +272,60 @@ void hosted_part::end_all() {
 }
 
 void hosted_part::take_reports() {
-  if (part_->lives.empty())
-    return;
-  auto& last = part_->lives.back(); // those before have ended, and were read then
+  if (!part_->lives.empty())
+    take_report(part_->lives.back()); // those before have ended, and were read then
+}
+
+void hosted_part::take_report(life& x) {
   std::error_code none;
-  const auto written = fs::last_write_time(last.file, none);
-  if (none || last.is_final || written == last.file_written)
+  const auto written = fs::last_write_time(x.file, none);
+  if (none || x.is_final || written == x.file_written)
     return;
-  last.file_written = written;
-  if (auto found = read_part_file(last.file.string())) {
-    last.told = std::move(found->told);
-    last.is_final = found->is_final;
-    last.change = ++part_->changes;
+  x.file_written = written;
+  if (auto found = read_part_file(x.file.string())) {
+    x.told = std::move(found->told);
+    x.is_final = found->is_final;
+    x.change = ++part_->changes;
   }
 }
 
-void hosted_part::remove_reports() {
-  std::error_code ignored;
-  if (part_)
-    for (const auto& each : part_->lives)
-      fs::remove(each.file, ignored);
+fs::path hosted_part::report_file(std::size_t number) const {
+  return file('-' + std::to_string(number) + ".report");
+}
+
+/// For a service that takes the place of this one: which deployment the reports are of, and which
+/// lives: number, elapsed and ended in nanoseconds.
+void hosted_part::keep_lives() {
+  std::string text = part_->id + '\n';
+  for (const auto& each : part_->lives)
+    text += std::to_string(each.number) + ' ' + std::to_string(each.elapsed.count()) + ' ' +
+            std::to_string(each.ended.count()) + '\n';
+  if (const auto why = io::replace_file(file(".lives").string(), text); !why.empty())
+    note("cannot keep what its part counts: " + why);
+}
+
+/// What an earlier service of this host has left of the deployment that is offered; what it has
+/// left of others is removed.
+void hosted_part::take_over_lives() {
+  std::ifstream in(file(".lives"));
+  std::string deployment;
+  std::getline(in, deployment);
+  life x;
+  duration::rep elapsed = 0;
+  duration::rep ended = 0;
+  for (std::size_t i = 1; i <= lives_max && in >> x.number >> elapsed >> ended; ++i) {
+    x.file = report_file(i);
+    x.elapsed = duration(elapsed);
+    x.ended = duration(ended);
+    if (deployment == part_->id) {
+      take_report(part_->lives.emplace_back(x));
+    } else {
+      std::error_code ignored;
+      fs::remove(x.file, ignored);
+    }
+  }
+  if (deployment != part_->id)
+    keep_lives();
 }
 
 deploy::news hosted_part::news_after(const deploy::ask_news& x) {
@@ -300,7 +339,7 @@ deploy::news hosted_part::news_after(const deploy::ask_news& x) {
     out.change = part_->changes;
     for (const auto& each : part_->lives)
       if (each.change > x.change)
-        out.lives.push_back({each.number, each.elapsed, each.is_final, each.told});
+        out.lives.push_back({each.number, each.elapsed, each.ended, each.is_final, each.told});
   }
   out.facts = facts();
   return out;

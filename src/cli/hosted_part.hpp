@@ -54,6 +54,7 @@ private:
   struct life {
     std::uint64_t number = 0;
     duration elapsed{};
+    duration ended{}; ///< 0: it runs, or nobody has seen its end
     bool is_final = false;
     std::filesystem::path file;                   ///< of its report
     std::filesystem::file_time_type file_written; ///< when it was read
@@ -88,7 +89,10 @@ private:
   void on_end(io::process_end how);
   void note(const std::string& line);
   void take_reports();
-  void remove_reports();
+  void take_report(life& x);
+  void keep_lives();
+  void take_over_lives();
+  [[nodiscard]] std::filesystem::path report_file(std::size_t number) const;
 
   io::loop& loop_;
   const hosting& with_;

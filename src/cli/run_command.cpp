@@ -312,7 +312,7 @@ std::unique_ptr<io::line_input> listen(const run_command& x, const run_control& 
 /// with a process that is killed is little.
 exit_status run_for_deployment(const run_command& x, ecology_file file) {
   using steady = std::chrono::steady_clock;
-  constexpr duration report_every = 5s;
+  constexpr auto report_every = report::part_report_every;
   std::optional<ecology_run> run;
   report::part_report told;
   const auto leave = [&](report::run_report so_far, bool is_final) {

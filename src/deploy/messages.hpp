@@ -100,10 +100,11 @@ RUBICON_FIELDS(cause_fault, deployment, sentence);
 struct life_news {
   std::uint64_t life = 0; ///< no other has this number, on this host
   duration elapsed{};     ///< of the whole when it began
+  duration ended{};       ///< of the whole when it ended; 0: it runs, or nobody has seen its end
   bool is_final = false;
   report::part_report told; ///< without a name: nothing
 };
-RUBICON_FIELDS(life_news, life, elapsed, is_final, told);
+RUBICON_FIELDS(life_news, life, elapsed, ended, is_final, told);
 
 struct news {
   std::uint64_t line = 0;   ///< number of the last one of `lines`, and of the last change of

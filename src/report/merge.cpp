@@ -7,6 +7,7 @@
 #include "core/hash.hpp"
 #include "report/event_log.hpp"
 #include "report/expectations.hpp"
+#include "report/figures.hpp"
 #include "report/invariants.hpp"
 
 namespace rubicon::report {
@@ -95,8 +96,12 @@ public:
       : description_(description), out_(out) {}
 
   void add(const host_report& part) {
-    for (std::size_t i = 0; i < part.lives.size(); ++i)
-      add(part.host, part.lives[i], i + 1 == part.lives.size());
+    for (std::size_t i = 0; i < part.lives.size(); ++i) {
+      const bool is_last = i + 1 == part.lives.size();
+      add(part.host, part.lives[i], is_last);
+      if (!is_last && !part.lives[i].is_final)
+        note_gap(part.host, part.lives[i], part.lives[i + 1].elapsed);
+    }
     if (part.lives.empty() || !part.lives.back().is_final)
       missing_.push_back(part.host);
   }
@@ -158,12 +163,29 @@ private:
       if (!x.complete && out_.reason.empty())
         out_.reason = "host " + host + ": " + x.reason;
     }
-    if (!life.is_final && !is_last)
-      out_.event_log.push_back({instant{} + life.elapsed + x.simulated, host,
-                                "last heard of: what its part counted from here on is not known"});
     if (is_last)
       judged_.insert(judged_.end(), std::make_move_iterator(x.expectations.begin()),
                      std::make_move_iterator(x.expectations.end()));
+  }
+
+  /// A process that was killed has told nothing of its last seconds.
+  /// @param next when the one after it began
+  void note_gap(const std::string& host, const part_life& life, duration next) {
+    const auto last = life.elapsed + life.told.report.simulated;
+    const auto until = std::max(last, life.ended > duration{} ? life.ended : next);
+    const auto until_text = clock_text(std::chrono::floor<std::chrono::seconds>(until));
+    out_.event_log.push_back(
+        {instant{} + last, host,
+         "last heard of: what its part counted until " + until_text + " is not known"});
+    if (until - last <= 2 * part_report_every)
+      return;
+    const auto what = "host " + host + ": what its part counted from " +
+                      clock_text(std::chrono::floor<std::chrono::seconds>(last)) + " to " +
+                      until_text + " is not known";
+    out_.complete = false;
+    if (out_.reason.empty())
+      out_.reason = what;
+    out_.violations.push_back({instant{} + last, run_is_complete, what});
   }
 
   void add_things(std::vector<island_report> islands, std::vector<peer_report> peers,

@@ -24,6 +24,7 @@ struct part_life {
   duration elapsed{};    ///< of the whole when it began
   part_report told;      ///< the newest; without a name if it has told nothing
   bool is_final = false; ///< it has come to its end and has told all
+  duration ended{};      ///< of the whole when it ended; 0: it runs, or nobody has seen its end
 };
 
 /// The processes of a host's part, the newest last.
@@ -32,8 +33,12 @@ struct host_report {
   std::vector<part_life> lives;
 };
 
+/// How often a part's process leaves a report: what it has counted since is lost when it is killed.
+inline constexpr duration part_report_every = 5s;
+
 /// Times are those of the whole. What a process has counted after its last report, because it was
-/// killed, is not known: the event log says so.
+/// killed, is not known: the event log says so. If that is more than can be lost between two
+/// reports, the whole is not complete.
 /// @param description of the whole
 [[nodiscard]] run_report merged(const config::ecology_description& description,
                                 const std::vector<host_report>& parts);

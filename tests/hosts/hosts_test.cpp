@@ -255,7 +255,7 @@ TEST_CASE("hosts run what is deployed to them, and heal without who has deployed
   const house in;
   in.run("hosts; sleep 1; "
          "start deploy house.toml $me --for 90s --json > first.json 2> first.err & first=$!; "
-         "sleep 4; rubicon status > running; rubicon fault 'kill peer robot for 2s'; "
+         "sleep 7; rubicon status > running; rubicon fault 'kill peer robot for 2s'; "
          "echo $? > fault; rubicon fault 'crash mote kitchen/nobody' 2> no-fault; "
          "kill -9 $first; wait $first; kill -9 $kitchen; wait $kitchen; sleep 2; "
          "rubicon status --json > one-gone; host kitchen 4750 & kitchen=$!; sleep 1; "
@@ -278,6 +278,8 @@ TEST_CASE("hosts run what is deployed to them, and heal without who has deployed
   for (const auto& mote : element(report["islands"], "name", "kitchen")["motes"])
     CHECK(mote["joined"] == true);
   CHECK(events_of({report}, "killed for 2 s").contains("robot"));
+  // What the first life of kitchen's part has counted was kept in its state folder.
+  CHECK(events_of({report}, "last heard of").contains("kitchen"));
 }
 
 TEST_CASE("a host listens to nobody without a certificate of its own authority", "[hosts]") {

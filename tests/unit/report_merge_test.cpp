@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "report/expectations.hpp"
+#include "report/invariants.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -136,6 +137,28 @@ TEST_CASE("lives of a part add up, and what was open in one that was killed has 
   CHECK(x.event_log[0].at == instant(20s));
   CHECK(x.event_log[0].what.starts_with("last heard of"));
   CHECK(x.event_log[1].at == instant(26s));
+}
+
+TEST_CASE("what nobody can know any more is said, and the whole is not complete",
+          "[report][GEN-05]") {
+  auto before = part_with(fan, "kitchen");
+  before.report.complete = false;
+  before.report.simulated = 20s;
+  const auto after = part_with(fan, "kitchen");
+  const auto merged_after = [&](duration ended) { // its host was away for half an hour
+    return merged_of({{"a", {{0s, before, false, ended}, {30min, after, true}}}});
+  };
+  const auto seen = merged_after(24s); // it has left reports until 4 s before its end
+  CHECK(seen.complete);
+  CHECK(seen.event_log.at(0).what ==
+        "last heard of: what its part counted until 00:00:24 is not known");
+  for (const auto& x : {merged_after(31s), merged_after(0s)}) {
+    CHECK(!x.complete);
+    CHECK(x.reason.starts_with("host a: what its part counted from 00:00:20 to 00:"));
+    REQUIRE(x.violations.size() == 1);
+    CHECK(x.violations[0].invariant == run_is_complete);
+    CHECK(x.violations[0].at == instant(20s));
+  }
 }
 
 TEST_CASE("members are those of a part's last life, and its events those of all",
