@@ -214,6 +214,13 @@ struct performer {
     log(self, spdlog::level::info, "event=intercepted port={} source={} destination={}", x.port,
         x.source.value, x.destination.value);
   }
+  void operator()(const peis::namesake_found& x) const {
+    log(self, spdlog::level::warn, "event=namesake host={} is={}", x.host.value, x.full_name);
+    self->send(self->state.arguments.ecology,
+               notable_event{self->path(), "the computer of " + x.full_name +
+                                               " has the same name as this one: give one of them "
+                                               "another name"});
+  }
   void operator()(const peis::id_taken& x) const {
     const auto& ecology = self->state.arguments.ecology;
     if (x.stays_away > duration(0)) {
@@ -320,6 +327,17 @@ struct server {
   }
   void operator()(const announcement& x) const {
     perform(self, state.kernel.on_announcement(x.octets.view(), at));
+  }
+  /// Those of simulated links stay.
+  void operator()(addresses_changed /*x*/) const {
+    if (!state.real)
+      return;
+    auto& all = state.arguments.config.network.addresses;
+    std::erase_if(
+        all, [](const auto& each) { return each.type == peis::low_level_address::kind::tcp_ipv4; });
+    for (auto& each : state.real->links().addresses())
+      all.push_back(std::move(each));
+    perform(self, state.kernel.set_addresses(all, at));
   }
   void operator()(const link_sent& x) const {
     perform(self, state.kernel.on_link_sent(peis::link_id{x.link}, x.octets, at));
@@ -503,6 +521,7 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
       [self](const condition_changed& x) { on_condition(self, x); },
       served<attempt_failed>(self),
       served<announcement>(self),
+      served<addresses_changed>(self),
       served<set_tuple>(self),
       served<delete_tuple>(self),
       served<set_remote_tuple>(self),

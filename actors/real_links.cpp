@@ -24,8 +24,8 @@ real_links::open(const real_links_config& config, peis_peer_actor user) {
   if (config.port_is_given && out->links_->port() != config.links.first_port)
     return "port " + std::to_string(*config.links.first_port) +
            " is in use: end the program that has it, or give this peer another `tcp.port`";
-  if (!out->links_->warning().empty())
-    out->tell_unmet(out->links_->warning() +
+  if (const auto why = out->links_->warning(); !why.empty())
+    out->tell_unmet(why +
                     ": take `lan` out of the file, or give this computer a network with multicast");
   return out;
 }
@@ -78,6 +78,10 @@ void real_links::on_link_closed(peis::link_id link, const std::string&) {
 
 void real_links::on_announcement(byte_view datagram) {
   post(user_, announcement{to_bytes(datagram)});
+}
+
+void real_links::on_addresses() {
+  post(user_, addresses_changed{});
 }
 
 } // namespace rubicon

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -87,6 +89,35 @@ private:
   const run_options& options_;
   duration longest_;
   duration length_ = shortest; ///< lasts over all calls: whoever runs ahead stops at each
+};
+
+/// Notices that a run in wall time has stood still: its process was stopped, or its computer was
+/// suspended. Whoever waited for it meanwhile has given it up.
+class standstill {
+public:
+  /// @param speed ecology seconds a real second
+  explicit standstill(double speed) : speed_(speed) {}
+
+  static constexpr duration look_every = 1s; ///< of ecology time, at speed 1
+
+  /// @returns how long, once; nothing if it went on
+  [[nodiscard]] std::optional<duration> look(instant now) {
+    constexpr duration shortest = 5s; // others wait longer
+    const std::chrono::microseconds real(io::time_since_boot_us());
+    const auto passed = real - std::exchange(last_real_, real);
+    const auto planned = duration(static_cast<duration::rep>(
+        static_cast<double>((now - std::exchange(last_, now)).count()) / speed_));
+    const auto still = passed - planned;
+    if (!std::exchange(has_looked_, true) || still < shortest)
+      return std::nullopt;
+    return still;
+  }
+
+private:
+  double speed_;
+  bool has_looked_ = false;
+  std::chrono::microseconds last_real_{};
+  instant last_;
 };
 
 /// Processes of other machines may have the same pid, and a machine the name of another.
@@ -327,11 +358,20 @@ private:
   /// see that.
   scheduler::stop_cause run_to(instant end) {
     progress_steps steps(world_, end, options_, speed_);
+    standstill still(speed_);
+    const auto next_still_look = [&] {
+      return wall_ ? world_.now() +
+                         static_cast<std::int64_t>(std::ceil(speed_)) * standstill::look_every
+                   : instant::max();
+    };
     const auto every = look_every();
     auto look_next = every > 0s ? next_multiple(every) : instant::max();
     auto watch_next = next_multiple(report::time_watch::every);
     for (;;) {
-      const auto cause = steps.run_to(std::min({look_next, watch_next, end}));
+      const auto cause = steps.run_to(std::min({look_next, watch_next, next_still_look(), end}));
+      if (wall_)
+        if (const auto length = still.look(world_.now()))
+          note_standstill(*length);
       const bool is_last = cause != scheduler::stop_cause::reached_end || world_.now() >= end;
       if (!over_ && ended_early_.empty()) {
         if (world_.now() >= watch_next)
@@ -346,6 +386,12 @@ private:
       if (world_.now() >= look_next)
         look_next = next_multiple(every);
     }
+  }
+
+  void note_standstill(duration length) {
+    const auto text = std::to_string(length / 1s) + " s";
+    post(root_, notable_event{"ecology", "this process or its computer stood still for " + text +
+                                             ": others have taken it for dead"});
   }
 
   [[nodiscard]] instant next_multiple(duration every) {

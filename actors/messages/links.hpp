@@ -26,6 +26,10 @@ struct link_closed {
 };
 RUBICON_FIELDS(link_closed, link);
 
+/// Where this peer listens may have changed: a network has come, gone or got another address.
+struct addresses_changed {};
+RUBICON_FIELDS(addresses_changed);
+
 /// The far end of an in-process link.
 struct link_end_interface : takes<link_octets, link_closed> {};
 using link_end_actor = ref<link_end_interface>;

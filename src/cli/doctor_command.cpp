@@ -82,6 +82,8 @@ finding look_at_multicast() {
   if (const auto* why = std::get_if<std::string>(&joined))
     return {"multicast", *why, advice};
   auto& group = std::get<io::udp_group>(joined);
+  if (const auto why = group.trouble(); !why.empty())
+    return {"multicast", why, advice};
   group.send(byte_view(reinterpret_cast<const std::uint8_t*>(mark.data()), mark.size()));
   const auto until = std::chrono::steady_clock::now() + patience;
   while (!heard && std::chrono::steady_clock::now() < until)

@@ -78,7 +78,8 @@ places announced(io::loop& where, const network_options& wish, const search_area
       if (address.type == peis::low_level_address::kind::tcp_ipv4 && (is_here || !address.loopback))
         add(found, news->network, to_string(peis::url_of(address)));
   });
-  if (std::holds_alternative<std::string>(group))
+  if (std::holds_alternative<std::string>(group) ||
+      !std::get<io::udp_group>(group).trouble().empty())
     return found;                           // this computer has no such network
   constexpr duration others_within = 300ms; // of a second network
   auto end = steady::now() + area.listen_for;
@@ -127,7 +128,7 @@ std::variant<joined_network, std::string> join_network(io::loop& where, network_
     return joined_network{std::move(wish), std::move(std::get<std::unique_ptr<guest>>(joined))};
   }
   if (wish.lan)
-    area.group.interface.clear();
+    area.group.interfaces.clear();
   places noted;
   for (const auto& run : running_ecologies()) {
     if (wish.network_given && run.network != wish.network)

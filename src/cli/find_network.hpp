@@ -20,7 +20,7 @@ struct search_area {
   duration try_max = 2s;           ///< for each of them to say who it is
   /// Announcements heard within `listen_for` (peis-wire.md 4). At the loopback interface those of
   /// this computer are heard, and nothing leaves it.
-  io::udp_group_config group = {.interface = "127.0.0.1"};
+  io::udp_group_config group = {.interfaces = {"127.0.0.1"}};
   duration listen_for = 2500ms; ///< each second somebody announces himself
 };
 

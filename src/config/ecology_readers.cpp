@@ -101,6 +101,9 @@ host_description read_host(table_reader& in, name_claims& names) {
     names.claim(host.name, "host name", in.at("name"), in.problems());
   in.required("address", text{253}, host.address,
               "DNS name or IPv4 address under which other hosts reach it");
+  if (host.address.find(':') != std::string::npos)
+    in.problems().add(in.at("address"), "`address` must be a DNS name or an IPv4 address, as in "
+                                        "\"192.168.1.7\": links over IPv6 are not made");
   host.listen = listening_address(host);
   in.optional("listen", interface_address{}, host.listen,
               {"at which of its addresses it takes links of other hosts and commands; "

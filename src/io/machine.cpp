@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstring>
+#include <ctime>
 
 #include <ifaddrs.h>
 #include <net/if.h>
@@ -40,6 +41,12 @@ std::string machine_name() {
 std::int64_t system_clock_us() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+}
+
+std::int64_t time_since_boot_us() {
+  timespec now{};
+  static_cast<void>(::clock_gettime(CLOCK_BOOTTIME, &now));
+  return std::int64_t{now.tv_sec} * 1'000'000 + now.tv_nsec / 1000;
 }
 
 } // namespace rubicon::io

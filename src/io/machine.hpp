@@ -13,6 +13,8 @@ struct network_interface {
   std::string device;                 ///< `eth0`
   std::array<std::uint8_t, 4> ipv4{}; ///< a.b.c.d, first one first
   bool loopback = false;
+
+  friend bool operator==(const network_interface&, const network_interface&) = default;
 };
 
 /// In the system's order; one entry an address. Empty if the system does not tell.
@@ -24,5 +26,9 @@ struct network_interface {
 
 /// The system's clock, which may be wrong: microseconds since 1970, UTC.
 [[nodiscard]] std::int64_t system_clock_us();
+
+/// Microseconds since this computer started, those included for which it was suspended: it never
+/// steps.
+[[nodiscard]] std::int64_t time_since_boot_us();
 
 } // namespace rubicon::io

@@ -1,7 +1,8 @@
 #include "io/udp_group.hpp"
 
+#include <algorithm>
 #include <array>
-#include <chrono>
+#include <map>
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
@@ -11,6 +12,7 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "io/context.hpp"
+#include "io/machine.hpp"
 
 namespace rubicon::io {
 
@@ -27,60 +29,116 @@ constexpr auto pause_after_error = std::chrono::milliseconds(100);
 } // namespace
 
 struct udp_group::state : std::enable_shared_from_this<state> {
-  state(loop& where, callback f)
-      : receiver(context_of(where)), sender(context_of(where)), pause(context_of(where)),
-        on_datagram(std::move(f)) {}
+  state(loop& where, udp_group_config with, callback f)
+      : where_loop(where), config(std::move(with)), receiver(context_of(where)),
+        pause(context_of(where)), next_look(context_of(where)), on_datagram(std::move(f)) {}
 
+  loop& where_loop;
+  const udp_group_config config;
   udp::socket receiver;
-  udp::socket sender; ///< another one: its port is ephemeral, as that of real kernels
+  /// By own address, one of each device: others than the receiver, since their ports are ephemeral
+  /// as those of real kernels.
+  std::map<address_v4, udp::socket> senders;
   asio::steady_timer pause;
+  asio::steady_timer next_look;
   udp::endpoint group;
   callback on_datagram;
+  std::function<void()> on_change;
+  std::vector<network_interface> seen;
   std::array<std::uint8_t, datagram_max> input{};
   std::uint64_t unsent = 0;
+  error_code refused = asio::error::network_down; ///< while there is no sender: why
   bool over = false;
 
-  error_code open(const udp_group_config& config) {
+  error_code open() {
     error_code error;
     const auto address = asio::ip::make_address_v4(config.group, error);
     if (error)
       return error;
     if (!address.is_multicast())
       return asio::error::invalid_argument;
-    auto own = address_v4::any();
-    if (!config.interface.empty())
-      own = asio::ip::make_address_v4(config.interface, error);
-    if (error)
-      return error;
+    for (const auto& each : config.interfaces) {
+      static_cast<void>(asio::ip::make_address_v4(each, error));
+      if (error)
+        return error;
+    }
     group = {address, config.port};
-    error = open_receiver(own);
-    return error ? error : open_sender(own, config.hops_max);
-  }
-
-  error_code open_receiver(address_v4 own) {
-    error_code error;
     receiver.open(udp::v4(), error);
     if (!error)
       receiver.set_option(udp::socket::reuse_address(true), error);
     if (!error) // to the group's address: datagrams of other groups and for us alone stay out
       receiver.bind(group, error);
-    if (!error)
-      receiver.set_option(multicast::join_group(group.address().to_v4(), own), error);
     return error;
   }
 
-  error_code open_sender(address_v4 own, int hops_max) {
+  [[nodiscard]] bool is_wanted(const network_interface& x) const {
+    if (config.interfaces.empty())
+      return !x.loopback;
+    return std::ranges::find(config.interfaces, address_v4(x.ipv4).to_string()) !=
+           config.interfaces.end();
+  }
+
+  /// Joins over what has come, leaves what has gone.
+  void look() {
+    auto now = network_interfaces();
+    std::map<std::string, address_v4> wanted; // by device: with several addresses it is one still
+    for (const auto& each : now)
+      if (is_wanted(each))
+        wanted.emplace(each.device, address_v4(each.ipv4));
+    const auto is_gone = [&wanted](const auto& sender) {
+      return std::ranges::none_of(wanted,
+                                  [&](const auto& each) { return each.second == sender.first; });
+    };
+    for (auto x = senders.begin(); x != senders.end();) {
+      error_code ignored;
+      if (is_gone(*x)) {
+        receiver.set_option(multicast::leave_group(group.address().to_v4(), x->first), ignored);
+        x = senders.erase(x);
+      } else {
+        ++x;
+      }
+    }
+    for (const auto& [device, own] : wanted) {
+      const auto error = join_over(own);
+      if (error)
+        refused = error;
+    }
+    if (std::exchange(seen, now) != now && on_change)
+      on_change();
+  }
+
+  /// Again for those that are joined: one that went and came between two looks is not any more.
+  error_code join_over(address_v4 own) {
     error_code error;
+    receiver.set_option(multicast::join_group(group.address().to_v4(), own), error);
+    if (error && error != asio::error::address_in_use)
+      return error;
+    if (senders.contains(own))
+      return {};
+    udp::socket sender(context_of(where_loop));
     sender.open(udp::v4(), error);
     if (!error)
-      sender.set_option(multicast::hops(hops_max), error);
+      sender.set_option(multicast::hops(config.hops_max), error);
     if (!error)
       sender.set_option(multicast::enable_loopback(true), error);
-    if (!error && own != address_v4::any())
+    if (!error)
       sender.set_option(multicast::outbound_interface(own), error);
     if (!error)
       sender.non_blocking(true, error);
+    if (!error)
+      senders.emplace(own, std::move(sender));
     return error;
+  }
+
+  void look_later() {
+    next_look.expires_after(config.look_every);
+    next_look.async_wait([x = shared_from_this()](const error_code& error) {
+      if (error || x->over)
+        return;
+      x->look();
+      if (!x->over)
+        x->look_later();
+    });
   }
 
   void receive() {
@@ -105,15 +163,32 @@ struct udp_group::state : std::enable_shared_from_this<state> {
         x->receive();
     });
   }
+
+  void send(byte_view datagram) {
+    for (auto& [own, sender] : senders) {
+      error_code error;
+      sender.send_to(asio::buffer(datagram.data(), datagram.size()), group, 0, error);
+      if (error)
+        ++unsent;
+    }
+    if (senders.empty())
+      ++unsent;
+  }
+
+  [[nodiscard]] std::string text_of(const error_code& x) const {
+    return config.group + ':' + std::to_string(config.port) + ": " + x.message();
+  }
 };
 
 udp_group::udp_group(std::shared_ptr<state> x) : state_(std::move(x)) {}
 
 std::variant<udp_group, std::string> udp_group::join(loop& where, const udp_group_config& config,
                                                      callback on_datagram) {
-  auto x = std::make_shared<state>(where, std::move(on_datagram));
-  if (const auto error = x->open(config))
-    return config.group + ':' + std::to_string(config.port) + ": " + error.message();
+  auto x = std::make_shared<state>(where, config, std::move(on_datagram));
+  if (const auto error = x->open())
+    return x->text_of(error);
+  x->look();
+  x->look_later();
   x->receive();
   return udp_group(std::move(x));
 }
@@ -124,8 +199,9 @@ udp_group::~udp_group() {
   state_->over = true;
   error_code ignored;
   state_->receiver.close(ignored);
-  state_->sender.close(ignored);
+  state_->senders.clear();
   state_->pause.cancel();
+  state_->next_look.cancel();
 }
 
 udp_group::udp_group(udp_group&&) noexcept = default;
@@ -136,14 +212,19 @@ udp_group& udp_group::operator=(udp_group&& other) noexcept {
 }
 
 void udp_group::send(byte_view datagram) {
-  error_code error;
-  state_->sender.send_to(asio::buffer(datagram.data(), datagram.size()), state_->group, 0, error);
-  if (error)
-    ++state_->unsent;
+  state_->send(datagram);
+}
+
+void udp_group::on_change(std::function<void()> f) {
+  state_->on_change = std::move(f);
 }
 
 std::uint64_t udp_group::unsent() const {
   return state_->unsent;
+}
+
+std::string udp_group::trouble() const {
+  return state_->senders.empty() ? state_->text_of(state_->refused) : std::string();
 }
 
 } // namespace rubicon::io

@@ -50,7 +50,8 @@ void standalone::start(std::unique_ptr<tcp_links> links) {
     network.host_name = io::machine_name();
   if (network.process == 0)
     network.process = static_cast<std::uint32_t>(::getpid());
-  if (network.addresses.empty())
+  addresses_are_given_ = !network.addresses.empty();
+  if (!addresses_are_given_)
     network.addresses = links_->addresses();
   if (const char* user = std::getenv("USER"); config_.kernel.user == unset.kernel.user && user)
     config_.kernel.user = user;
@@ -185,6 +186,11 @@ void standalone::on_announcement(byte_view datagram) {
   perform(kernel_.on_announcement(datagram, now()));
 }
 
+void standalone::on_addresses() {
+  if (!addresses_are_given_)
+    perform(kernel_.set_addresses(links_->addresses(), now()));
+}
+
 // What the kernel wants.
 
 /// Outputs of calls that callbacks make wait until those before them are done: octets of a link
@@ -262,6 +268,11 @@ void standalone::handle(peis::host_vanished& x) {
 
 void standalone::handle(peis::quit_requested&) {
   quit_requested_ = true;
+}
+
+void standalone::handle(const peis::namesake_found& x) {
+  if (config_.on_warning)
+    config_.on_warning("the computer of " + x.full_name + " has the same name as this one");
 }
 
 void standalone::handle(peis::id_taken& x) {

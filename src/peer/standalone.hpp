@@ -206,6 +206,7 @@ private:
   void on_link_sent(peis::link_id link, std::size_t octets) override;
   void on_link_closed(peis::link_id link, const std::string& why) override;
   void on_announcement(byte_view datagram) override;
+  void on_addresses() override;
 
   void perform(peis::outputs todo);
   void run_periodics();
@@ -225,6 +226,7 @@ private:
 
   void handle(peis::traced& x);
   void handle(peis::id_taken& x);
+  void handle(const peis::namesake_found& x);
   static void handle(const peis::debug_requested&) {} // it has no debug log
   static void handle(const peis::intercepted&) {}     // by a hook of the program itself
   static void handle(const peis::scan_adapter&) {}
@@ -248,6 +250,7 @@ private:
   bool quit_requested_ = false;
 
   std::deque<peis::output> todo_; ///< outputs in their order, though callbacks make new ones
+  bool addresses_are_given_ = false;
   bool draining_ = false;
 
   std::map<peis::subscription_id, std::shared_ptr<watcher>> watchers_;

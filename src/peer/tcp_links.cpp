@@ -54,12 +54,22 @@ std::optional<std::string> tcp_links::listen() {
 }
 
 void tcp_links::join_group() {
-  auto x = io::udp_group::join(*loop_, config_.group,
+  auto config = config_.group;
+  if (config.interfaces.empty() && listen_address() != everywhere)
+    config.interfaces = {listen_address()};
+  auto x = io::udp_group::join(*loop_, config,
                                [this](byte_view datagram) { user_->on_announcement(datagram); });
-  if (auto* refusal = std::get_if<std::string>(&x))
-    warning_ = "no announcements: " + *refusal;
-  else
-    group_ = std::move(std::get<io::udp_group>(x));
+  if (auto* refusal = std::get_if<std::string>(&x)) {
+    warning_ = *refusal;
+    return;
+  }
+  group_ = std::move(std::get<io::udp_group>(x));
+  group_->on_change([this] { user_->on_addresses(); });
+}
+
+std::string tcp_links::warning() const {
+  const auto why = group_ ? group_->trouble() : warning_;
+  return why.empty() ? why : "no announcements: " + why;
 }
 
 std::vector<peis::low_level_address> tcp_links::addresses() const {

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/fields.hpp"
 #include "core/ipv4_network.hpp"
 #include "io/loop.hpp"
 #include "io/tcp_connect.hpp"
@@ -29,7 +30,8 @@ struct links_config {
   bool lan = false;
   /// Counted up until one is free; unset: nobody can connect to us.
   std::optional<std::uint16_t> first_port = peis::tcp_port_default;
-  std::string listen_address;         ///< IPv4; empty: 127.0.0.1, with lan 0.0.0.0
+  /// IPv4; empty: 127.0.0.1, with lan 0.0.0.0. Announcements use its interface alone, or all.
+  std::string listen_address;
   std::vector<ipv4_network> networks; ///< links from elsewhere are closed at once; empty: none are
   io::udp_group_config group;         ///< of announcements, with lan only (TCP-02)
   duration connect_timeout = 5s;
@@ -48,6 +50,7 @@ public:
   virtual void on_link_sent(peis::link_id link, std::size_t octets) = 0;
   virtual void on_link_closed(peis::link_id link, const std::string& why) = 0;
   virtual void on_announcement(byte_view datagram) = 0; ///< valid in the call
+  virtual void on_addresses() = 0;                      ///< addresses() may be others than before
 };
 
 struct links_counters {
@@ -56,6 +59,7 @@ struct links_counters {
   std::uint64_t unsent = 0;   ///< announcements that the network did not take
   std::uint64_t too_many = 0; ///< attempts that failed at once, there being too many
 };
+RUBICON_FIELDS(links_counters, refused, foreign, unsent, too_many);
 
 /// Carries out what one kernel asks of its links. Holds no queue of its own: what waits to leave is
 /// bounded by p2p_config::link_window, which must be set.
@@ -83,8 +87,8 @@ public:
   /// Where others reach us, for the host record (LNK-03); as the interfaces are now.
   [[nodiscard]] std::vector<peis::low_level_address> addresses() const;
 
-  [[nodiscard]] std::optional<std::uint16_t> port() const;              ///< listened on
-  [[nodiscard]] const std::string& warning() const { return warning_; } ///< empty: all is well
+  [[nodiscard]] std::optional<std::uint16_t> port() const; ///< listened on
+  [[nodiscard]] std::string warning() const;               ///< now; empty: all is well
 
   void carry_out(peis::to_link x); ///< for a link that is gone: nothing
   void carry_out(const peis::close_link& x);

@@ -54,6 +54,11 @@ outputs kernel::on_attempt_failed(attempt_id attempt, instant now) {
   return finish(now);
 }
 
+outputs kernel::set_addresses(std::vector<low_level_address> all, instant now) {
+  network_.set_addresses(std::move(all), now);
+  return finish(now);
+}
+
 outputs kernel::on_announcement(byte_view octets, instant now) {
   network_.on_announcement(octets, now);
   return finish(now);
@@ -159,7 +164,7 @@ void kernel::handle(host_vanished& x, instant now) {
 void kernel::expect_quit(const tuple& asked, request_id request) {
   const auto* record = network_.find_host(asked.owner);
   if (request != no_request && asked.name.folded() == quit_key && asks_to_quit(asked) &&
-      record != nullptr && record->marked && record->host_name != config_.network.host_name)
+      record != nullptr && record->marked && !network_.shares_host(asked.owner))
     quits_[request] = {asked.owner, std::nullopt};
 }
 
@@ -260,9 +265,8 @@ void kernel::on_set(peer_id source, const payload& octets, instant now) {
 
 /// Peers of our own host and the managers of the configuration (TUP-22).
 bool kernel::may_stop_us(peer_id source) const {
-  const auto* record = network_.find_host(source);
   const auto& managers = config_.managers;
-  return (record != nullptr && record->host_name == config_.network.host_name) ||
+  return network_.shares_host(source) ||
          std::find(managers.begin(), managers.end(), source) != managers.end();
 }
 

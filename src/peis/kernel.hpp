@@ -72,7 +72,7 @@ inline constexpr std::string_view debug_key = "rubicon.debug";
 using output =
     std::variant<to_link, close_link, read_link, connect_to, announce, tuple_changed, tuple_deleted,
                  message, outcome, host_appeared, host_vanished, quit_requested, traced, id_taken,
-                 intercepted, scan_adapter, say_hello, debug_requested>;
+                 namesake_found, intercepted, scan_adapter, say_hello, debug_requested>;
 using outputs = std::vector<output>;
 
 /// Everything counted; nothing is dropped without appearing here.
@@ -81,6 +81,7 @@ struct kernel_counters {
   tuple_counters tuples;
   std::uint64_t unhooked = 0; ///< messages for ports that nobody has hooked or that we do not serve
 };
+RUBICON_FIELDS(kernel_counters, network, tuples, unhooked);
 
 /// A kernel over links that its owner supplies: reliable, ordered octet streams of any medium.
 /// Packages leave in the order of their priority as long as the link's window has room: see
@@ -261,6 +262,9 @@ public:
   /// Tells everybody that this peer exits (KH-04). Commands fail from then on; close the links when
   /// the octets are out.
   [[nodiscard]] outputs leave(instant now);
+
+  /// As p2p::set_addresses().
+  [[nodiscard]] outputs set_addresses(std::vector<low_level_address> all, instant now);
 
   // Looking, without sending anything (TUP-14).
 

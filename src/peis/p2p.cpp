@@ -49,10 +49,7 @@ p2p::p2p(p2p_config config, random_stream rng, instant now)
   rivalry_ = id_rivalry(self_.magic, now);
   self_.host_name = config_.host_name;
   self_.full_name = config_.name + '@' + config_.host_name + '!' + std::to_string(config_.process);
-  self_.addresses = config_.addresses;
-  if (config_.connections.leaf) // other hosts are not to come (LEA-01)
-    std::erase_if(self_.addresses, [](const auto& x) { return !x.loopback; });
-  self_.addresses.resize(std::min(self_.addresses.size(), low_level_addresses_max));
+  keep_addresses(config_.addresses);
   self_.cluster = self_.id.value;
   self_.marked = true;
   routing_ = routing_table(self_.id, self_.magic, config_.metric_limit, config_.tables.routes);
@@ -61,6 +58,24 @@ p2p::p2p(p2p_config config, random_stream rng, instant now)
     for (const auto& url : *urls)
       standing_.push_back({url, urls == &wanted.seeds, wanted.always_retry, now, false, {}, {}});
   }
+}
+
+void p2p::keep_addresses(std::vector<low_level_address> all) {
+  if (config_.connections.leaf) // other hosts are not to come (LEA-01)
+    std::erase_if(all, [](const auto& x) { return !x.loopback; });
+  all.resize(std::min(all.size(), low_level_addresses_max));
+  self_.addresses = std::move(all);
+}
+
+void p2p::set_addresses(std::vector<low_level_address> all, instant now) {
+  const auto before = self_.addresses;
+  keep_addresses(std::move(all));
+  if (self_.addresses == before || left_)
+    return;
+  next_announcement_ = now;
+  for (auto& [id, x] : connections_)
+    if (x.neighbour)
+      tell_neighbour(x, port::host_record, encode(host_record_message{self_, false}));
 }
 
 void p2p::on_time(instant now) {
@@ -104,7 +119,7 @@ void p2p::on_package(link_id from, const package_header& header, byte_view data,
   }
   if (header.source == self_.id) {
     ++counters_.own;
-    hear_own_id(header, data, now);
+    hear_own_id(from, header, data, now);
     return;
   }
   if (is_impersonation(from, header, now)) {

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "peis/acknowledger.hpp"
@@ -159,6 +160,15 @@ struct p2p_counters {
   std::uint64_t early_drop = 0;
   std::uint64_t queued_lost = 0; ///< unreliable, was queued when its link closed
 };
+RUBICON_FIELDS(p2p_counters, links_opened, links_refused, links_broken, octets_received,
+               octets_sent, packages_received, packages_sent, packages_forwarded, intercepted,
+               retransmissions, acks_sent, ack_packages_sent, acks_received, messages_delivered,
+               messages_failed, routing_sendings, attempts, attempts_failed, announcements_sent,
+               announcements_received, heartbeats_sent, ways_disproved, illegal, malformed, seen,
+               repeated, own, hops, no_route, fragments_refused, messages_incomplete, duplicate_id,
+               ids_yielded, rivals_refused, claims_refused, work, held, rests, hosts_refused,
+               routes_refused, tables_put_off, questions_refused, greetings_evicted,
+               newcomers_referred, queue_full, early_drop, queued_lost);
 
 /// What is known of a link, for kernel.connections, the tools and the report.
 struct link_view {
@@ -236,6 +246,12 @@ public:
   /// The exit broadcast (peis-wire.md 11). No routing is sent from then on.
   void leave();
 
+  /// It runs on this computer, as far as we know.
+  [[nodiscard]] bool shares_host(peer_id host) const;
+
+  /// Where we listen from now on, as p2p_config::addresses: others hear of it at once.
+  void set_addresses(std::vector<low_level_address> all, instant now);
+
   /// Which way packages take to that host and back. Told as `traced`, within trace_timeout.
   void trace(peer_id destination, request_id id, instant now);
 
@@ -292,6 +308,7 @@ private:
     instant no_room_until;           ///< for hosts that it tells of
     std::optional<instant> asked_at; ///< by the neighbour
     bool named = false;              ///< the neighbour has told who it is
+    std::optional<peer_id> sought;   ///< by us, at a loopback address
     std::int64_t credit = 0;         ///< work that it may still have done this turn
     outgoing_queue queue;
     bytes preamble; ///< goes out before any package
@@ -327,6 +344,7 @@ private:
     std::optional<peer_id> host;
     std::optional<std::size_t> standing;
     instant deadline;
+    bool loopback = false; ///< the address is one of this computer
   };
 
   /// An address to which a link is always kept, or that is asked for others.
@@ -420,6 +438,9 @@ private:
   void on_fragment(link_id from, const package_header& header, byte_view data, instant now);
   void acknowledge(const package_header& header, instant now);
   void tell_neighbour(connection& to, std::uint16_t port, bytes data);
+  void keep_addresses(std::vector<low_level_address> all);
+  [[nodiscard]] bool is_here(const host_record& x) const;
+  void note_elsewhere(peer_id host);
   void tell_host(peer_id to, link_id way, lane where, std::uint16_t port, bytes data);
   void send_acknowledgements(peer_id to, const std::vector<std::int32_t>& ids);
   void on_acknowledgement(byte_view data);
@@ -523,7 +544,7 @@ private:
 
   // p2p_identity.cpp: another peer uses our id, or two others use one
   void note_duplicate(const host_record& other, instant now);
-  void hear_own_id(const package_header& header, byte_view data, instant now);
+  void hear_own_id(link_id from, const package_header& header, byte_view data, instant now);
   void handle(id_taken& x, instant now);
   void handle(const id_regained& x, instant now);
   void vacate_id(instant now);
@@ -547,6 +568,8 @@ private:
   std::map<peer_id, link_id> neighbours_; ///< the oldest link to each (peis-wire.md 3.6)
   routing_table routing_;
   std::map<peer_id, acquaintance> hosts_; ///< others
+  /// By id their magic: on another computer, though that has our host name. Kept when they go.
+  std::map<peer_id, std::int32_t> elsewhere_;
   stranger_table strangers_;
 
   std::deque<link_id> ready_;                     ///< whose input waits, in turn

@@ -52,7 +52,11 @@ bytes p2p::hello() const {
 }
 
 std::vector<std::string> p2p::urls_to(const host_record& other) const {
-  return connectable_urls(self_, other, bluetooth_);
+  if (is_here(other) || other.host_name != self_.host_name)
+    return connectable_urls(self_, other, bluetooth_);
+  auto renamed = other;
+  renamed.host_name.clear(); // as one of another host
+  return connectable_urls(self_, renamed, bluetooth_);
 }
 
 } // namespace rubicon::peis

@@ -43,7 +43,7 @@ bool p2p::connect_host(const host_record& record, std::uint32_t flags, instant n
   if (urls.empty() || open_links() + attempts_.size() >= config_.links_max)
     return false;
   const auto& url = urls[urls.size() == 1 ? 0 : rng_.below(urls.size())];
-  connect(url, {flags, record.id, std::nullopt, {}}, now);
+  connect(url, {flags, record.id, std::nullopt, {}, url.starts_with("tcp://127.")}, now);
   return true;
 }
 
@@ -241,8 +241,7 @@ std::vector<host_option> p2p::host_options(instant now) const {
     const auto* way = routing_.find(id);
     if (way == nullptr || way->lost() || !may_try(id, tries_max, now) || urls_to(x.record).empty())
       continue;
-    const auto direct =
-        x.record.host_name == self_.host_name ? config_.cost_same_host : config_.cost_other_host;
+    const auto direct = is_here(x.record) ? config_.cost_same_host : config_.cost_other_host;
     const unsigned connections =
         way->connections == connections_unknown ? config_.connections.links_min : way->connections;
     options.push_back({id, way->hops, direct, connections});
@@ -288,7 +287,7 @@ void p2p::on_announcement(byte_view octets, instant now) {
   if (rivalry_.is_away())
     return;
   ++counters_.announcements_received;
-  if (sender.host_name == self_.host_name && sender.id < self_.id)
+  if (is_here(sender) && sender.id < self_.id)
     unheard_announcements_ = 0;
   const bool is_new = !hosts_.contains(sender.id);
   if (const auto at = hosts_.find(sender.id);

@@ -103,6 +103,13 @@ struct say_hello {
   payload octets;
 };
 
+/// Another computer has our host name, as two fresh installations have. From here on its peers are
+/// reached at its network addresses. Told once for each of them.
+struct namesake_found {
+  peer_id host;
+  std::string full_name; ///< program@host!process
+};
+
 /// A hook has consumed a package that was on its way through here (API-06).
 struct intercepted {
   std::uint16_t port = 0;
@@ -115,9 +122,10 @@ struct forgotten_by {
   peer_id host;
 };
 
-using event = std::variant<to_link, close_link, read_link, connect_to, announce, host_appeared,
-                           host_vanished, arrived, delivered, undelivered, forgotten_by, traced,
-                           id_taken, intercepted, scan_adapter, say_hello, device_noted>;
+using event =
+    std::variant<to_link, close_link, read_link, connect_to, announce, host_appeared, host_vanished,
+                 arrived, delivered, undelivered, forgotten_by, traced, id_taken, namesake_found,
+                 intercepted, scan_adapter, say_hello, device_noted>;
 using events = std::vector<event>;
 
 } // namespace rubicon::peis

@@ -1,5 +1,7 @@
 // Routing and hosts (peis-wire.md 9 to 11).
 #include <algorithm>
+#include <array>
+#include <set>
 #include <utility>
 
 #include "peis/p2p.hpp"
@@ -156,6 +158,10 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
     return;
   }
   const auto& record = message->record;
+  const bool is_own_word = header.hops == 1 && !message->cached;
+  if (const auto sought = connections_.at(from).sought;
+      sought && is_own_word && record.id != *sought)
+    note_elsewhere(*sought);
   if (record.id == self_.id) {
     if (record.magic != self_.magic)
       note_duplicate(record, now);
@@ -175,7 +181,7 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
   }
   const bool is_neighbour =
       header.hops == 1 && !message->cached && x.neighbour.value_or(record.id) == record.id;
-  const bool same_host = record.host_name == self_.host_name;
+  const bool same_host = is_here(record);
   const bool asked_for =
       std::ranges::any_of(standing_, [from](const auto& address) { return address.link == from; });
   if (config_.connections.leaf && is_neighbour && !same_host && !asked_for) {
@@ -191,6 +197,41 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
     bind_neighbour(x, record.id, now);
   }
   store_record(*message, now);
+}
+
+bool p2p::is_here(const host_record& x) const {
+  const auto known = elsewhere_.find(x.id);
+  return x.host_name == self_.host_name && (known == elsewhere_.end() || known->second != x.magic);
+}
+
+bool p2p::shares_host(peer_id host) const {
+  const auto* record = find_host(host);
+  return record != nullptr && is_here(*record);
+}
+
+/// A loopback address that it has told leads to somebody else: either that one has taken its place,
+/// or it is on another computer. That has network addresses, and none of ours.
+void p2p::note_elsewhere(peer_id host) {
+  const auto known = hosts_.find(host);
+  if (known == hosts_.end() || !is_here(known->second.record))
+    return;
+  const auto remote = [](const host_record& x) {
+    std::set<std::array<std::uint8_t, 4>> all;
+    for (const auto& each : x.addresses)
+      if (each.type == low_level_address::kind::tcp_ipv4 && !each.loopback)
+        all.insert({each.address[0], each.address[1], each.address[2], each.address[3]});
+    return all;
+  };
+  const auto ours = remote(self_);
+  const auto its = remote(known->second.record);
+  if (its.empty() || std::ranges::any_of(its, [&](const auto& x) { return ours.contains(x); }))
+    return;
+  constexpr std::size_t elsewhere_max = 256;
+  if (elsewhere_.size() >= elsewhere_max)
+    elsewhere_.clear(); // they are found again
+  elsewhere_[host] = known->second.record.magic;
+  contacts_.erase(host); // it is tried there at once
+  events_.push_back(namesake_found{host, known->second.record.full_name});
 }
 
 /// Tells the kernel above once both a way to a host and its record are there.

@@ -18,12 +18,18 @@ void p2p::note_duplicate(const host_record& other, instant now) {
 }
 
 /// The other end of a link answers with our own id.
-void p2p::hear_own_id(const package_header& header, byte_view data, instant now) {
+void p2p::hear_own_id(link_id from, const package_header& header, byte_view data, instant now) {
   if (header.type != package_type::link || header.port != port::host_record)
     return;
   const auto message = decode_host_record_message(data);
-  if (message && message->record.id == self_.id && message->record.magic != self_.magic)
-    note_duplicate(message->record, now);
+  if (!message || message->record.id != self_.id)
+    return;
+  if (message->record.magic != self_.magic)
+    return note_duplicate(message->record, now);
+  if (const auto sought = connections_.at(from).sought) { // we have called ourselves
+    note_elsewhere(*sought);
+    close(from, close_cause::own_id, now);
+  }
 }
 
 void p2p::handle(id_taken& x, instant now) {

@@ -49,6 +49,8 @@ void p2p::on_link_open(link_id link, link_role role, instant now,
   x.opened = x.last_heard = x.last_octets = now;
   x.beat_sent = now - 1h; // never yet
   if (!asked.empty()) {
+    if (asked.mapped().loopback)
+      x.sought = asked.mapped().host;
     on_attempt_ended(asked.mapped(), true, now);
     if (asked.mapped().standing)
       standing_[*asked.mapped().standing].link = link;
@@ -86,8 +88,7 @@ void p2p::accept(connection& from, byte_view request, instant now) {
   else if (decoded->id.value <= 0)
     why = close_cause::bad_id;
   else if (const auto known = hosts_.find(decoded->id);
-           config_.connections.leaf && known != hosts_.end() &&
-           known->second.record.host_name != self_.host_name)
+           config_.connections.leaf && known != hosts_.end() && !is_here(known->second.record))
     why = close_cause::leaf;
   if (!why && !has_room_for(*decoded, now)) {
     why = close_cause::too_many_links;

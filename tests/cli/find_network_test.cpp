@@ -23,7 +23,8 @@ namespace {
 
 /// On the loopback interface, away from the port of real ecologies and of other tests.
 io::udp_group_config local_group() {
-  return {.port = static_cast<std::uint16_t>(21'000 + ::getpid() % 2000), .interface = "127.0.0.1"};
+  return {.port = static_cast<std::uint16_t>(21'000 + ::getpid() % 2000),
+          .interfaces = {"127.0.0.1"}};
 }
 
 /// A peer of some network at some port, driven on a thread of its own.

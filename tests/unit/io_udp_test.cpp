@@ -16,7 +16,7 @@ namespace {
 io::udp_group_config local_group() {
   io::udp_group_config x;
   x.port = 20001;
-  x.interface = "127.0.0.1";
+  x.interfaces = {"127.0.0.1"};
   return x;
 }
 
@@ -49,7 +49,7 @@ TEST_CASE("a datagram that the network does not take is counted", "[io]") {
   CHECK(a.unsent() == 1);
 }
 
-TEST_CASE("a group that cannot be joined is refused with its reason", "[io]") {
+TEST_CASE("a group that can never be joined is refused with its reason", "[io]") {
   io::loop loop;
   auto config = local_group();
   SECTION("no address") {
@@ -58,10 +58,20 @@ TEST_CASE("a group that cannot be joined is refused with its reason", "[io]") {
   SECTION("an address of one machine") {
     config.group = "127.0.0.1";
   }
-  SECTION("no such interface") {
-    config.interface = "192.0.2.1";
+  SECTION("no address of an interface") {
+    config.interfaces = {"eth0"};
   }
   const auto x = io::udp_group::join(loop, config, [](byte_view) {});
   REQUIRE(std::holds_alternative<std::string>(x));
   CHECK(std::get<std::string>(x).starts_with(config.group + ":20001: "));
+}
+
+TEST_CASE("an interface that is not there is waited for", "[io][TCP-02]") {
+  io::loop loop;
+  auto config = local_group();
+  config.interfaces = {"192.0.2.1"};
+  auto x = std::get<io::udp_group>(io::udp_group::join(loop, config, [](byte_view) {}));
+  CHECK(x.trouble().starts_with("227.1.3.5:20001: "));
+  x.send(to_bytes("nobody"));
+  CHECK(x.unsent() == 1);
 }

@@ -333,6 +333,86 @@ TEST_CASE("an answer is for every question about its peer", "[peis][API-12]") {
   CHECK(told[1].way.size() == 3);
 }
 
+TEST_CASE("others learn where a peer listens when its networks change", "[peis][LNK-03][TCP-03]") {
+  world w;
+  w.add_line(3); // the third has no link to the first, and hears no announcements
+  w.add(lan_config_of(4));
+  w.add(lan_config_of(5));
+  w.run_for(10s);
+  const std::vector moved{tcp_address("eth1", false, {10, 1, 0, 9}, 8000)};
+  const auto knows = [&](int who, int whom) {
+    const auto hosts = w.at(peer_id{who}).hosts();
+    return std::ranges::any_of(
+        hosts, [&](const auto* x) { return x->id == peer_id{whom} && x->addresses == moved; });
+  };
+  for (const int whom : {1, 4})
+    w.perform(peer_id{whom}, w.at(peer_id{whom}).set_addresses(moved, w.now()));
+  w.run_for(2s);
+  CHECK(knows(2, 1));                                                    // over their link
+  CHECK(knows(5, 4));                                                    // as announced
+  w.perform(peer_id{1}, w.at(peer_id{1}).set_addresses(moved, w.now())); // no news
+}
+
+TEST_CASE("two computers of one name find each other at their network addresses",
+          "[peis][RTE-08]") {
+  p2p_config config;
+  config.id = peer_id{1};
+  config.host_name = "raspberrypi";
+  config.addresses = {tcp_address("lo", true, {127, 0, 0, 1}, 8000),
+                      tcp_address("eth0", false, {10, 0, 0, 1}, 8000)};
+  config.connections.announces = true;
+  host_record other;
+  other.id = peer_id{2};
+  other.magic = 77;
+  other.host_name = config.host_name;
+  other.full_name = "robot@raspberrypi!5";
+  other.marked = true;
+  other.cluster = 2;
+  other.addresses = {tcp_address("lo", true, {127, 0, 0, 1}, 8000),
+                     tcp_address("eth0", false, {10, 0, 0, 2}, 8000)};
+  const bool is_here = GENERATE(false, true); // a peer of our own that has lost its port to us
+  if (is_here)
+    other.addresses[1] = tcp_address("eth0", false, {10, 0, 0, 1}, 8001);
+  p2p self(config, random_stream(1), instant{});
+  std::vector<std::string> tried;
+  std::size_t told = 0;
+  std::map<link_id, link_id> ends; // of links to ourselves: that is who answers there
+  std::uint64_t links = 0;
+  for (instant at{}; at < instant{20s}; at += 100ms) {
+    if (at.time_since_epoch() % 1s == 0s)
+      self.on_announcement(encode(announcement{500, config.network, other}), at);
+    self.on_time(at);
+    for (auto todo = self.take_events(); !todo.empty(); todo = self.take_events()) {
+      for (auto& x : todo) {
+        told += std::holds_alternative<namesake_found>(x) ? 1 : 0;
+        if (const auto* octets = std::get_if<to_link>(&x); octets && ends.contains(octets->link)) {
+          self.on_link_octets(ends.at(octets->link), octets->octets.view(), at);
+        } else if (const auto* closed = std::get_if<close_link>(&x)) {
+          while (self.serve_next(at)) { // what came before
+          }
+          if (const auto end = ends.extract(closed->link))
+            self.on_link_closed(end.mapped(), at);
+        } else if (const auto* wanted = std::get_if<connect_to>(&x)) {
+          tried.push_back(wanted->url);
+          if (wanted->url.find("127.0.0.1") == std::string::npos)
+            continue;
+          const link_id from{++links};
+          const link_id to{++links};
+          ends = {{from, to}, {to, from}};
+          self.on_link_open(to, link_role::acceptor, at);
+          self.on_link_open(from, link_role::initiator, at, wanted->attempt);
+        }
+      }
+      while (self.serve_next(at)) {
+      }
+    }
+  }
+  REQUIRE(tried.size() > 1);
+  CHECK(tried.front() == "tcp://127.0.0.1:8000");
+  CHECK(tried.back() == (is_here ? "tcp://127.0.0.1:8000" : "tcp://10.0.0.2:8000"));
+  CHECK(told == (is_here ? 0 : 1));
+}
+
 TEST_CASE("a peer hears once that another one has its id", "[peis][RTE-08]") {
   world w;
   w.add(lan_config_of(1));
