@@ -1090,6 +1090,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
       },
       [self](const proxy_status& x) { self->state.counters.add(x.proxy, x.ended); },
       [self](const program_status& x) { on_program(self, x); },
+      [self](const module_status& x) { self->state.counters.add(x.peer, x.counters); },
       [self](const sample_status& x) { on_sample(self, x); },
       [self](take_sample) { on_take_sample(self); },
       [self](const apply_fault& x) {

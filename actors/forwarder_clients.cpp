@@ -41,7 +41,7 @@ void forwarder_clients::on_octets(std::uint64_t number, byte_view octets) {
   for (auto& packet : from.decoder.on_octets(octets))
     from.packets.push_back(std::move(packet));
   if (const auto why = from.decoder.refused(); why != serial::refusal::none) {
-    ++counters_.rude;
+    ++counters_.bad_input;
     to_user_.on_event("closed the connection of " + from.name + ": " + std::string(to_string(why)));
     clients_.erase(number);
     return;

@@ -9,16 +9,18 @@
 #include <string>
 #include <variant>
 
+#include "core/fields.hpp"
 #include "io/tcp_listener.hpp"
 #include "serial/forwarder.hpp"
 
 namespace rubicon {
 
 struct forwarder_counters {
-  std::uint64_t slow = 0;    ///< clients closed because they did not read
-  std::uint64_t rude = 0;    ///< clients closed because of what they sent
-  std::uint64_t refused = 0; ///< clients closed because there were enough
+  std::uint64_t slow = 0;      ///< clients closed because they did not read
+  std::uint64_t bad_input = 0; ///< clients closed because of what they sent
+  std::uint64_t refused = 0;   ///< clients closed because there were enough
 };
+RUBICON_FIELDS(forwarder_counters, slow, bad_input, refused);
 
 /// Each client gets each packet of the sink. Of what clients send, one packet of each is handed out
 /// at a time, and no more is read of one that waits: so none of them is in the way of others.

@@ -8,6 +8,7 @@
 #include "actors/messages/serial.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
+#include "actors/statuses.hpp"
 #include "core/host_port.hpp"
 
 namespace rubicon {
@@ -53,9 +54,7 @@ void send_status(server_pointer self) {
     return;
   const auto& counted = state.clients->counters();
   serial_status status{state.arguments.island, {}};
-  status.serial.lost = {{"forwarder_clients_slow", counted.slow},
-                        {"forwarder_clients_rude", counted.rude},
-                        {"forwarder_clients_refused", counted.refused}};
+  report::add_counters<forwarder_counters>(status.serial.lost, "forwarder_clients", counted);
   self->send(state.arguments.ecology, std::move(status));
 }
 

@@ -335,6 +335,21 @@ void report_counters(gateway_pointer self, bool ends) {
                                      report_of(state.gateway.messages(), state.gateway.offers(),
                                                state.gateway.outstanding(), ends)});
   state.programs.report(self, ecology, state.arguments.name, now(self), ends);
+  report::cause_counts modules;
+  report::add_counters<gateway::gateway_counters>(modules, "gateway", state.gateway.counters());
+  report::add_counters<gateway::directory_counters>(modules, "directory",
+                                                    state.gateway.others().counters());
+  report::add_counters<transport::assembly_counters>(modules, "from_sink",
+                                                     state.gateway.from_sink().counters());
+  report::add_counters<communication::pc_counters>(modules, "pc", state.gateway.pc().counters());
+  report::add_counters<serial::host_port_counters>(modules, "serial", state.port.counters());
+  report::add_counters<serial::frame_counters>(modules, "frames", state.port.frames());
+  report::add_counters<serial::host_port_counters>(modules, "real_serial",
+                                                   state.real_port.counters());
+  report::add_counters<serial::frame_counters>(modules, "real_frames", state.real_port.frames());
+  report::add_counters<gateway::plain_line_counters>(modules, "plain_line", state.plain.counters());
+  add_layer(modules, state.gateway.above());
+  send_modules(self, ecology, state.arguments.name, std::move(modules));
 }
 
 /// @param ends its life does, so it leads no more

@@ -304,6 +304,8 @@ void report_network(mote_pointer self, bool is_alive) {
     status.has_signal = *dbm != mote::node::signal_unknown;
     status.signal_dbm = *dbm;
   }
+  report::add_counters<communication::program_port_counters>(status.network.counters, "programs",
+                                                             self->state.separate.counters());
   self->send(arguments.ecology, std::move(status));
 }
 

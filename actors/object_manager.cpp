@@ -9,6 +9,7 @@
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
 #include "actors/object_proxy.hpp"
+#include "actors/statuses.hpp"
 #include "core/interface_keys.hpp"
 #include "scheduler/spawn.hpp"
 
@@ -35,7 +36,8 @@ struct performer {
     log(self, spdlog::level::info, "event=started proxy={} class={}", name, x.class_name);
     state.proxies[{x.percept.channel, x.percept.hardware_id}] =
         scheduler::spawn_at<scheduler::monitored>(self, "proxy/" + name, object_proxy_behavior,
-                                                  std::move(core), state.peer, state.ecology);
+                                                  std::move(core), state.peer_name, state.peer,
+                                                  state.ecology);
   }
 
   void operator()(const proxy::unknown_object& x) const {
@@ -82,12 +84,22 @@ void on_classes(manager_pointer self) {
   state.classes_wake.follow(self, proxy::next_known(state.classes, now(self)));
 }
 
+void send_status(manager_pointer self) {
+  const auto& state = self->state;
+  report::cause_counts modules;
+  report::add_counters<proxy::object_manager_counters>(modules, "object_manager",
+                                                       state.manager.counters());
+  send_modules(self, state.ecology, state.peer_name, std::move(modules));
+}
+
 } // namespace
 
 timed_peer_app_actor::behavior_type object_manager(manager_pointer self,
                                                    std::vector<proxy::proxy_class> classes,
-                                                   peis_peer_actor peer, ecology_actor ecology) {
+                                                   std::string peer_name, peis_peer_actor peer,
+                                                   ecology_actor ecology) {
   auto& state = self->state;
+  state.peer_name = std::move(peer_name);
   state.classes = std::move(classes);
   state.manager = proxy::object_manager(proxy::known_at(state.classes, now(self)));
   state.classes_wake.follow(self, proxy::next_known(state.classes, now(self)));
@@ -95,6 +107,7 @@ timed_peer_app_actor::behavior_type object_manager(manager_pointer self,
   state.ecology = std::move(ecology);
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
   self->set_exit_handler([self](const caf::exit_msg& x) {
+    send_status(self);
     for (const auto& [object, handle] : self->state.proxies)
       self->send_exit(handle, x.reason); // they are of the same process
     self->quit(x.reason);
@@ -109,6 +122,7 @@ timed_peer_app_actor::behavior_type object_manager(manager_pointer self,
       [](const peis_message&) {},
       [](const peis_outcome&) {},
       [self](status_request x) {
+        send_status(self);
         for (const auto& [object, handle] : self->state.proxies)
           self->send(handle, x);
       },

@@ -28,6 +28,7 @@ struct object_manager_state {
   std::map<object, timed_peer_app_actor> proxies;
   std::set<object> ended; ///< proxies that have, until they are started again
   std::optional<instant> restart_at;
+  std::string peer_name; ///< in the report
   peis_peer_actor peer;
   ecology_actor ecology;
   timer wake;
@@ -36,7 +37,7 @@ struct object_manager_state {
 
 timed_peer_app_actor::behavior_type
 object_manager(scheduler::actor_pointer<object_manager_state, timed_peer_app_actor> self,
-               std::vector<proxy::proxy_class> classes, peis_peer_actor peer,
+               std::vector<proxy::proxy_class> classes, std::string peer_name, peis_peer_actor peer,
                ecology_actor ecology);
 
 } // namespace rubicon

@@ -6,6 +6,7 @@
 #include "actors/messages/peis.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
+#include "actors/statuses.hpp"
 
 namespace rubicon {
 
@@ -50,16 +51,19 @@ void send_status(proxy_pointer self) {
   r.status = core.is_active() ? "active" : "lost";
   r.values.assign(core.values().begin(), core.values().end());
   self->send(self->state.ecology, proxy_status{std::move(r)});
+  report::cause_counts modules;
+  report::add_counters<proxy::object_counters>(modules, "object", core.counters());
+  send_modules(self, self->state.ecology, self->state.peer_name, std::move(modules));
 }
 
 } // namespace
 
-timed_peer_app_actor::behavior_type object_proxy_behavior(proxy_pointer self,
-                                                          proxy::object_proxy core,
-                                                          peis_peer_actor peer,
-                                                          ecology_actor ecology) {
+timed_peer_app_actor::behavior_type
+object_proxy_behavior(proxy_pointer self, proxy::object_proxy core, std::string peer_name,
+                      peis_peer_actor peer, ecology_actor ecology) {
   auto& state = self->state;
   state.core = std::move(core);
+  state.peer_name = std::move(peer_name);
   state.peer = std::move(peer);
   state.ecology = std::move(ecology);
   perform(self, state.core.start(now(self)));

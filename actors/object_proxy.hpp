@@ -1,6 +1,8 @@
 // A proxy of a tagged object: what interfaces perceive of it, in tuples that everybody understands.
 #pragma once
 
+#include <string>
+
 #include "actors/messages/peis.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
@@ -12,6 +14,7 @@ namespace rubicon {
 struct object_proxy_state {
 
   proxy::object_proxy core;
+  std::string peer_name; ///< in the report
   peis_peer_actor peer;
   ecology_actor ecology;
   timer wake;
@@ -19,6 +22,7 @@ struct object_proxy_state {
 
 timed_peer_app_actor::behavior_type
 object_proxy_behavior(scheduler::actor_pointer<object_proxy_state, timed_peer_app_actor> self,
-                      proxy::object_proxy core, peis_peer_actor peer, ecology_actor ecology);
+                      proxy::object_proxy core, std::string peer_name, peis_peer_actor peer,
+                      ecology_actor ecology);
 
 } // namespace rubicon

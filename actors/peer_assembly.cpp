@@ -195,7 +195,8 @@ struct peer_app_spawner {
     add(peer.managers.back());
     if (x.objects)
       add(spawn_child(*self->state.pcs, self, "object_manager/" + peer.name, object_manager,
-                      self->state.description.proxies, peer.handle, ecology_handle(self)));
+                      self->state.description.proxies, peer.name, peer.handle,
+                      ecology_handle(self)));
   }
 
   void operator()(const proxy::rules_config& x) const {

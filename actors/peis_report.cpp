@@ -90,8 +90,12 @@ void send_status(peer_pointer self) {
   peer.peis.tuples = peer.tuples;
   peer.peis.lost = packages_lost(state);
   add_limits(peer.limits, all_counted);
+  report::add_counters<peis::p2p_counters>(peer.counters, "network", counted);
+  report::add_counters<peis::tuple_counters>(peer.counters, "tuples", all_counted.tuples);
+  report::add_counters<peis::kernel_counters>(peer.counters, "kernel", all_counted);
   if (state.real != nullptr) {
     const auto at_links = state.real->links().counters();
+    report::add_counters<peer::links_counters>(peer.counters, "tcp", at_links);
     if (at_links.refused > 0)
       peer.limits["connections_refused"] = at_links.refused;
     if (at_links.foreign > 0)

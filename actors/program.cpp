@@ -4,6 +4,7 @@
 
 #include "actors/messages/common.hpp"
 #include "actors/messages/programs.hpp"
+#include "actors/statuses.hpp"
 
 namespace rubicon {
 
@@ -35,6 +36,11 @@ bool runs(program_pointer self) {
 void send_status(program_pointer self, bool ended) {
   const auto& arguments = *self->state.arguments;
   self->state.programs.report(self, arguments.ecology, arguments.mote, own_time(self), ended);
+  report::cause_counts modules;
+  if (self->state.process != nullptr)
+    report::add_counters<communication::remote_counters>(modules, "programs",
+                                                         self->state.process->counters());
+  send_modules(self, arguments.ecology, arguments.mote, std::move(modules));
 }
 
 /// What this life has counted must not go with it.

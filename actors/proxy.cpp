@@ -6,6 +6,7 @@
 #include "actors/messages/programs.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
+#include "actors/statuses.hpp"
 #include "peis/meta_tuple.hpp"
 
 namespace rubicon {
@@ -173,6 +174,12 @@ void send_status(proxy_pointer self, bool ends) {
   }
   const auto& given = self->state.arguments;
   self->send(given.ecology, proxy_status{std::move(r), ends});
+  report::cause_counts modules;
+  report::add_counters<proxy::proxy_counters>(modules, "proxy", counted);
+  if (self->state.streams.process)
+    report::add_counters<communication::remote_counters>(modules, "programs",
+                                                         self->state.streams.process->counters());
+  send_modules(self, given.ecology, given.peer_name, std::move(modules));
   self->state.streams.programs.report(self, given.ecology, given.peer_name, now(self), ends);
 }
 

@@ -11,6 +11,7 @@
 #include "actors/messages/programs.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/proxy.hpp"
+#include "actors/statuses.hpp"
 #include "scheduler/spawn.hpp"
 
 namespace rubicon {
@@ -202,6 +203,14 @@ void on_change(manager_pointer self, const change_class& x) {
       self->send(handle, x);
 }
 
+void send_status(manager_pointer self) {
+  report::cause_counts modules;
+  report::add_counters<proxy::manager_counters>(modules, "proxy_manager",
+                                                self->state.manager.counters());
+  send_modules(self, self->state.arguments.ecology, self->state.arguments.peer_name,
+               std::move(modules));
+}
+
 } // namespace
 
 proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
@@ -212,6 +221,7 @@ proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
   state.classes_wake.follow(self, proxy::next_known(state.arguments.classes, now(self)));
   self->set_down_handler([self](const caf::down_msg& x) { on_down(self, x); });
   self->set_exit_handler([self](const caf::exit_msg& x) {
+    send_status(self);
     for (const auto& [mote, handle] : self->state.proxies)
       self->send_exit(handle, x.reason); // they are of the same process
     self->quit(x.reason);
@@ -231,6 +241,7 @@ proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
           on_classes(self);
       },
       [self](status_request x) {
+        send_status(self);
         for (const auto& [mote, handle] : self->state.proxies)
           self->send(handle, x);
       },

@@ -40,7 +40,19 @@ public:
   void on_commands(const program_commands& x) { all_.at(x.number).port->on_commands(x.batch); }
 
   /// What it has open is closed. @pre contains(number)
-  void leave(std::uint32_t number) { all_.extract(number).mapped().port->leave(); }
+  void leave(std::uint32_t number) {
+    auto leaving = all_.extract(number);
+    leaving.mapped().port->leave();
+    gone_ += leaving.mapped().port->counters();
+  }
+
+  /// Of all that were ever attached.
+  [[nodiscard]] communication::program_port_counters counters() const {
+    auto sum = gone_;
+    for (const auto& [number, x] : all_)
+      sum += x.port->counters();
+    return sum;
+  }
 
   template <class Self>
   void send_events(Self* self) {
@@ -63,6 +75,7 @@ private:
   };
 
   std::map<std::uint32_t, attached> all_; ///< by their numbers
+  communication::program_port_counters gone_;
 };
 
 } // namespace rubicon

@@ -48,6 +48,7 @@ report::serial_report counted(const serial_line_state& x) {
   report::serial_report sum;
   for (const auto towards : {serial::direction::to_pc, serial::direction::to_mote}) {
     const auto& lane = x.line.counters(towards);
+    sum.octets_written += lane.written;
     sum.octets += lane.arrived;
     sum.lost["line_overflow_octets"] += lane.overflow;
     sum.lost["unplugged_octets"] += lane.unplugged;

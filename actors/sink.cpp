@@ -128,6 +128,9 @@ void send_status(sink_pointer self, bool is_alive) {
     network.has_clock = false;
     network.channels.clear();
   }
+  for (const auto& port : self->state.ports)
+    report::add_counters<serial::mote_port_counters>(network.network.counters, "serial",
+                                                     port.counters());
   self->send(self->state.arguments.ecology, std::move(network));
 }
 

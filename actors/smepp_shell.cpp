@@ -38,7 +38,7 @@ smepp_status status_of(island_id island, const smepp::node& x, life_state state)
     r.joins += program.joins;
     r.joins_failed += program.joins_failed;
     r.commands_failed += program.refused;
-    report::add_counters(r.counters, "member", program);
+    report::add_counters<smepp::member_counters>(r.counters, "member", program);
   }
   r.frames = peer.counters().frames_sent;
   r.octets = peer.counters().octets_sent;
@@ -52,10 +52,10 @@ smepp_status status_of(island_id island, const smepp::node& x, life_state state)
     r.events_open = waiting;
   r.refused = peer.keys().counters().refused;
   r.state_octets = peer.footprint();
-  report::add_counters(r.counters, "events", events);
-  report::add_counters(r.counters, "groups", peer.groups().counters());
-  report::add_counters(r.counters, "peer", peer.counters());
-  report::add_counters(r.counters, "security", peer.keys().counters());
+  report::add_counters<smepp::event_counters>(r.counters, "events", events);
+  report::add_counters<smepp::group_counters>(r.counters, "groups", peer.groups().counters());
+  report::add_counters<smepp::peer_counters>(r.counters, "peer", peer.counters());
+  report::add_counters<smepp::security_counters>(r.counters, "security", peer.keys().counters());
   return status;
 }
 

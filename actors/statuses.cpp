@@ -53,13 +53,15 @@ network_status status_of(mote_address address, const mote::packet_service& x, in
   r.channels_opened = paths.connected;
   r.channels_flooded = paths.floods;
   r.channels_broken = paths.broken;
-  report::add_counters(r.counters, "channels", paths);
-  report::add_counters(r.counters, "coordinates", router.place().counters());
-  report::add_counters(r.counters, "neighbours", router.links().counters());
-  report::add_counters(r.counters, "packets", packets);
-  report::add_counters(r.counters, "packet_service", x.counters());
-  report::add_counters(r.counters, "router", router.counters());
-  report::add_counters(r.counters, "tree", router.tree().counters());
+  report::add_counters<network::channels_counters>(r.counters, "channels", paths);
+  report::add_counters<network::coordinates_counters>(r.counters, "coordinates",
+                                                      router.place().counters());
+  report::add_counters<network::neighbours_counters>(r.counters, "neighbours",
+                                                     router.links().counters());
+  report::add_counters<network::collection_counters>(r.counters, "packets", packets);
+  report::add_counters<mote::packet_service_counters>(r.counters, "packet_service", x.counters());
+  report::add_counters<network::router_counters>(r.counters, "router", router.counters());
+  report::add_counters<network::gradient_counters>(r.counters, "tree", router.tree().counters());
   return status;
 }
 
@@ -81,6 +83,8 @@ report::radio_report report_of(const radio::radio_counters& x) {
   });
   r.mac_open = x.requests.open;
   r.transmissions = x.transmissions;
+  r.acks = x.acks;
+  r.acks_received = x.acks_received;
   return r;
 }
 
@@ -101,6 +105,14 @@ report::message_report report_of(const transport::messenger_counters& x,
   r.received = x.received;
   r.duplicates = x.duplicates;
   return r;
+}
+
+void add_layer(report::cause_counts& to, const communication::layer& x) {
+  report::add_counters<communication::layer_counters>(to, "layer", x.counters());
+  report::add_counters<stream::streams_counters>(to, "streams", x.streams().counters());
+  report::add_counters<synaptic::channels_counters>(to, "synaptic", x.synaptic().counters());
+  report::add_counters<transport::messenger_counters>(to, "transport", x.messages().counters());
+  report::add_counters<transport::tunnels_counters>(to, "tunnels", x.tunnels().counters());
 }
 
 message_status messages_of(mote_address who, const communication::layer& x, bool ended) {
@@ -134,7 +146,6 @@ packet_losses losses_of(const mote::sink& x) {
 
 network_status status_of(mote_address address, const mote::node& x, instant own, instant now) {
   auto status = status_of(address, x.packets(), own, now);
-  const auto& above = x.above().counters();
   auto& r = status.network;
   r.synchronised = status.has_clock ? 1 : 0;
   r.aligned = status.has_network_time ? 1 : 0;
@@ -146,11 +157,8 @@ network_status status_of(mote_address address, const mote::node& x, instant own,
   }
   r.state_octets = x.footprint();
   r.lost = lost_of(losses_of(x));
-  report::add_counters(r.counters, "layer", above);
-  report::add_counters(r.counters, "node", x.counters());
-  report::add_counters(r.counters, "streams", x.above().streams().counters());
-  report::add_counters(r.counters, "synaptic", x.above().synaptic().counters());
-  report::add_counters(r.counters, "transport", x.above().messages().counters());
+  report::add_counters<mote::node_counters>(r.counters, "node", x.counters());
+  add_layer(r.counters, x.above());
   return status;
 }
 
@@ -158,9 +166,12 @@ network_status status_of(mote_address address, const mote::sink& x, instant own,
   auto status = status_of(address, x.packets(), own, now);
   status.is_sink = true;
   status.network.lost = lost_of(losses_of(x));
-  report::add_counters(status.network.counters, "registrar", x.joining());
-  report::add_counters(status.network.counters, "sink", x.counters());
-  report::add_counters(status.network.counters, "slots", x.slots().counters());
+  report::add_counters<mote::registrar_counters>(status.network.counters, "registrar", x.joining());
+  report::add_counters<mote::sink_counters>(status.network.counters, "sink", x.counters());
+  report::add_counters<network::time_reference_counters>(status.network.counters, "time",
+                                                         x.time().counters());
+  report::add_counters<mote::slot_table_counters>(status.network.counters, "slots",
+                                                  x.slots().counters());
   return status;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "actors/messages/supervision.hpp"
 #include "core/fields.hpp"
@@ -29,6 +30,18 @@ namespace rubicon {
 /// The same of a whole node.
 [[nodiscard]] message_status messages_of(mote_address who, const communication::layer& x,
                                          bool ended);
+
+/// What the Communication Layer of a node has counted, module by module.
+void add_layer(report::cause_counts& to, const communication::layer& x);
+
+/// Sends what modules of a node have counted in one life, if that is anything.
+/// @param who the node's name in the report
+template <class Self>
+void send_modules(Self* self, const ecology_actor& ecology, const std::string& who,
+                  report::cause_counts x) {
+  if (!x.empty())
+    self->send(ecology, module_status{who, std::move(x)});
+}
 
 /// What of a mote's or a sink's packets and channels has gone nowhere, by cause.
 struct packet_losses {

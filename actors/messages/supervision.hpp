@@ -154,6 +154,13 @@ struct program_status {
 };
 RUBICON_FIELDS(program_status, program, number, measured, streams);
 
+/// What a module of a gateway or PC has counted, in one life.
+struct module_status {
+  std::string peer; ///< its name
+  report::cause_counts counters;
+};
+RUBICON_FIELDS(module_status, peer, counters);
+
 /// Answers a status_request for a sample.
 struct sample_status {
   std::uint64_t sample = 0;
@@ -201,8 +208,8 @@ struct ecology_interface
     : takes<notable_event, mote_flat, listing_changed, radio_status, energy_status, flow_status,
             message_status, network_status, smepp_status, serial_status, real_line_status,
             devices_status, gateway_status, peer_status, proxy_status, program_status,
-            sample_status, start_component, stop_component, actor_failed, request_unmet,
-            store_written, radio_left, outside_link_changed, debug_wanted> {};
+            module_status, sample_status, start_component, stop_component, actor_failed,
+            request_unmet, store_written, radio_left, outside_link_changed, debug_wanted> {};
 using ecology_actor = ref<ecology_interface>;
 
 /// To itself: this fault of the description's plan is due.

@@ -13,6 +13,7 @@
 #include "communication/layer.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "synaptic/rubicon_clock.hpp"
@@ -50,6 +51,7 @@ struct pc_counters {
   std::uint64_t misdirected = 0; ///< for a mote
   std::uint64_t no_transducer = 0;
 };
+RUBICON_FIELDS(pc_counters, malformed, misdirected, no_transducer);
 
 /// Its address is its PEIS id as island, no_mote as mote. The RUBICON clock ticks at multiples of
 /// its period in the time that peers share, and T is their number (32 bits): so it does in all

@@ -10,6 +10,7 @@
 #include "communication/interface.hpp"
 #include "communication/layer.hpp"
 #include "communication/remote_messages.hpp"
+#include "core/fields.hpp"
 
 namespace rubicon::communication {
 
@@ -18,6 +19,7 @@ struct program_port_counters {
   std::uint64_t dropped =
       0; ///< ticks, vectors and messages for a program that takes too few events
 };
+RUBICON_FIELDS(program_port_counters, refused, dropped);
 
 /// Carries out the program's commands in its node's layer, and makes events for it of what the
 /// layer tells. A program that does not take its events for long gets no reliable messages, as

@@ -15,6 +15,7 @@
 #include "communication/interface.hpp"
 #include "communication/process.hpp"
 #include "communication/remote_messages.hpp"
+#include "core/fields.hpp"
 
 namespace rubicon::communication {
 
@@ -24,6 +25,7 @@ struct remote_counters {
   std::uint64_t no_room = 0;     ///< of them, because too many were in flight
   std::uint64_t bad_reads = 0;   ///< read_input() without a value (A-07)
 };
+RUBICON_FIELDS(remote_counters, refused, before_join, no_room, bad_reads);
 
 /// Answers commands at once by what it knows of the program's streams and channels, and of the
 /// node's tables. program_port at the node carries them out, and refuses what only the node knows.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/address.hpp"
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "gateway/announcement.hpp"
@@ -27,6 +28,7 @@ struct directory_counters {
   std::uint64_t foreign = 0; ///< broadcasts on the port that are no announcement of our kind
   std::uint64_t refused = 0; ///< no room for another gateway
 };
+RUBICON_FIELDS(directory_counters, heard, foreign, refused);
 
 struct known_gateway {
   peer_id peer;

@@ -340,7 +340,7 @@ void gateway::publish_output(const transport::received& x, outputs& out) {
     note_loss(loss::not_listed);
     return;
   }
-  ++counters_.outputs;
+  ++counters_.outputs_published;
   note_arrival(message_kind::message, x.source);
   listed->second.output_channels.insert(x.am_type);
   out.emplace_back(publish{device_output_key(x.source.mote, x.am_type), x.payload, false});

@@ -17,6 +17,7 @@
 #include "communication/pc.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
@@ -133,15 +134,15 @@ struct gateway_config {
 };
 
 struct gateway_counters {
-  std::uint64_t malformed = 0;       ///< packets or messages that could not be decoded
-  std::uint64_t unknown_type = 0;    ///< serial packets of a type that has no business here
-  std::uint64_t devices_refused = 0; ///< joins of motes for which there is no room
-  std::uint64_t outputs = 0;         ///< messages of motes published
-  std::uint64_t inputs = 0;          ///< tuple writes taken for motes
-  std::uint64_t inputs_refused = 0;  ///< no room for another channel
-  std::uint64_t forwarded_out = 0;   ///< messages of the island sent to other gateways
-  std::uint64_t forwarded_in = 0;    ///< messages of other islands sent down
-  std::uint64_t undeliverable = 0;   ///< for motes that are not listed, or for nobody here
+  std::uint64_t malformed = 0;         ///< packets or messages that could not be decoded
+  std::uint64_t unknown_type = 0;      ///< serial packets of a type that has no business here
+  std::uint64_t devices_refused = 0;   ///< joins of motes for which there is no room
+  std::uint64_t outputs_published = 0; ///< messages of motes published
+  std::uint64_t inputs = 0;            ///< tuple writes taken for motes
+  std::uint64_t inputs_refused = 0;    ///< no room for another channel
+  std::uint64_t forwarded_out = 0;     ///< messages of the island sent to other gateways
+  std::uint64_t forwarded_in = 0;      ///< messages of other islands sent down
+  std::uint64_t undeliverable = 0;     ///< for motes that are not listed, or for nobody here
   std::uint64_t unsayable = 0; ///< messages from or to a gateway of the strict form that it does
                                ///< not know: reliable ones, streams, synaptic channels
   std::uint64_t requests = 0;  ///< to motes, of what they are to send
@@ -151,6 +152,9 @@ struct gateway_counters {
   std::uint64_t relayed_out = 0;  ///< messages and inputs passed on to the gateway that leads
   std::uint64_t relayed_in = 0;   ///< the same, taken from others
 };
+RUBICON_FIELDS(gateway_counters, malformed, unknown_type, devices_refused, outputs_published,
+               inputs, inputs_refused, forwarded_out, forwarded_in, undeliverable, unsayable,
+               requests, requests_failed, plain_inputs, bad_periods, relayed_out, relayed_in);
 
 class device_messages;
 
@@ -247,6 +251,8 @@ public:
   [[nodiscard]] communication::layer_counters offers() const;
   [[nodiscard]] const leadership& lead() const { return lead_; }
   [[nodiscard]] const communication::layer& above() const { return pc_.above(); }
+  [[nodiscard]] const communication::pc& pc() const { return pc_; }
+  [[nodiscard]] const transport::assembly& from_sink() const { return fragments_; }
 
 private:
   struct device {

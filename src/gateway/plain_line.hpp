@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "gateway/plain_motes.hpp"
 #include "gateway/plain_rule.hpp"
@@ -37,6 +38,7 @@ struct plain_line_counters {
   std::uint64_t inputs_sent = 0;
   std::map<std::string, std::uint64_t> inputs_failed; ///< no_ack, queue_full, refused
 };
+RUBICON_FIELDS(plain_line_counters, packets, taken, dropped, inputs, inputs_sent, inputs_failed);
 
 /// Packets are serial active messages, or raw frames of 802.15.4 from a base station that says
 /// those; it is then spoken to in the same way.

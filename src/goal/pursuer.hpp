@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/address.hpp"
+#include "core/fields.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "goal/pursuer_config.hpp"
@@ -75,6 +76,7 @@ struct pursuer_counters {
   std::uint64_t timeouts = 0;
   std::uint64_t unknown = 0;
 };
+RUBICON_FIELDS(pursuer_counters, goals, succeeded, failed, preempted, timeouts, unknown);
 
 /// Pursues one goal at a time, by going through its states:
 ///

@@ -6,6 +6,7 @@
 #include <deque>
 #include <optional>
 
+#include "core/fields.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::network {
@@ -32,6 +33,7 @@ struct time_reference_counters {
   std::uint64_t strays = 0;   ///< answers to no question, or to an earlier one
   std::uint64_t leaps = 0;    ///< lines begun anew
 };
+RUBICON_FIELDS(time_reference_counters, asked, answered, good, slow, doubtful, strays, leaps);
 
 /// Two-way exchanges, as NTP and PTP have them. Question and answer are equally long, so that a
 /// good answer was true in the middle between them: what the shortest round trip of late does not

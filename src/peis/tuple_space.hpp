@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/error.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "peis/neighbour_budget.hpp"
 #include "peis/push_window.hpp"
@@ -100,6 +101,13 @@ struct tuple_counters {
   std::uint64_t append_gaps_given_up = 0; ///< the owner did not send the whole value
   std::uint64_t bad_meta_tuples = 0;      ///< followed, but their text says nothing (META-01)
 };
+RUBICON_FIELDS(tuple_counters, tuples, subscriptions, subscribers, subscribers_octets, held_octets,
+               written_octets, pushes_octets, debtors, steps, sets, remote_sets, pushes_sent,
+               pushes_received, pushes_retried, pushes_given_up, pushes_deferred, resyncs, expired,
+               appends, append_notices_sent, append_notices_received, appends_collapsed,
+               append_gaps, malformed, unwanted, outdated, refused, absent_forgotten, overflow,
+               subscribers_refused, strangers_refused, orphans_removed, stale_removed,
+               appends_refused, append_gaps_given_up, bad_meta_tuples);
 
 /// Knows which hosts are there (on_host_appeared, on_host_vanished), but neither links nor routes.
 class tuple_space {

@@ -13,6 +13,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/device_keys.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "proxy/class_table.hpp"
 #include "proxy/proxy.hpp"
@@ -54,6 +55,8 @@ struct manager_counters {
   std::uint64_t foreign_tuples = 0; ///< tuples that are none of these: dropped
   std::uint64_t motes_refused = 0;  ///< percepts of motes beyond motes_max: dropped
 };
+RUBICON_FIELDS(manager_counters, started, stopped, bad_lists, bad_types, bad_statuses,
+               foreign_tuples, motes_refused);
 
 /// Starts one proxy for every listed mote whose type a class claims, and tells proxies whether
 /// their motes are there (PXY-09, 10, 15, 16). A percept consumed by a running proxy starts none:

@@ -12,6 +12,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "proxy/class_table.hpp"
 #include "proxy/interface_choice.hpp"
@@ -36,6 +37,7 @@ struct object_manager_counters {
   std::uint64_t foreign_tuples = 0; ///< tuples of no interface: dropped
   std::uint64_t refused = 0;        ///< objects or interfaces beyond the limits: dropped
 };
+RUBICON_FIELDS(object_manager_counters, started, bad_lists, foreign_tuples, refused);
 
 /// Listens to the lists of all interfaces, whoever owns them, and starts one proxy for every object
 /// that a class claims. The proxy itself finds out who perceives it, and outlives its absence.

@@ -12,6 +12,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "proxy/interface_choice.hpp"
 #include "proxy/proxy.hpp"
@@ -34,6 +35,8 @@ struct object_counters {
   std::uint64_t foreign_tuples = 0; ///< not about this object: dropped
   std::uint64_t bad_keys = 0;       ///< own keys over the limits: not published
 };
+RUBICON_FIELDS(object_counters, percepts, switches, short_memories, bad_values, foreign_tuples,
+               bad_keys);
 
 /// Own tuples, below the class's prefix, in which {name}, {id} and {channel} stand for the object:
 ///   status, status.cause, status.since   `active`, or `lost` because `not_perceived`

@@ -17,6 +17,7 @@
 #include "core/bytes.hpp"
 #include "core/delay_histogram.hpp"
 #include "core/device_keys.hpp"
+#include "core/fields.hpp"
 #include "core/latency_estimate.hpp"
 #include "core/running_mean.hpp"
 #include "core/time.hpp"
@@ -96,6 +97,9 @@ struct proxy_counters {
   std::uint64_t bad_keys = 0;        ///< own keys over the limits: not published
   std::uint64_t foreign_names = 0;   ///< what a program says that is not in its names(): dropped
 };
+RUBICON_FIELDS(proxy_counters, requested, acknowledged, sent, slowest, latency, failed, messages,
+               short_messages, unread_messages, bad_statuses, foreign_tuples, bad_keys,
+               foreign_names);
 
 /// One mote's face. It speaks tuples alone: raw ones with the mote's gateway, readable ones with
 /// the ecology (PXY-04, 05, 06, 12, 14).

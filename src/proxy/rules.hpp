@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "proxy/rules_config.hpp"
 
@@ -34,16 +35,9 @@ struct write_counters {
   std::uint64_t replaced = 0; ///< by another one, before its owner had it
   std::uint64_t lost = 0;     ///< its owner was away, or went away with it
 
-  write_counters& operator+=(const write_counters& x) {
-    writes += x.writes;
-    accepted += x.accepted;
-    refused += x.refused;
-    replaced += x.replaced;
-    lost += x.lost;
-    return *this;
-  }
   friend bool operator==(const write_counters&, const write_counters&) = default;
 };
+RUBICON_FIELDS(write_counters, writes, accepted, refused, replaced, lost);
 
 struct rules_counters {
   std::uint64_t values = 0;     ///< numbers that a rule watches
@@ -53,6 +47,7 @@ struct rules_counters {
   std::uint64_t repeats = 0; ///< of them those because one before had failed
   std::uint64_t missed = 0;  ///< times of day at which the rules were away, and too old since
 };
+RUBICON_FIELDS(rules_counters, values, bad_values, unwatched, writes, repeats, missed);
 
 /// What an owner's kernel has made of a write.
 enum class write_end : std::uint8_t {

@@ -90,7 +90,9 @@ components::figures rules_component::figures() const {
   add_all("", sum, true);
   add("repeats", rules_.counters().repeats);
   add("times missed", rules_.counters().missed);
+  add("values", rules_.counters().values);
   add("unread values", rules_.counters().bad_values);
+  add("unwatched keys", rules_.counters().unwatched);
   const auto& each = rules_.counters_of_rules();
   for (std::size_t i = 0; each.size() > 1 && i < each.size(); ++i)
     add_all("rule " + std::to_string(i + 1) + ' ', each[i], false);

@@ -21,7 +21,8 @@ namespace rubicon::report {
 using cause_counts = std::map<std::string, std::uint64_t>;
 
 /// Adds the counters of a module to those of others, each as `module.name`, those by cause as
-/// `module.name.cause`, unless it is 0.
+/// `module.name.cause`, unless it is 0. What is no count is left out. The struct is always named:
+/// tests/architecture/counters_shown looks for it.
 template <described Counters>
 void add_counters(cause_counts& sum, const std::string& module, const Counters& x) {
   const auto add = [&sum](const std::string& name, std::uint64_t count) {
@@ -32,7 +33,7 @@ void add_counters(cause_counts& sum, const std::string& module, const Counters& 
     const auto name = module + '.' + std::string(field);
     if constexpr (std::is_convertible_v<decltype(counted), std::uint64_t>)
       add(name, counted);
-    else
+    else if constexpr (requires { counted.begin()->second > 0; })
       for (const auto& [cause, count] : counted)
         add(name + '.' + cause, count);
   });
@@ -58,11 +59,14 @@ struct radio_report {
   cause_counts mac_failed;         ///< `no_ack`, `channel_access_failure`, `queue_full`, `aborted`
   std::uint64_t mac_open = 0;      ///< requests not finished when the run ended
   std::uint64_t transmissions = 0; ///< frames put on the air, retries and acknowledgements included
+  std::uint64_t acks = 0;          ///< of these, acknowledgements
+  std::uint64_t acks_received = 0; ///< [copies] of `delivered` that were acknowledgements
 };
 RUBICON_FIELDS(radio_report, sent, delivered, lost, requests, mac_sent, mac_failed, mac_open,
-               transmissions);
+               transmissions, acks, acks_received);
 
 struct serial_report {
+  std::uint64_t octets_written = 0;  ///< [octets] given to the cables by their ends
   std::uint64_t octets = 0;          ///< [octets] carried by the cables, both ways
   std::uint64_t octets_up = 0;       ///< [octets] of these, towards the PCs
   std::uint64_t frames_sent = 0;     ///< by either end, acknowledgements and repeats included
@@ -71,7 +75,8 @@ struct serial_report {
   /// counts octets
   cause_counts lost;
 };
-RUBICON_FIELDS(serial_report, octets, octets_up, frames_sent, frames_received, lost);
+RUBICON_FIELDS(serial_report, octets_written, octets, octets_up, frames_sent, frames_received,
+               lost);
 
 /// The line to a real base station beside a simulated sink. Each packet that came and each input
 /// for a mote behind it has one end: packets = taken + sum of dropped, inputs = inputs_sent + sum
@@ -388,9 +393,18 @@ struct peer_report {
   /// all it wants was looked at again), `pushes_given_up`, `absent_forgotten` (hosts whose
   /// subscriptions were kept for their return, and no longer); none that is 0
   cause_counts limits = {};
+  cause_counts counters = {}; ///< all that its kernel counts, `part.name`; none that is 0
 };
 RUBICON_FIELDS(peer_report, id, name, links, hosts_known, tuples, peis, alive, incarnations,
-               links_opened, links_closed, attempts, attempts_failed, cluster, limits);
+               links_opened, links_closed, attempts, attempts_failed, cluster, limits, counters);
+
+/// What the modules of a gateway or PC count: its gateway, proxies and their managers, rules,
+/// tunnels. In all their lives.
+struct module_report {
+  std::string who;       ///< its peer
+  cause_counts counters; ///< `module.name`; none that is 0
+};
+RUBICON_FIELDS(module_report, who, counters);
 
 /// Packets of the measuring apps from one mote to another, counted from the origin's request to its
 /// MAC to delivery.
@@ -520,6 +534,7 @@ struct run_report {
   std::vector<proxy_report> proxies;    ///< ascending by name
   std::vector<flow_report> flows;       ///< ascending by from, then to
   std::vector<program_report> programs; ///< ascending by node
+  std::vector<module_report> modules;   ///< of gateways and PCs, ascending by name
   std::vector<stream_report> streams;   ///< ascending by reader, then number
   message_report pc_messages;           ///< of programs on PCs that are no gateways
   carried_report
@@ -545,7 +560,7 @@ struct run_report {
   [[nodiscard]] double used_mah() const;
 };
 RUBICON_FIELDS(run_report, ecology, seed, mode, simulated, wall_s, events, trace_hash, interrupted,
-               complete, reason, actors, islands, peers, proxies, flows, programs, streams,
+               complete, reason, actors, islands, peers, proxies, flows, programs, modules, streams,
                pc_messages, tunnels, losses, event_log, event_log_left_out, violations,
                expectations);
 

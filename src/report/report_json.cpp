@@ -259,6 +259,7 @@ std::string to_json(const run_report& x) {
       {"proxies", array_of(x.proxies)},
       {"flows", array_of(x.flows)},
       {"programs", array_of(x.programs)},
+      {"modules", array_of(x.modules)},
       {"streams", array_of(x.streams)},
       {"expectations", array_of(x.expectations)},
       {"event_log", array_of(x.event_log)},

@@ -73,6 +73,11 @@ void run_counters::add(mote_address who, bool is_pc, const message_report& x) {
   (is_pc ? all_.pcs : all_.messages)[who] += x;
 }
 
+void run_counters::add(const std::string& peer, const cause_counts& x) {
+  if (!x.empty())
+    add_to(all_.modules[peer], x);
+}
+
 void run_counters::take(const message_ledger& x) {
   all_.accounts.clear();
   all_.losses.clear();
@@ -191,6 +196,8 @@ void run_counters::add(const unsettled_counters& x, instant begun) {
     add_stream(all_.streams[key], stream, begun.time_since_epoch());
   for (const auto& [name, proxy] : x.proxies)
     add(proxy, proxy.status == "ended");
+  for (const auto& [peer, counters] : x.modules)
+    add(peer, counters);
   add_to(all_.messages, x.messages);
   add_to(all_.pcs, x.pcs);
   add_to(all_.accounts, x.accounts);
@@ -201,6 +208,7 @@ void unsettle(run_report& x) {
   x.programs.clear();
   x.streams.clear();
   x.proxies.clear();
+  x.modules.clear();
   x.pc_messages = {};
   x.tunnels = {};
   x.losses.clear();
@@ -331,6 +339,8 @@ void run_counters::settle(run_report& x) const {
   for (const auto& [name, proxy] : all_.proxies)
     if (proxy.status != "ended" || proxy.actuations.requested > 0)
       x.proxies.push_back(proxy);
+  for (const auto& [peer, counters] : all_.modules)
+    x.modules.push_back({peer, counters});
 }
 
 } // namespace rubicon::report

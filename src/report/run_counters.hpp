@@ -81,6 +81,7 @@ struct unsettled_counters {
   std::map<program_key, program_counters> programs;
   std::map<stream_key, stream_counters> streams;
   std::map<std::string, proxy_report> proxies;
+  std::map<std::string, cause_counts> modules;     ///< by peer
   std::map<mote_address, message_report> messages; ///< of motes and gateways
   std::map<mote_address, message_report> pcs;
   using account_key = std::pair<mote_address, std::string>; ///< sender, kind of message
@@ -88,7 +89,8 @@ struct unsettled_counters {
   using loss_key = std::tuple<std::string, std::string, std::string>; ///< kind, cause, place
   std::map<loss_key, std::uint64_t> losses;
 };
-RUBICON_FIELDS(unsettled_counters, programs, streams, proxies, messages, pcs, accounts, losses);
+RUBICON_FIELDS(unsettled_counters, programs, streams, proxies, modules, messages, pcs, accounts,
+               losses);
 
 /// Of those messages, by cause.
 [[nodiscard]] cause_counts lost_of(const message_tally& x);
@@ -111,6 +113,9 @@ public:
 
   /// One life of a proxy. @param ended it is not the last, or there is none at the end
   void add(const proxy_report& x, bool ended);
+
+  /// One life of a module of a gateway or PC.
+  void add(const std::string& peer, const cause_counts& x);
 
   /// What another process has counted, of other things or of later lives of the same ones.
   /// @param begun when it began: its times are since then

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 
 namespace rubicon::serial {
 
@@ -54,6 +55,8 @@ struct frame_counters {
   std::uint64_t unknown_type = 0; ///< good CRC, but none of frame_type
   std::uint64_t malformed = 0;    ///< good CRC, but an ack that carries more than its sequence
 };
+RUBICON_FIELDS(frame_counters, good, bad_crc, too_short, too_long, aborted, unknown_type,
+               malformed);
 
 /// The receiver of a PC: accepts one flag between two frames, keeps its place after a bad CRC, and
 /// looks for the next flag after an aborted or overlong frame (tinyos.md 1.1, 1.4).

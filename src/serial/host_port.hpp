@@ -11,6 +11,7 @@
 #include "core/address.hpp"
 #include "core/bounded_queue.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/provenance.hpp"
 #include "core/time.hpp"
 #include "serial/ack_patience.hpp"
@@ -75,6 +76,8 @@ struct host_port_counters {
   std::uint64_t stray_acks = 0;      ///< for no attempt of the outstanding packet
   std::uint64_t unknown_answers = 0; ///< the mote did not know a frame's type
 };
+RUBICON_FIELDS(host_port_counters, accepted, sent, no_ack, queue_full, refused, attempts,
+               acks_written, received, empty, stray_acks, unknown_answers);
 
 /// Framing, acks both ways, a packet or two at a time. Every send ends in exactly one sent or lost.
 /// Each attempt has a sequence number of its own, so that an ack tells which attempt it answers;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
@@ -38,6 +39,7 @@ struct line_counters {
   std::uint64_t overflow = 0;  ///< lost at a full buffer
   std::uint64_t unplugged = 0; ///< lost because no cable was there
 };
+RUBICON_FIELDS(line_counters, written, arrived, corrupted, overflow, unplugged);
 
 /// Two independent directions. Each sends its octets one after the other at the line's baud rate,
 /// with 10 bit times an octet, and changes each with the configured chance. What a writer wrote at

@@ -9,6 +9,7 @@
 
 #include "core/bounded_queue.hpp"
 #include "core/bytes.hpp"
+#include "core/fields.hpp"
 #include "core/provenance.hpp"
 #include "core/time.hpp"
 #include "serial/line_end.hpp"
@@ -44,6 +45,9 @@ struct mote_port_counters {
   std::uint64_t queue_full = 0; ///< packets dropped at a full queue, newest first
   std::uint64_t discarded = 0;  ///< packets and acks given up by stop(), packets sent after it
 };
+RUBICON_FIELDS(mote_port_counters, frames_received, received, bad_crc, too_short, too_long,
+               unknown_type, no_buffer, unknown_dispatch, oversized, acks_sent, acks_lost,
+               packets_sent, queue_full, discarded);
 
 /// The serial stack of a sink. A frame occupies the UART for its time at the baud rate; acks go
 /// before packets, packets go out without asking for an ack.

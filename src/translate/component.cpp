@@ -27,7 +27,8 @@ components::figures component::figures() const {
   const auto figure = [](std::uint64_t x) { return static_cast<double>(x); };
   return {{"translated", figure(counted.translated)}, {"tuples", figure(core_.targets())},
           {"bad values", figure(counted.bad_values)}, {"long values", figure(counted.long_values)},
-          {"bad keys", figure(counted.bad_keys)},     {"refused", figure(counted.refused)}};
+          {"bad keys", figure(counted.bad_keys)},     {"refused", figure(counted.refused)},
+          {"own tuples", figure(counted.own)}};
 }
 
 } // namespace rubicon::translate

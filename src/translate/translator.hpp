@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/fields.hpp"
 #include "core/time.hpp"
 #include "translate/translation.hpp"
 
@@ -39,6 +40,7 @@ struct translator_counters {
   std::uint64_t refused = 0;     ///< beyond targets_max: dropped
   std::uint64_t own = 0;         ///< what it has told itself: ignored
 };
+RUBICON_FIELDS(translator_counters, translated, bad_values, long_values, bad_keys, refused, own);
 
 /// Each rule whose pattern matches tells its own tuple of a value. A value that comes from a tuple
 /// that it has set itself is ignored, so that no rule feeds itself or another one.

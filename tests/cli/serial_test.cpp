@@ -142,7 +142,7 @@ TEST_CASE("a client that does not read, or says nonsense, is closed, and no othe
 
   const auto report = gateway->report();
   CHECK(report["violations"].empty());
-  CHECK(report["serial"]["lost"]["forwarder_clients_rude"] == 1);
+  CHECK(report["serial"]["lost"]["forwarder_clients.bad_input"] == 1);
   CHECK(motes->report()["violations"].empty());
 }
 

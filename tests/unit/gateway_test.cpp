@@ -131,7 +131,7 @@ TEST_CASE("what a mote sends to its gateway becomes an output tuple, each messag
   const auto again = x.on_packet(fan, network::am::to_gateway, message, {});
   CHECK(pick<publish>(again).empty());
   CHECK(segment_down(again).what == kind::acknowledgement);
-  CHECK(x.counters().outputs == 1);
+  CHECK(x.counters().outputs_published == 1);
 }
 
 TEST_CASE("a message of a mote whose join was lost is not acknowledged; the sink is asked",
@@ -238,7 +238,7 @@ TEST_CASE("an output of another island's mote is not that of ours with its numbe
   const auto output = encode(network::gateway_packet{no_mote, 2, encode(plain(fan, 2, bytes{1}))});
   CHECK(x.on_message(peer_id{2}, output, {}).empty());
   CHECK(x.counters().undeliverable == 1);
-  CHECK(x.counters().outputs == 0);
+  CHECK(x.counters().outputs_published == 0);
 }
 
 TEST_CASE("programs of a gateway hear of motes that join, once in each life",

@@ -99,8 +99,9 @@ TEST_CASE("adding reports adds every field and every cause", "[report]") {
   CHECK(messages.received == 12);
   CHECK(messages.duplicates == 14);
 
-  serial_report serial{1, 1, 2, 3, {{"crc", 4}}};
-  serial += serial_report{10, 5, 20, 30, {{"crc", 40}}};
+  serial_report serial{2, 1, 1, 2, 3, {{"crc", 4}}};
+  serial += serial_report{20, 10, 5, 20, 30, {{"crc", 40}}};
+  CHECK(serial.octets_written == 22);
   CHECK(serial.octets_up == 6);
   CHECK(serial.octets == 11);
   CHECK(serial.frames_sent == 22);

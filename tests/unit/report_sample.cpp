@@ -44,7 +44,7 @@ island_report kitchen() {
   x.radio.mac_failed = {{"no_ack", 4}};
   x.radio.mac_open = 1;
   x.radio.transmissions = 4'321;
-  x.serial = {123'456, 100'000, 5'000, 4'990, {{"crc", 10}}};
+  x.serial = {124'000, 123'456, 100'000, 5'000, 4'990, {{"crc", 10}}};
   x.messages = {.offered = 1'253,
                 .refused = {{"crowded", 2}},
                 .reliable_sent = 1'234,
@@ -84,7 +84,7 @@ island_report living_room() {
   x.radio.requests = 450;
   x.radio.mac_sent = 450;
   x.radio.transmissions = 900;
-  x.serial = {9'876, 9'000, 400, 400, {}};
+  x.serial = {9'876, 9'876, 9'000, 400, 400, {}};
   x.messages = {
       .offered = 200, .reliable_sent = 200, .reliable_acked = 200, .arrived = 200, .received = 200};
   x.motes = {sample_mote(x.id, 2, "climate-2", 3.311), sample_mote(x.id, 3, "blinds-3", 2.95)};
