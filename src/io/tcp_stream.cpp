@@ -196,6 +196,12 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
     });
   }
 
+  void reset() {
+    error_code ignored;
+    socket.set_option(asio::socket_base::linger(true, 0), ignored);
+    end();
+  }
+
   void end() {
     if (std::exchange(now, phase::over) == phase::over)
       return;
@@ -257,6 +263,11 @@ std::size_t tcp_stream::unsent() const {
 void tcp_stream::close(std::function<void()> done) {
   assert(state_);
   state_->close(std::move(done));
+}
+
+void tcp_stream::reset() {
+  assert(state_);
+  state_->reset();
 }
 
 std::string tcp_stream::remote_address() const {

@@ -59,6 +59,10 @@ public:
   /// No callback but `done` comes from now on; the stream may be destroyed meanwhile.
   void close(std::function<void()> done = {});
 
+  /// Ends the connection at once: the other side learns that it is broken, and not only after what
+  /// it may be waiting for. The stream may be destroyed then; no callback comes any more.
+  void reset();
+
   /// `127.0.0.1:8000`
   [[nodiscard]] std::string remote_address() const;
 

@@ -120,8 +120,12 @@ void tcp_links::carry_out(peis::to_link x) {
 
 void tcp_links::carry_out(const peis::close_link& x) {
   auto found = streams_.extract(x.link);
-  if (!found.empty() && x.why != peis::close_cause::handshake_silent) // who said nothing is told
-    close(std::move(found.mapped()));                                 // nothing
+  if (found.empty() || x.why == peis::close_cause::handshake_silent) // who said nothing is told
+    return;                                                          // nothing
+  if (x.why == peis::close_cause::silent || x.why == peis::close_cause::replaced)
+    found.mapped().reset(); // what waits to leave would keep it for minutes, at both ends
+  else
+    close(std::move(found.mapped()));
 }
 
 void tcp_links::carry_out(const peis::read_link& x) {

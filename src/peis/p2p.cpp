@@ -90,6 +90,8 @@ void p2p::on_time(instant now) {
   apply_tables(now);
   watch_life(now);
   tend_connections(now);
+  if (!left_)
+    tend_doubts(now);
 }
 
 std::optional<instant> p2p::deadline() const {
@@ -102,6 +104,8 @@ std::optional<instant> p2p::deadline() const {
   next = earliest(next, input_deadline());
   next = earliest(next, next_tables_);
   next = earliest(next, life_deadline());
+  if (!left_)
+    next = earliest(next, next_doubt_);
   next = earliest(next, connections_deadline());
   if (left_)
     return next;

@@ -101,6 +101,10 @@ struct p2p_config {
   duration heartbeat_timeout = 4s; ///< in place of link_timeout
   duration lost_timeout = 3s;      ///< a host without any way is forgotten, in place of ageing
   duration probe_timeout = 1500ms; ///< of a way that may lead in circles
+  // With neighbours of another kind, which do not beat:
+  duration sign_after = 3s;       ///< of silence, a sign of life is asked for
+  duration sign_timeout = 3s;     ///< without one, or nothing leaving: another link is tried beside
+  duration original_timeout = 2s; ///< of an attempt, in place of connections.connect_timeout
   duration handshake_timeout = 5s;
   duration greeting_timeout = 3s; ///< of a link of ours on which nobody has ever answered
   std::uint8_t metric_limit = 30;
@@ -308,7 +312,6 @@ private:
     instant no_room_until;           ///< for hosts that it tells of
     std::optional<instant> asked_at; ///< by the neighbour
     bool named = false;              ///< the neighbour has told who it is
-    std::optional<peer_id> sought;   ///< by us, at a loopback address
     std::int64_t credit = 0;         ///< work that it may still have done this turn
     outgoing_queue queue;
     bytes preamble; ///< goes out before any package
@@ -330,7 +333,11 @@ private:
     std::optional<heartbeat> beat; ///< the neighbour's last
     instant beat_heard;
     instant beat_sent;
-    std::optional<duration> one_way; ///< half a round trip, little disturbed by waiting
+    std::optional<duration> one_way;  ///< half a round trip, little disturbed by waiting
+    std::optional<peer_id> tried_for; ///< whom we have looked for with it
+    bool tried_here = false;          ///< at a loopback address
+    instant sign_asked;               ///< when a sign of life was last asked for
+    instant next_beside;              ///< try of another link to the same neighbour
 
     /// Kept up by one of its ends (AUT-01).
     [[nodiscard]] bool always() const {
@@ -516,6 +523,21 @@ private:
   void announce_by_rule(instant now, bool extra);
   void refer_elsewhere(connection& to, instant now);
 
+  // p2p_doubts.cpp: links to real kernels that may be dead
+  [[nodiscard]] bool can_be_doubted(const connection& x) const;
+  [[nodiscard]] instant doubt_begins(const connection& x) const;
+  [[nodiscard]] bool is_doubtful(const connection& x, instant now) const;
+  [[nodiscard]] instant next_doubt_of(const connection& x) const;
+  void watch_doubt(const connection& x);
+  void tend_doubts(instant now);
+  [[nodiscard]] bool has_other_hope(const connection& x, instant now) const;
+  void try_beside(const connection& x, instant now);
+  void end_doubtful_beside(link_id link, instant now);
+  [[nodiscard]] bool has_named_link(peer_id host) const;
+  void show_ourselves(connection& to);
+  void hear_beyond(link_id from, const package_header& header, const host_record& record,
+                   instant now);
+
   // p2p_bluetooth.cpp: who is near
   void tell(bluetooth::outputs todo);
   void tend_bluetooth(instant now);
@@ -608,7 +630,8 @@ private:
   unsigned first_announcements_ = 0;   ///< made, of those at the start
   unsigned unheard_announcements_ = 0; ///< periods since a better announcer was heard
   id_rivalry rivalry_;
-  std::size_t welcomed_ = 0; ///< hosts that are announced
+  std::size_t welcomed_ = 0;  ///< hosts that are announced
+  std::set<peer_id> missing_; ///< of these, to which there is no route
   std::optional<instant> next_beat_;
 
   instant next_period_;
@@ -618,6 +641,7 @@ private:
   rate_limit routing_rate_; ///< work of all routing tables
   rate_limit asking_rate_;  ///< questions about hosts
   std::optional<instant> next_silence_check_;
+  std::optional<instant> next_doubt_;
 
   events events_;
   p2p_counters counters_;

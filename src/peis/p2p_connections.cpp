@@ -27,7 +27,9 @@ constexpr std::uint8_t connections_max = 254; // 255 means unknown
 
 void p2p::connect(const std::string& url, attempt x, instant now) {
   const attempt_id id{next_attempt_++};
-  x.deadline = now + config_.connections.connect_timeout;
+  const auto known = x.host ? hosts_.find(*x.host) : hosts_.end();
+  const bool slow = known == hosts_.end() || known->second.record.marked;
+  x.deadline = now + (slow ? config_.connections.connect_timeout : config_.original_timeout);
   ++counters_.attempts;
   if (x.host)
     note_contact(*x.host, now);
@@ -139,7 +141,7 @@ void p2p::merge_clusters(instant now) {
       foreign.push_back(&record);
   };
   for (const auto& [id, x] : hosts_)
-    consider(x.record, false);
+    consider(x.record, x.lost.has_value() || x.forgotten);
   for (const auto& [id, x] : former_)
     consider(x.record, true);
   if (foreign.empty())
@@ -193,7 +195,9 @@ void p2p::manage(instant now) {
 void p2p::close_doubles(instant now) {
   std::map<peer_id, const connection*> kept;
   std::vector<link_id> doubles;
-  const auto better = [](const connection& a, const connection& b) {
+  const auto better = [&](const connection& a, const connection& b) {
+    if (is_doubtful(a, now) != is_doubtful(b, now))
+      return is_doubtful(b, now);
     return a.always() != b.always() ? a.always() : a.opened < b.opened;
   };
   for (const auto& [link, x] : connections_) {
@@ -339,7 +343,7 @@ bool p2p::manager_wanted() const {
 }
 
 bool p2p::merge_wanted() const {
-  return !former_.empty() || hosts_.size() > welcomed_;
+  return !former_.empty() || !missing_.empty() || hosts_.size() > welcomed_;
 }
 
 void p2p::tend_connections(instant now) {

@@ -60,6 +60,7 @@ void p2p::apply_table(connection& from, instant now) {
   routing_rate_.take(work, now);
   work_.add(work);
   apply(changes, now);
+  end_doubtful_beside(from.id, now);
   for (const auto host : routing_.take_evicted()) {
     if (!reachable(host))
       delete_host(host, dead_host_message::reason::route, now);
@@ -159,9 +160,9 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
   }
   const auto& record = message->record;
   const bool is_own_word = header.hops == 1 && !message->cached;
-  if (const auto sought = connections_.at(from).sought;
-      sought && is_own_word && record.id != *sought)
-    note_elsewhere(*sought);
+  if (const auto& link = connections_.at(from);
+      link.tried_here && link.tried_for && is_own_word && record.id != *link.tried_for)
+    note_elsewhere(*link.tried_for);
   if (record.id == self_.id) {
     if (record.magic != self_.magic)
       note_duplicate(record, now);
@@ -190,6 +191,7 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
     close(from, close_cause::leaf, now);
     return;
   }
+  const bool meets_original = is_neighbour && !record.marked && !has_named_link(record.id);
   if (is_neighbour) {
     x.cost = same_host ? config_.cost_same_host : config_.cost_other_host;
     x.magic = record.magic;
@@ -197,6 +199,10 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
     bind_neighbour(x, record.id, now);
   }
   store_record(*message, now);
+  if (meets_original)
+    show_ourselves(x);
+  else if (!message->cached)
+    hear_beyond(from, header, record, now);
 }
 
 bool p2p::is_here(const host_record& x) const {
@@ -243,6 +249,7 @@ void p2p::welcome(peer_id id, instant now) {
   if (x.record.marked)
     routing_.mark(id);
   const auto lost = std::exchange(x.lost, std::nullopt);
+  missing_.erase(id);
   if (std::exchange(x.forgotten, false))
     tell_forgotten(id);
   if (x.announced) {
@@ -257,8 +264,11 @@ void p2p::welcome(peer_id id, instant now) {
 
 void p2p::note_loss(peer_id id, instant now) {
   const auto known = hosts_.find(id);
-  if (known != hosts_.end() && !known->second.lost && !reachable(id))
-    known->second.lost = now;
+  if (known == hosts_.end() || known->second.lost || reachable(id))
+    return;
+  known->second.lost = now;
+  if (known->second.announced)
+    missing_.insert(id);
 }
 
 /// What it has subscribed to here is gone, and what it had told us.

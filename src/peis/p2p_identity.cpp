@@ -26,8 +26,8 @@ void p2p::hear_own_id(link_id from, const package_header& header, byte_view data
     return;
   if (message->record.magic != self_.magic)
     return note_duplicate(message->record, now);
-  if (const auto sought = connections_.at(from).sought) { // we have called ourselves
-    note_elsewhere(*sought);
+  if (const auto& link = connections_.at(from); link.tried_here && link.tried_for) {
+    note_elsewhere(*link.tried_for); // we have called ourselves
     close(from, close_cause::own_id, now);
   }
 }

@@ -221,6 +221,7 @@ void p2p::forget_host(peer_id id) {
   assembly_.drop(id);
   strangers_.forget(id);
   stalled_.erase(id);
+  missing_.erase(id);
   if (known != hosts_.end()) {
     welcomed_ -= known->second.announced ? 1 : 0;
     hosts_.erase(known);

@@ -49,8 +49,8 @@ void p2p::on_link_open(link_id link, link_role role, instant now,
   x.opened = x.last_heard = x.last_octets = now;
   x.beat_sent = now - 1h; // never yet
   if (!asked.empty()) {
-    if (asked.mapped().loopback)
-      x.sought = asked.mapped().host;
+    x.tried_for = asked.mapped().host;
+    x.tried_here = asked.mapped().loopback;
     on_attempt_ended(asked.mapped(), true, now);
     if (asked.mapped().standing)
       standing_[*asked.mapped().standing].link = link;
@@ -190,6 +190,7 @@ void p2p::bind_neighbour(connection& x, peer_id neighbour, instant now) {
   if (!is_first && !connections_.contains(at->second))
     at->second = x.id;
   expect_beat(x);
+  watch_doubt(x);
   welcome(neighbour, now);
 }
 
@@ -225,7 +226,8 @@ void p2p::forget_link(link_id link, instant now) {
   if (gone.neighbour) {
     if (gone.opened + lasting <= now)
       contacts_.erase(*gone.neighbour); // the tries that led to it are forgotten
-    note_contact(*gone.neighbour, now);
+    if (!is_doubtful(gone, now))        // long looked for beside
+      note_contact(*gone.neighbour, now);
   }
   for (auto& x : standing_) {
     if (x.link == link) {
@@ -347,9 +349,11 @@ bool p2p::write(connection& to, instant now) {
   counters_.octets_sent += out.size();
   to.octets_out += out.size();
   to.last_written = now;
-  if (to.unreported == 0)
-    to.drained = now;
+  const bool waited = to.unreported > 0;
+  to.drained = waited ? to.drained : now;
   to.unreported += config_.link_window == 0 ? 0 : out.size();
+  if (!waited)
+    watch_doubt(to);
   events_.push_back(to_link{to.id, std::move(out)});
   return true;
 }

@@ -213,6 +213,24 @@ routing_changes routing_table::on_link_closed(link_id link, instant now) {
   return changes;
 }
 
+routing_changes routing_table::on_heard(link_id link, peer_id host, std::int32_t magic,
+                                        std::uint8_t hops, instant now) {
+  const auto at = routes_.find(host);
+  const bool known = at != routes_.end();
+  if (hops >= metric_limit_ || (known && !at->second.lost()) || (!known && room_for(link) == 0))
+    return {};
+  route offered{0, magic, hops, connections_unknown, link, hops, now};
+  if (known) {
+    offered.seqno = at->second.magic == magic ? at->second.seqno : 0;
+    take(host, at->second, offered);
+  } else {
+    routes_.emplace(host, offered);
+    if (marked_.contains(host))
+      unsound_.insert(host);
+  }
+  return {{host, routing_change::kind::appeared}};
+}
+
 void routing_table::mark(peer_id host) {
   marked_.insert(host);
 }

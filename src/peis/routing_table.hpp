@@ -79,6 +79,11 @@ public:
   /// The host is of our kind: it answers probes, and is given up sooner.
   void mark(peer_id host);
 
+  /// A host without a way has said over a link that it is there, through a neighbour that has yet
+  /// to tell of it. An unsound way until it does.
+  [[nodiscard]] routing_changes on_heard(link_id link, peer_id host, std::int32_t magic,
+                                         std::uint8_t hops, instant now);
+
   /// Marked hosts to which an unsound way was taken since the last call.
   [[nodiscard]] std::set<peer_id> take_unsound() { return std::exchange(unsound_, {}); }
 

@@ -66,6 +66,8 @@ std::string_view to_string(close_cause x) {
     return "host_left";
   case close_cause::double_link:
     return "double_link";
+  case close_cause::replaced:
+    return "replaced";
   case close_cause::unneeded:
     return "unneeded";
   case close_cause::leaf:

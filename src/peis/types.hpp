@@ -74,6 +74,7 @@ enum class close_cause : std::uint8_t {
   silent,           ///< nothing arrived for 30 s (peis-wire.md 3.5)
   host_left,        ///< the neighbour has left the network or was given up
   double_link,      ///< a second link to the same neighbour (CM-11)
+  replaced,         ///< nothing comes or leaves over it, unlike over a newer one
   unneeded,         ///< the one of least value among too many (CM-08)
   leaf,             ///< we are a leaf and the other side is on another host (LEA-01)
   reborn,           ///< leads to an earlier incarnation of a restarted peer (peis-wire.md 10)

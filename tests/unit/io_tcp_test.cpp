@@ -185,6 +185,18 @@ TEST_CASE("a dropped stream shows at the other side", "[io]") {
   CHECK(x.server.sent == 0);
 }
 
+TEST_CASE("a reset ends a connection at once that nobody reads", "[io]") {
+  two_ends x(false);
+  x.client.stream.send(pattern(64 << 20));
+  run(x.loop, [&] { return x.client.sent > 0; });
+  x.client.stream.reset();
+  x.server.start();
+  run(x.loop, [&] { return x.server.closed.has_value(); });
+  CHECK(*x.server.closed != "closed by the other side");
+  CHECK(x.server.received.size() < 64 << 20);
+  CHECK(!x.client.closed);
+}
+
 TEST_CASE("a stream may be destroyed from each of its callbacks", "[io]") {
   two_ends x(false);
   std::optional<io::tcp_stream> mine = std::move(x.server.stream);

@@ -9,7 +9,10 @@ namespace rubicon::peis::test {
 
 namespace {
 
-constexpr std::ptrdiff_t mark_at = 540; // peis-wire.md 5
+constexpr std::ptrdiff_t mark_at = 540;  // peis-wire.md 5
+constexpr std::ptrdiff_t record_at = 72; // peis-wire.md 4
+constexpr duration first_wait = 200ms;   // of TCP
+constexpr duration wait_max = 120s;
 
 } // namespace
 
@@ -84,9 +87,31 @@ void world::note_deadline(peer_id id) {
   auto& x = peers_.at(id);
   if (x.due)
     due_.erase({*x.due, id});
-  x.due = x.alive ? x.kernel.deadline() : std::nullopt;
+  x.due = x.alive && !x.paused ? x.kernel.deadline() : std::nullopt;
   if (x.due)
     due_.emplace(*x.due, id);
+}
+
+/// Now, or when it goes on.
+void world::tell(peer_id id, std::function<void()> what) {
+  auto& x = peers_.at(id);
+  if (x.paused)
+    x.missed.push_back(std::move(what));
+  else
+    what();
+}
+
+void world::pause(peer_id id) {
+  peers_.at(id).paused = true;
+  note_deadline(id);
+}
+
+void world::resume(peer_id id) {
+  auto& x = peers_.at(id);
+  x.paused = false;
+  for (const auto missed = std::exchange(x.missed, {}); const auto& what : missed)
+    what();
+  note_deadline(id);
 }
 
 std::vector<peer_id> world::peers() const {
@@ -111,9 +136,9 @@ link_id world::connect(peer_id a, peer_id b, duration delay) {
 link_id world::open(peer_id a, peer_id b, duration delay, std::optional<attempt_id> attempt) {
   const link_id link{next_link_++};
   auto& x = cables_[link];
-  x = {a, b, delay, {}, {}};
+  x = {a, b, delay, {}, {}, {}};
   x.from_a.request_due = true;
-  perform(b, at(b).on_link_open(link, link_role::acceptor, now_));
+  tell(b, [=, this] { perform(b, at(b).on_link_open(link, link_role::acceptor, now_)); });
   perform(a, at(a).on_link_open(link, link_role::initiator, now_, attempt));
   return link;
 }
@@ -140,12 +165,15 @@ void world::answer(peer_id from, const connect_to& x) {
 }
 
 void world::spread(peer_id from, const announce& x) {
+  auto octets = to_bytes(x.octets.view());
+  if (unmarked.contains(from))
+    std::fill_n(octets.begin() + record_at + mark_at, 4, std::uint8_t{0});
   for (const auto& [to, other] : peers_) {
     if (other.config.network.connections.announces && !other.config.network.addresses.empty())
       later(
           [=, this, to = to] {
             if (joined(from, to))
-              perform(to, at(to).on_announcement(x.octets.view(), now_));
+              tell(to, [=, this] { perform(to, at(to).on_announcement(octets, now_)); });
           },
           1ms);
   }
@@ -171,24 +199,31 @@ void world::perform(peer_id id, outputs todo) {
       spread(id, *news);
     } else {
       if (const auto* closed = std::get_if<close_link>(&output)) {
-        const auto cable = cables_.find(closed->link);
-        if (cable != cables_.end()) {
-          const auto other = cable->second.a == id ? cable->second.b : cable->second.a;
-          const bool told = joined(id, other);
-          const auto link = closed->link;
-          later(
-              [=, this] {
-                cables_.erase(link);
-                if (told && alive(other))
-                  perform(other, at(other).on_link_closed(link, now_));
-              },
-              cable->second.delay);
-        }
+        close(id, closed->link);
       }
       x.log.emplace_back(now_, std::move(output));
     }
   }
   note_deadline(id);
+}
+
+void world::close(peer_id by, link_id link) {
+  const auto cable = cables_.find(link);
+  if (cable == cables_.end())
+    return;
+  const auto other = cable->second.a == by ? cable->second.b : cable->second.a;
+  if (tcp && alive(other) && !joined(by, other) && !cable->second.closed_by) {
+    cable->second.closed_by = by;
+    return;
+  }
+  const bool told = joined(by, other);
+  later(
+      [=, this] {
+        cables_.erase(link);
+        if (told && alive(other))
+          tell(other, [=, this] { perform(other, at(other).on_link_closed(link, now_)); });
+      },
+      cable->second.delay);
 }
 
 bool world::answer_from_memory(peer_id relay, peer_id asker, link_id link,
@@ -237,7 +272,9 @@ void world::carry(peer_id from, const to_link& x) {
     }
   }
   while (const auto package = way.decoder.next()) {
-    const bool lost = keep && !keep(package->header);
+    const bool unknown_to_it =
+        package->header.port == port::heartbeat && unmarked.contains(package->header.source);
+    const bool lost = unknown_to_it || (keep && !keep(package->header));
     packages.push_back({now_, from, package->header, lost});
     if (lost ||
         answer_from_memory(is_a ? cable.b : cable.a, from, x.link, package->header, package->data))
@@ -248,16 +285,11 @@ void world::carry(peer_id from, const to_link& x) {
       std::fill_n(kept.end() - static_cast<std::ptrdiff_t>(package->data.size()) + mark_at, 4,
                   std::uint8_t{0});
   }
-  const auto to = is_a ? cable.b : cable.a;
   const auto link = x.link;
-  const auto arrive = [=, this, octets = std::move(kept)] {
-    if (cables_.contains(link) && joined(from, to))
-      perform(to, at(to).on_link_octets(link, octets, now_));
-  };
   const auto size = octets_per_second > 0 ? x.octets.size() : SIZE_MAX;
   const auto sent = [=, this] {
     if (cables_.contains(link) && alive(from))
-      perform(from, at(from).on_link_sent(link, size, now_));
+      tell(from, [=, this] { perform(from, at(from).on_link_sent(link, size, now_)); });
   };
   duration takes = cable.delay;
   if (octets_per_second > 0) {
@@ -265,9 +297,64 @@ void world::carry(peer_id from, const to_link& x) {
     way.busy = std::max(way.busy, now_) + duration(static_cast<duration::rep>(nanoseconds));
     takes += way.busy - now_;
   }
-  later(arrive, takes);
-  if (drains)
+  later([=, this, octets = std::move(kept),
+         written = x.octets.size()] { arrive(link, is_a, octets, written); },
+        takes);
+  if (drains && !tcp)
     later(sent, takes);
+}
+
+void world::arrive(link_id link, bool from_a, bytes octets, std::size_t written) {
+  const auto found = cables_.find(link);
+  if (found == cables_.end())
+    return;
+  auto& x = found->second;
+  auto& way = from_a ? x.from_a : x.from_b;
+  const auto from = from_a ? x.a : x.b;
+  const auto to = from_a ? x.b : x.a;
+  if (!tcp) {
+    if (joined(from, to))
+      deliver(link, to, octets);
+    return;
+  }
+  way.held.emplace_back(std::move(octets), written);
+  if (way.held.size() > 1)
+    return;
+  way.wait = first_wait;
+  if (joined(from, to))
+    send_again(link, from_a);
+  else
+    later([=, this] { send_again(link, from_a); }, way.wait);
+}
+
+void world::send_again(link_id link, bool from_a) {
+  const auto found = cables_.find(link);
+  if (found == cables_.end())
+    return;
+  auto& x = found->second;
+  auto& way = from_a ? x.from_a : x.from_b;
+  const auto from = from_a ? x.a : x.b;
+  const auto to = from_a ? x.b : x.a;
+  if (!joined(from, to)) {
+    way.wait = std::min(2 * way.wait, wait_max);
+    later([=, this] { send_again(link, from_a); }, way.wait);
+    return;
+  }
+  if (x.closed_by == to) {
+    cables_.erase(found);
+    tell(from, [=, this] { perform(from, at(from).on_link_closed(link, now_)); });
+    return;
+  }
+  for (const auto held = std::exchange(way.held, {}); const auto& [octets, written] : held) {
+    deliver(link, to, octets);
+    if (drains)
+      tell(from, [=, this] { perform(from, at(from).on_link_sent(link, written, now_)); });
+  }
+}
+
+void world::deliver(link_id link, peer_id to, const bytes& octets) {
+  if (cables_.contains(link))
+    tell(to, [=, this] { perform(to, at(to).on_link_octets(link, octets, now_)); });
 }
 
 void world::run_for(duration length) {

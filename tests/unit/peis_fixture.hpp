@@ -52,6 +52,7 @@ public:
   std::function<bool(peer_id, peer_id)> separated;
 
   [[nodiscard]] bool alive(peer_id id) const { return peers_.at(id).alive; }
+  [[nodiscard]] bool paused(peer_id id) const { return peers_.at(id).paused; }
   [[nodiscard]] std::vector<peer_id> peers() const;
 
   kernel& at(peer_id id) { return peers_.at(id).kernel; }
@@ -67,8 +68,17 @@ public:
   /// does with one that it has.
   void remember(peer_id relay, const host_record& record) { memories_[relay][record.id] = record; }
 
-  /// Peers whose records reach others without the mark: they are taken for real kernels.
+  /// Peers whose records reach others without the mark: they are taken for real kernels. What only
+  /// marked peers say to each other, they do not say.
   std::set<peer_id> unmarked;
+
+  /// What meets a cut is not lost, but sent again after 0.2, 0.4, 0.8 s and so on, what follows
+  /// behind it, as by TCP. A link that was closed meanwhile ends for the other side then.
+  bool tcp = false;
+
+  /// A process that stands still: what comes for it waits.
+  void pause(peer_id id);
+  void resume(peer_id id);
 
   /// Of all links, each way; 0: what is written is there after the delay.
   double octets_per_second = 0;
@@ -106,12 +116,16 @@ private:
     std::size_t wakeups = 0;
     std::uint64_t lives = 0;
     bool alive = true;
-    std::optional<instant> due; ///< its entry in due_
+    bool paused = false;
+    std::deque<std::function<void()>> missed; ///< while paused
+    std::optional<instant> due;               ///< its entry in due_
   };
   struct direction {
     stream_decoder decoder;
     bool request_due = false;
-    instant busy; ///< until then with what was written before
+    instant busy;                                   ///< until then with what was written before
+    std::deque<std::pair<bytes, std::size_t>> held; ///< behind a cut; with what was written of it
+    duration wait{};                                ///< before it is sent again
   };
   struct joint {
     peer_id a;
@@ -119,6 +133,7 @@ private:
     duration delay;
     direction from_a;
     direction from_b;
+    std::optional<peer_id> closed_by; ///< the other end has not learnt of it
   };
   void start(peer& x);
   link_id open(peer_id a, peer_id b, duration delay, std::optional<attempt_id> attempt);
@@ -128,6 +143,11 @@ private:
   void answer(peer_id from, const connect_to& x);
   void spread(peer_id from, const announce& x);
   void later(std::function<void()> what, duration delay);
+  void tell(peer_id id, std::function<void()> what);
+  void close(peer_id by, link_id link);
+  void arrive(link_id link, bool from_a, bytes octets, std::size_t written);
+  void send_again(link_id link, bool from_a);
+  void deliver(link_id link, peer_id to, const bytes& octets);
   [[nodiscard]] bool joined(peer_id a, peer_id b) const;
   void note_deadline(peer_id id);
 
