@@ -21,6 +21,10 @@ struct access_times {
   friend bool operator==(const access_times&, const access_times&) = default;
 };
 
+/// From the end of a mote's acknowledgement until its receiver is ready to assess the channel (IEEE
+/// 802.15.4-2006 6.9.2): the next hop's back-off begins then.
+inline constexpr duration turn_back = 192us;
+
 /// On the air, with an acknowledgement. @param payload octets of the radio frame
 [[nodiscard]] constexpr duration exchange_time(std::size_t payload, const access_times& access) {
   constexpr duration octet = 32us;
@@ -36,7 +40,7 @@ struct access_times {
                                          const access_times& access) {
   const auto frame = exchange_time(octets + channel_header_size + 1, access);
   const auto more = static_cast<duration::rep>(hops) - 1;
-  return frame + access.space + more * (access.back_off + frame);
+  return frame + access.space + more * (turn_back + access.back_off + frame);
 }
 
 /// The same of content for the sink or another island, which needs a slot for its first hop only:

@@ -74,6 +74,7 @@ mac_action mac::on_assessed(instant now, bool clear, random_stream& rng) {
 
 mac_action mac::on_sent(instant now, random_stream& rng) {
   assert(state_ == state::sending);
+  assess_from_ = now + timing::turnaround;
   leave_space(now);
   if (!open_.front().content.ack_request)
     return finish(send_status::sent, now, rng);
@@ -83,14 +84,16 @@ mac_action mac::on_sent(instant now, random_stream& rng) {
 }
 
 void mac::on_own_ack(instant until, random_stream& rng) {
-  free_from_ = std::max(free_from_, until);
+  assess_from_ = std::max(assess_from_, until + timing::turnaround); // 6.9.2: deaf until then
+  free_from_ = std::max(free_from_, assess_from_);
   if (assesses())
-    attempt(until, rng);
+    attempt(free_from_, rng);
 }
 
 mac_action mac::on_ack(instant now, random_stream& rng) {
   assert(state_ == state::ack_wait);
   // IEEE 802.15.4-2006 7.5.1.3: an acked frame's space is counted from the end of its ack.
+  assess_from_ = std::max(assess_from_, now);
   leave_space(now);
   return finish(send_status::sent, now, rng);
 }
@@ -144,8 +147,8 @@ void mac::begin(instant now, random_stream& rng) {
     return;
   }
   state_ = state::backing_off;
-  // What was on the air until `from` must not be in the assessment of a chip that looks back.
-  deadline_ = from + (from == free_from_ ? timing::cca : rules_->assessment);
+  // A chip that looks back must not see its own exchange.
+  deadline_ = std::max(from + rules_->assessment, assess_from_ + timing::cca);
 }
 
 void mac::back_off(instant from, random_stream& rng) {

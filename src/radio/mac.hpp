@@ -70,7 +70,7 @@ struct mac_action {
 ///                     +--- no ack, attempts left --------+    +--- ack, or attempts used up: next
 ///
 /// "Next" takes the following frame from the queue; its back-off begins after the interframe space,
-/// and after the transceiver's own ack if one is due.
+/// and when the transceiver hears again after its own ack if one is due.
 class mac {
 public:
   enum class state : std::uint8_t { idle, backing_off, looking_again, turning, sending, ack_wait };
@@ -98,8 +98,8 @@ public:
 
   /// The transceiver answers a frame with an ack of its own, which has left by `until`. An ack
   /// needs no CSMA and goes first (IEEE 802.15.4-2006 7.5.6.4.2): CSMA for our next frame begins
-  /// after it, anew if it was in flight, so that neither the frame received nor the ack counts as a
-  /// busy channel.
+  /// when the transceiver hears again after it, anew if it was in flight, so that neither the frame
+  /// received nor the ack counts as a busy channel.
   void on_own_ack(instant until, random_stream& rng);
 
   /// An ack has come in. @pre awaits(its DSN)
@@ -147,7 +147,9 @@ private:
   unsigned busy_ = 0;   ///< busy assessments in this round
   unsigned rounds_ = 0; ///< of this attempt that have ended
   state state_ = state::idle;
-  instant free_from_; ///< end of the interframe space after the last frame, and of the own ack
+  instant free_from_; ///< end of the interframe space, and of turning back after the own ack
+  instant
+      assess_from_; ///< no assessment may begin earlier: the receiver is deaf, or the ack is heard
   std::optional<instant> deadline_;
 };
 

@@ -149,7 +149,7 @@ void medium::switch_off(radio_index radio, instant now) {
 bool medium::clear(radio_index radio, instant now) {
   const auto& x = heads_[radio.value];
   const auto since = now - timing::cca;
-  if (x.state != mode::listening || tails_[radio.value].sent_until > since)
+  if (x.state != mode::listening || turned_back(radio) > since)
     return false;
   if (whole_window_ && x.busy_until > since)
     return false;
@@ -175,8 +175,12 @@ bool medium::stays_clear(radio_index radio, instant later) const {
   const bool silent = free_.size() == on_air_.size() && noises_.empty();
   const bool noise_is_quiet = disk_ || !sense_energy_ || x.cca_floor > 0;
   return silent && noise_is_quiet && tails_[radio.value].traced_noise == nullptr &&
-         x.state == mode::listening && x.busy_until <= since &&
-         tails_[radio.value].sent_until <= since;
+         x.state == mode::listening && x.busy_until <= since && turned_back(radio) <= since;
+}
+
+/// When the receiver is ready again after what was sent last: until then it hears nothing.
+instant medium::turned_back(radio_index radio) const {
+  return tails_[radio.value].sent_until + timing::turnaround;
 }
 
 energy_times medium::times(radio_index radio, instant now) const {
@@ -224,7 +228,7 @@ outcome medium::meet(const hearer& x, slot_index slot, std::uint32_t place, inst
 
 bool medium::turns_back(radio_index radio, instant now) {
   auto& x = heads_[radio.value];
-  if (x.state == mode::listening && now < tails_[radio.value].sent_until + timing::turnaround)
+  if (x.state == mode::listening && now < turned_back(radio))
     return true;
   x.flags &= static_cast<std::uint8_t>(~turning);
   return false;

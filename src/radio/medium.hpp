@@ -111,8 +111,9 @@ public:
   /// Whether signals are so strong that neither noise nor a sensitivity matters.
   [[nodiscard]] bool is_disk() const { return disk_; }
 
-  /// Outcome of a clear-channel assessment over timing::cca until now. Traced noise counts with its
-  /// reading of this moment; earlier in the window signals alone do.
+  /// Outcome of a clear-channel assessment over timing::cca until now: not clear if the receiver
+  /// was deaf in it. Traced noise counts with its reading of this moment; earlier in the window
+  /// signals alone do.
   [[nodiscard]] bool clear(radio_index radio, instant now);
 
   /// Whether clear() will be true at `later` if nothing goes on the air until then.
@@ -216,6 +217,7 @@ private:
   [[nodiscard]] outcome meet(const hearer& x, slot_index slot, std::uint32_t place, instant now);
   [[nodiscard]] outcome meet_others(const hearer& x, slot_index slot, std::uint32_t place,
                                     instant now);
+  [[nodiscard]] instant turned_back(radio_index radio) const;
   [[nodiscard]] bool turns_back(radio_index radio, instant now);
   [[nodiscard]] outcome overlap(const hearer& x, slot_index slot, std::uint32_t place, instant now);
   [[nodiscard]] instant end_of(slot_index slot) const;

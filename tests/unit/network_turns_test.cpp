@@ -73,8 +73,8 @@ TEST_CASE("a slot is as long as its packets need over all their hops", "[network
   CHECK(exchange_time(46 + 6, standard) == 71 * 32us + 864us);
   CHECK(passage(46, 1, standard) == 71 * 32us + 864us + 640us);
   CHECK(units_for(passage(46, 1, standard), standard) == 4);
-  // each further hop has a back-off, too
-  CHECK(passage(106, 8, standard) == 8 * (131 * 32us + 864us) + 7 * 2240us + 640us);
+  // each further hop turns back from its ack and has a back-off, too
+  CHECK(passage(106, 8, standard) == 8 * (131 * 32us + 864us) + 7 * (192us + 2240us) + 640us);
   CHECK(passage_up(46, standard) == 89 * 32us + 864us + 640us);
   CHECK(passage_up(106, standard) == 2 * (96 * 32us + 864us + 640us)); // cut in two
   CHECK(units_for(0ns, standard) == 0);

@@ -175,11 +175,12 @@ TEST_CASE("the interframe space also holds for a frame submitted later", "[radio
   CHECK(x.deadline() == now + 640us + static_cast<int>(same.below(8)) * 320us + 128us);
 }
 
-TEST_CASE("CSMA begins after the transceiver's own ack", "[radio][mac][NET-15]") {
+TEST_CASE("CSMA begins when the transceiver hears again after its own ack",
+          "[radio][mac][NET-15]") {
   random_stream rng(GENERATE(range(std::uint64_t{1}, std::uint64_t{9})));
   const instant until = instant{} + 7ms;
   const auto begins_after = [&](const mac& x) {
-    const auto waits = x.deadline().value() - until - 128us;
+    const auto waits = x.deadline().value() - until - 192us - 128us;
     CHECK(waits >= 0us);
     CHECK(waits <= 7 * 320us);
     CHECK(waits % duration(320us) == 0us);
@@ -206,7 +207,7 @@ TEST_CASE("CSMA begins after the transceiver's own ack", "[radio][mac][NET-15]")
   frame.in_slot = true;
   slotted.submit(frame, instant{} + 6900us, rng);
   slotted.on_own_ack(until, rng);
-  CHECK(slotted.deadline() == until + 128us);
+  CHECK(slotted.deadline() == until + 192us + 128us);
 
   mac turned(standard, 8, 3); // it had found the channel clear before
   now = instant{} + 1ms;
@@ -214,6 +215,38 @@ TEST_CASE("CSMA begins after the transceiver's own ack", "[radio][mac][NET-15]")
   CHECK_FALSE(step(turned, now, true, rng).transmit);
   turned.on_own_ack(until, rng);
   CHECK(step(turned, now, true, rng).transmit);
+}
+
+TEST_CASE("the assessment of a frame in its slot does not look back at the exchange before it",
+          "[radio][mac][SYN-16]") {
+  for (const auto* name : {"standard", "cc2420", "rf230"}) {
+    for (const bool ack : {false, true}) {
+      INFO(name << " ack " << ack);
+      random_stream rng(1);
+      const auto* rules = find_mac(name, platforms()[0]);
+      mac x(rules, 8, 3);
+      auto next = frame_of(2, true);
+      next.in_slot = true;
+      auto first = frame_of(1, ack);
+      first.in_slot = true;
+      instant now = instant{} + 5ms;
+      x.submit(first, now, rng);
+      while (!step(x, now, true, rng).transmit)
+        CHECK(x.assesses() == (x.now_in() != mac::state::turning));
+      now += air_time(psdu_size);
+      static_cast<void>(x.on_sent(now, rng));
+      auto silent = now + 192us; // the receiver is deaf until then
+      if (ack) {
+        now += 1ms;
+        static_cast<void>(x.on_ack(now, rng));
+        silent = now;
+      }
+      x.submit(next, now, rng);
+      REQUIRE(x.deadline());
+      CHECK(*x.deadline() - 128us >= silent);
+      CHECK(*x.deadline() - 128us <= silent + 640us); // nor does it wait for more than a LIFS
+    }
+  }
 }
 
 TEST_CASE("a transmit queue is full at its size and aborts in order", "[radio][mac]") {

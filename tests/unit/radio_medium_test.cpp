@@ -247,8 +247,11 @@ TEST_CASE("the channel is clear once nothing has been heard or sent for a while"
   x.end(slot, 2ms);
   CHECK_FALSE(x.air.clear(b, instant(2128us - 1ns)));
   CHECK(x.air.clear(b, instant(2128us)));
-  CHECK_FALSE(x.air.clear(a, instant(2128us - 1ns)));
-  CHECK(x.air.clear(a, instant(2128us)));
+  // What has sent hears nothing for 192 us more.
+  CHECK_FALSE(x.air.clear(a, instant(2192us + 128us - 1ns)));
+  CHECK_FALSE(x.air.stays_clear(a, instant(2192us + 128us - 1ns)));
+  CHECK(x.air.clear(a, instant(2192us + 128us)));
+  CHECK(x.air.stays_clear(a, instant(2192us + 128us)));
 }
 
 TEST_CASE("slots are used again and tell their uses apart", "[radio][medium]") {
