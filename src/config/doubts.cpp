@@ -10,6 +10,7 @@ std::vector<problem> doubts_of(const loaded& x, const std::string& file_name) {
   if (x.ecology) {
     doubt_proxies(*x.ecology, x.seen, found);
     doubt_tuples(*x.ecology, x.seen, found);
+    doubt_messages(*x.ecology, x.seen, found);
     doubt_radios(*x.ecology, x.seen, found);
     doubt_traces(*x.ecology, x.seen, found);
   }

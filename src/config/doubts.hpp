@@ -30,6 +30,9 @@ void doubt_proxies(const ecology_description& x, const file_places& seen, doubt_
 /// come, which have whatever they have.
 void doubt_tuples(const ecology_description& x, const file_places& seen, doubt_list& out);
 
+/// Of messages between motes: whether a program at their receiver takes them.
+void doubt_messages(const ecology_description& x, const file_places& seen, doubt_list& out);
+
 /// Of motes that no sink can hear, and of those that walk too fast for their `step`.
 void doubt_radios(const ecology_description& x, const file_places& seen, doubt_list& out);
 

@@ -171,6 +171,25 @@ TEST_CASE("a field needs a program that sends it, and enough octets", "[config]"
                                           "of type c listens on channel 2"});
 }
 
+TEST_CASE("messages need a program that takes their AM type", "[config][AM-01]") {
+  const auto with = [](const std::string& program) {
+    return doubts_of(
+        home("channel = 1\n") +
+        "[[island]]\nname = 'far'\nid = 2\n[[island.mote]]\nid = 5\nname = 'to'\n"
+        "type = 'c'\nposition_m = [1, 2]\napps = [" +
+        program +
+        "]\n[[island.mote]]\nid = 6\nname = 'from'\ntype = 'c'\n"
+        "position_m = [1, 3]\napps = [{ app = 'messenger', to = 'far/to', text = 'hm', "
+        "every = '1s' }]\n[[peer]]\nname = 'pc-2'\nid = 31\n"
+        "apps = [{ app = 'proxy_manager' }]\n");
+  };
+  CHECK(with("{ app = 'listener', am_type = 10 }").empty());
+  const std::vector<std::string> nobody{
+      "far/from sends messages of AM type 10 to far/to, where no program takes them"};
+  CHECK(with("") == nobody);
+  CHECK(with("{ app = 'listener', am_type = 11 }") == nobody);
+}
+
 TEST_CASE("a type that nobody claims is told of once", "[config]") {
   auto toml = home("channel = 1\n");
   toml.replace(toml.find("types = [7]"), 11, "types = [8]");
