@@ -11,6 +11,7 @@
 #include <boost/asio/serial_port.hpp>
 
 #include "io/descriptor_channel.hpp"
+#include "io/port_holders.hpp"
 
 namespace rubicon::io {
 
@@ -58,6 +59,9 @@ std::string prepare(asio::serial_port& port, const std::string& path, std::uint3
 
 std::variant<serial_port, std::string> serial_port::open(loop& where, const std::string& path,
                                                          std::uint32_t baud, std::size_t room) {
+  if (const auto holder = holder_of_terminal(path); !holder.empty())
+    return path + ": " + holder +
+           " has it, and each would get a part of what comes; end that program";
   asio::serial_port port(context_of(where));
   if (auto why = prepare(port, path, baud); !why.empty())
     return why;

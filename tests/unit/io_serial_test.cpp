@@ -1,5 +1,6 @@
 // Serial ports and pseudo-terminals, which are each other's ends here.
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -12,6 +13,8 @@
 #include <unistd.h>
 
 #include "core/time.hpp"
+#include "io/port_holders.hpp"
+#include "io/process.hpp"
 #include "io/pseudo_terminal.hpp"
 #include "io/serial_port.hpp"
 #include "support/catch.hpp"
@@ -190,4 +193,35 @@ TEST_CASE("a link is made where nothing is, or one of a program that has ended",
   REQUIRE(std::holds_alternative<std::string>(file));
   CHECK(std::get<std::string>(file).find("no link to a pseudo-terminal") != std::string::npos);
   CHECK(std::filesystem::file_size(folder.file("file")) == 4);
+}
+
+TEST_CASE("a port that another program has without a lock is refused with that program's name",
+          "[io][serial][GW-17]") {
+  const test::scratch_folder folder;
+  io::loop loop;
+  const auto path = folder.file("port");
+  const offered other_end(loop, path);
+  CHECK(io::holder_of_terminal(path).empty());
+  std::optional<io::process_end> end;
+  auto found = io::process::start(
+      loop, {.program = "/bin/sh", .words = {"sh", "-c", "exec 3<>" + path + "; exec sleep 100"}},
+      {[](io::process::output, byte_view) {}, [&end](io::process_end how) { end = how; }});
+  REQUIRE(std::holds_alternative<io::process>(found));
+  auto& holder = std::get<io::process>(found);
+  const auto soon = [&](const std::function<bool()>& done) {
+    const auto limit = std::chrono::steady_clock::now() + 20s;
+    while (!done() && std::chrono::steady_clock::now() < limit)
+      loop.wait_until(std::chrono::steady_clock::now() + 10ms);
+    REQUIRE(done());
+  };
+  soon([&] { return io::holder_of_terminal(path).starts_with("sleep (process "); });
+  const auto refused = io::serial_port::open(loop, path, 57600, room);
+  REQUIRE(std::holds_alternative<std::string>(refused));
+  CHECK(std::get<std::string>(refused).starts_with(path + ": sleep (process "));
+  holder.signal(SIGKILL);
+  soon([&] { return end.has_value() && io::holder_of_terminal(path).empty(); });
+  const opened good(loop, path);
+  CHECK(io::holder_of_terminal(path).empty()); // this one's own does not count
+  CHECK(io::holder_of_terminal("/dev/null").empty());
+  CHECK(io::holder_of_terminal(folder.file("none")).empty());
 }
