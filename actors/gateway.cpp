@@ -1,5 +1,7 @@
 #include "actors/gateway.hpp"
 
+#include <utility>
+
 #include "actors/log.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/peis.hpp"
@@ -158,9 +160,8 @@ struct performer {
     else if (is_real)
       return;
     else if (const auto packet = serial::decode_am_packet(x.packet))
-      perform(self, state.gateway.on_packet(mote_id(packet->source), packet->am_type,
-                                            packet->payload, now(self)));
-    else
+      take(*packet);
+    else if (!serial::decode_any_packet(x.packet))
       ++state.bad_packets;
   }
 
@@ -179,6 +180,29 @@ struct performer {
       perform(self, self->state.gateway.on_plain_done(input.mapped(), false, now(self)));
     }
     log(self, spdlog::level::warn, "event=lost packet={}", x.id.value);
+    if (x.cause == serial::lost_cause::too_long)
+      tell_refused();
+  }
+
+  /// Once: who writes one such packet writes others.
+  void tell_refused() const {
+    auto& state = self->state;
+    if (std::exchange(state.has_refused, true))
+      return;
+    const auto most = (is_real ? state.real_port : state.port).payload_max();
+    self->send(state.arguments.ecology,
+               notable_event{self->path(), "refuses packets with more than " +
+                                               std::to_string(most) +
+                                               " octets of payload: a BaseStation would take "
+                                               "nothing more after one (`payload`)"});
+  }
+
+  /// Of the sink.
+  void take(const serial::am_packet& x) const {
+    auto& state = self->state;
+    perform(self, state.gateway.on_packet(mote_id(x.source), x.am_type, x.payload, now(self)));
+    if (state.arguments.may_be_own_sink && state.gateway.has_own_sink())
+      state.port.set_payload_max(serial::am_payload_max);
   }
 
   /// What a sink would have said.

@@ -31,6 +31,7 @@ struct gateway_arguments {
   peis_peer_actor peer;   ///< the kernel whose component it is
   serial_line_actor line;
   bool line_is_real = false;        ///< its adapter takes its time by itself
+  bool may_be_own_sink = false;     ///< once it has said so, port.payload_max is too little
   serial_line_actor real_line;      ///< to motes with plain programs; nullptr: they are at `line`
   forwarder_server_actor forwarder; ///< for programs of TinyOS; nullptr: none
   ecology_actor ecology;
@@ -43,8 +44,9 @@ struct gateway_state {
   serial::host_port port;
   serial::host_port real_port;
   std::uint64_t next_packet = 1;
-  std::uint64_t bad_packets = 0;                      ///< from the line, not serial active messages
-  std::uint64_t messages_lost = 0;                    ///< that another gateway did not acknowledge
+  std::uint64_t bad_packets = 0;   ///< from the line, not serial active messages
+  std::uint64_t messages_lost = 0; ///< that another gateway did not acknowledge
+  bool has_refused = false;        ///< a packet too long for the mote at a line, and has said so
   std::map<serial::packet_id, std::uint64_t> foreign; ///< of programs of TinyOS: their tokens
   std::map<serial::packet_id, std::uint64_t> inputs;  ///< for plain motes: to_plain::number
   program_host programs;

@@ -397,14 +397,17 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   gateway.line_is_real = island.outside.has_sink();
   gateway.plain.motes = {island.plain, island.keep_alive};
   gateway.plain.group = serial::default_group;
+  const auto payload_of = [](const serial::outside_config& x) {
+    return x.payload == 0 ? serial::base_station_payload : x.payload;
+  };
   if (gateway.line_is_real)
-    gateway.port.payload_max = gateway.plain.payload_max = island.outside.payload;
+    gateway.port.payload_max = payload_of(island.outside);
+  gateway.may_be_own_sink = gateway.line_is_real && island.outside.payload == 0;
   if (const auto& real = island.real; real.is_there()) {
     gateway.config.has_real_line = true;
     gateway.plain.range = real.motes;
-    gateway.plain.payload_max = real.outside.payload;
     gateway.real_port.baud = real.serial.baud;
-    gateway.real_port.payload_max = real.outside.payload;
+    gateway.real_port.payload_max = payload_of(real.outside);
     gateway.real_line = self->state.real_lines.at(island.id);
   }
   gateway.ecology = ecology_handle(self);

@@ -91,6 +91,7 @@ outputs gateway::dispatch(mote_id source, std::uint8_t am_type, byte_view payloa
   } else if (am_type != network::am::sink_event) {
     ++counters_.unknown_type;
   } else if (const auto event = network::decode_sink_event(payload)) {
+    has_own_sink_ = has_own_sink_ || !is_plain_said_;
     more = std::visit([this, now](const auto& x) { return on_event(x, now); }, *event);
   } else {
     ++counters_.malformed;

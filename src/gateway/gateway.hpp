@@ -244,6 +244,8 @@ public:
   [[nodiscard]] std::vector<mote_id> devices() const; ///< ascending
   [[nodiscard]] const gateway_counters& counters() const { return counters_; }
   [[nodiscard]] const directory& others() const { return others_; }
+  /// The sink at the line has said something that only the islands' own program says.
+  [[nodiscard]] bool has_own_sink() const { return has_own_sink_; }
   [[nodiscard]] std::optional<duration> clock_offset() const { return clock_offset_; }
   [[nodiscard]] std::size_t outstanding() const { return above().messages().outstanding(); }
   [[nodiscard]] transport::messenger_counters messages() const; ///< of all its terms
@@ -355,6 +357,7 @@ private:
   std::set<mote_id> roster_seen_;
   std::uint8_t roster_pages_seen_ = 0;
   gateway_counters counters_;
+  bool has_own_sink_ = false;
 };
 
 } // namespace rubicon::gateway

@@ -29,7 +29,7 @@ std::optional<std::vector<sink_packet>> plain_line::on_packet(byte_view packet, 
 std::optional<bytes> plain_line::on_input(mote_id mote, std::uint16_t channel, byte_view octets) {
   ++counters_.inputs;
   auto said = motes_.on_input(mote, channel, octets);
-  if (!said || said->payload.size() > config_.payload_max) {
+  if (!said || said->payload.size() > serial::am_payload_max) {
     ++counters_.inputs_failed["refused"];
     return {};
   }

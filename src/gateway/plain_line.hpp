@@ -23,8 +23,7 @@ struct plain_line_config {
   plain_config motes;
   /// The line has real motes alone, with these addresses; nothing: it has a sink of ours, too.
   std::optional<address_range> range;
-  std::uint8_t group = 0;        ///< of packets to them
-  std::size_t payload_max = 114; ///< AM payload that the base station is compiled for
+  std::uint8_t group = 0; ///< of packets to them
 };
 
 /// How each packet and each input has ended, while this was there. Packets are counted only where
@@ -53,7 +52,7 @@ public:
   [[nodiscard]] std::optional<std::vector<sink_packet>> on_packet(byte_view packet, instant now);
 
   /// @returns the packet for the serial port, which says by on_sent() and on_lost() what has become
-  /// of it; nothing: it cannot be said, and has failed
+  /// of it, also if it is too long for the base station; nothing: it cannot be said, and has failed
   [[nodiscard]] std::optional<bytes> on_input(mote_id mote, std::uint16_t channel,
                                               byte_view octets);
   void on_sent() { ++counters_.inputs_sent; }

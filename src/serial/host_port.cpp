@@ -6,6 +6,7 @@
 
 #include "core/message_ledger.hpp"
 #include "serial/line_config.hpp"
+#include "serial/raw_packet.hpp"
 
 namespace rubicon::serial {
 
@@ -33,6 +34,22 @@ std::string_view to_string(lost_cause x) {
   return "?";
 }
 
+std::optional<lost_cause> objection_to(byte_view packet, std::size_t payload_max) {
+  if (packet.empty())
+    return lost_cause::malformed;
+  if (packet.size() > packet_octets_max)
+    return lost_cause::too_long;
+  const auto message = decode_any_packet(packet);
+  if (message)
+    return message->payload.size() > payload_max ? std::optional(lost_cause::too_long)
+                                                 : std::nullopt;
+  if (packet[0] != am_dispatch) // whatever a mote of its kind makes of it
+    return {};
+  return message.error() == errc::too_long && packet[1 + 4] > am_payload_max
+             ? lost_cause::too_long
+             : lost_cause::malformed;
+}
+
 host_port::host_port(host_port_config config) : config_(config), queue_(config.queue_max) {
   assert(config_.attempts_max >= 1 && config_.attempts_max <= 64 && config_.baud > 0 &&
          config_.window >= 1);
@@ -40,7 +57,7 @@ host_port::host_port(host_port_config config) : config_(config), queue_(config.q
 
 outputs host_port::send(packet_id id, bytes packet, instant now) {
   outputs out;
-  if (const auto cause = objection(packet)) {
+  if (const auto cause = objection_to(packet, config_.payload_max)) {
     ++counters_.refused;
     note_loss(loss::line_failed);
     out.push_back(lost{id, *cause});
@@ -89,22 +106,6 @@ std::optional<instant> host_port::deadline() const {
   for (const auto& x : in_flight_)
     next = earliest(next, x.due);
   return next;
-}
-
-std::optional<lost_cause> host_port::objection(byte_view packet) const {
-  if (packet.empty())
-    return lost_cause::malformed;
-  if (packet.size() > packet_octets_max)
-    return lost_cause::too_long;
-  if (packet[0] != am_dispatch)
-    return {};
-  const auto message = decode_am_packet(packet);
-  if (message)
-    return message->payload.size() > config_.payload_max ? std::optional(lost_cause::too_long)
-                                                         : std::nullopt;
-  return message.error() == errc::too_long && packet[1 + 4] > am_payload_max
-             ? lost_cause::too_long
-             : lost_cause::malformed;
 }
 
 void host_port::on_frame(frame x, instant now, outputs& out) {

@@ -35,6 +35,10 @@ enum class lost_cause : std::uint8_t {
 
 [[nodiscard]] std::string_view to_string(lost_cause x);
 
+/// Why a packet must not be written to a mote that takes AM payloads of so many octets, as serial
+/// active messages or in raw frames. @param packet dispatch octet first
+[[nodiscard]] std::optional<lost_cause> objection_to(byte_view packet, std::size_t payload_max);
+
 /// The mote has acked it.
 struct sent {
   packet_id id;
@@ -60,7 +64,7 @@ struct host_port_config {
   std::size_t window = 1;
   unsigned attempts_max = 4;                ///< 1..64
   std::size_t queue_max = 64;               ///< packets waiting behind the one that is outstanding
-  std::size_t payload_max = am_payload_max; ///< AM payload that the sink is compiled for
+  std::size_t payload_max = am_payload_max; ///< AM payload that the mote is compiled for
 };
 
 struct host_port_counters {
@@ -98,6 +102,10 @@ public:
   [[nodiscard]] outputs on_bytes(byte_view octets, instant now);
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
 
+  /// The mote takes longer payloads than was known.
+  void set_payload_max(std::size_t x) { config_.payload_max = x; }
+  [[nodiscard]] std::size_t payload_max() const { return config_.payload_max; }
+
   /// When on_time() is due; nothing while idle.
   [[nodiscard]] std::optional<instant> deadline() const;
 
@@ -124,7 +132,6 @@ private:
     instant due{};                   ///< of the next one, or of giving up
   };
 
-  [[nodiscard]] std::optional<lost_cause> objection(byte_view packet) const;
   void on_frame(frame x, instant now, outputs& out);
   void on_ack(std::uint8_t sequence, instant now, outputs& out);
   void pass_up(bytes packet, outputs& out);

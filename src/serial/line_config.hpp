@@ -22,6 +22,10 @@ struct line_config {
 
 struct recorded_frame;
 
+/// AM payload that TinyOS's programs are compiled for unless somebody says otherwise. A longer one
+/// blocks a BaseStation's way to the radio for good (tinyos.md 3).
+inline constexpr std::size_t base_station_payload = 28;
+
 /// What is at one end of an island's cable in place of what the ecology has there itself. At most
 /// one of the names is given; none: the ecology has both ends.
 struct outside_config {
@@ -31,9 +35,9 @@ struct outside_config {
   double speed = 1;      ///< of the replay: how often the recorded time passes in one
   std::string pty;       ///< pseudo-terminal on which others find the sink that the ecology has
 
-  /// AM payload that the real sink's program was compiled for: a longer one would block it for good
-  /// (tinyos.md 3).
-  std::size_t payload = 114;
+  /// AM payload that the real sink's program was compiled for; 0: base_station_payload, until it
+  /// has said that it is the island's own.
+  std::size_t payload = 0;
 
   /// Of this island, in order of time; not nullptr if it is to be replayed.
   std::shared_ptr<const std::vector<recorded_frame>> recorded;

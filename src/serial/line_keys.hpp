@@ -37,8 +37,10 @@ inline auto keys_of(const outside_config*) {
       keys::optional("speed", &outside_config::speed, keys::real{0.001, 1000},
                      "with `replay`, how many times faster than it was recorded"),
       keys::optional("payload", &outside_config::payload, keys::whole<std::size_t>{1, 114},
-                     "with a real sink, the longest AM payload that its program takes, 28 of a "
-                     "BaseStation of TinyOS; what is longer is refused before it would block it"),
+                     {"with a real sink, the longest AM payload that its program takes; what is "
+                      "longer is refused before it would block it",
+                      "`28`, as a BaseStation of TinyOS; `114` once it has said that it runs the "
+                      "island's own program"}),
       keys::optional("pty", &outside_config::pty, keys::text{100},
                      {"the simulated sink's cable ends in a pseudo-terminal, to which this link is "
                       "made, seen from where rubicon was started; needs `mode = \"wall\"`. The "
@@ -72,8 +74,9 @@ inline auto real_line_keys(const outside_config*) {
       keys::optional("speed", &outside_config::speed, keys::real{0.001, 1000},
                      "with `replay`, how many times faster than it was recorded"),
       keys::optional("payload", &outside_config::payload, keys::whole<std::size_t>{1, 114},
-                     "the longest AM payload that the base station takes, 28 of a BaseStation of "
-                     "TinyOS; what is longer is refused before it would block it"));
+                     {"the longest AM payload that the base station takes; what is longer is "
+                      "refused before it would block it",
+                      "`28`, as a BaseStation of TinyOS"}));
 }
 
 inline auto keys_of(const export_config*) {

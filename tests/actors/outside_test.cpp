@@ -5,6 +5,8 @@
 #include "actors/frames.hpp"
 #include "actors/gateway.hpp"
 #include "actors/replay_line.hpp"
+#include "network/am.hpp"
+#include "network/sink_event.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
 
@@ -87,6 +89,52 @@ TEST_CASE("of a program's packet that no sink takes a gateway says that it is do
   x.world.send(x.gateway, serial_packet{5, payload(serial::encode(message(9)))});
   x.world.run_for(10s);
   CHECK(x.forwarder.count<serial_packet_done>() == 2);
+}
+
+TEST_CASE("a gateway tells once that its sink takes no long packets, until that is one of ours",
+          "[actors][gateway][GW-16][GW-17]") {
+  fixture world;
+  fake<peis_peer_actor> peer{world};
+  fake<serial_line_actor> line{world};
+  fake<forwarder_server_actor> forwarder{world};
+  fake<ecology_actor> ecology{world};
+  for (const bool may_be_own : {false, true}) {
+    gateway_arguments arguments;
+    arguments.config.island = kitchen;
+    arguments.peer = peer.handle();
+    arguments.line = line.handle();
+    arguments.line_is_real = true;
+    arguments.may_be_own_sink = may_be_own;
+    arguments.port.payload_max = 28;
+    arguments.port.window = 2;
+    arguments.forwarder = forwarder.handle();
+    arguments.ecology = ecology.handle();
+    const auto gateway = world.spawn_at(may_be_own ? "gateway/own" : "gateway/plain",
+                                        gateway_behavior, std::move(arguments));
+    const auto written = [&](std::size_t octets) {
+      for (const auto& x : test::frames_in(line.all<serial_write>())) // all that waits is acked
+        world.send(gateway, serial_octets{serial::encode(
+                                serial::frame{serial::frame_type::ack, x.sequence, {}})});
+      line.forget();
+      auto x = message(9);
+      x.payload = bytes(octets);
+      world.send(gateway, serial_packet{4, payload(serial::encode(x))});
+      return test::packets_in(line.all<serial_write>()).size();
+    };
+    ecology.forget();
+    CHECK(written(29) == 0);
+    CHECK(written(40) == 0);
+    CHECK(ecology.count<notable_event>() == 1);
+    CHECK(ecology.all<notable_event>().at(0).what.find("more than 28 octets") != std::string::npos);
+    CHECK(written(28) == 1);
+    serial::am_packet started;
+    started.source = 1;
+    started.am_type = network::am::sink_event;
+    started.payload =
+        network::encode(network::sink_event(network::mote_joined{mote_id{2}, 1, 101, {}}));
+    world.send(gateway, test::serial_frame(started, serial::frame_type::packet));
+    CHECK(written(40) == (may_be_own ? 1 : 0));
+  }
 }
 
 TEST_CASE("a gateway has a line of its own to real motes, and takes those of its range alone",

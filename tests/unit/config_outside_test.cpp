@@ -76,6 +76,7 @@ TEST_CASE("motes behind a real sink may run plain programs", "[config][GW-17]") 
                            "[[island.plain]]\nam_type = 147\ntype = 902\nchannel = 3\n"));
   const auto& island = x.islands.at(0);
   CHECK(island.outside.payload == 28);
+  CHECK(good(with("serial.device = \"/dev/ttyUSB0\"\n")).islands.at(0).outside.payload == 0);
   REQUIRE(island.plain.size() == 2);
   CHECK(island.plain[0].am_type == 6);
   CHECK(island.plain[0].first == 100);

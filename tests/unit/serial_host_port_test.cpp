@@ -1,4 +1,5 @@
 #include "serial/host_port.hpp"
+#include "serial/raw_packet.hpp"
 
 #include "serial_fixture.hpp"
 #include "support/catch.hpp"
@@ -147,6 +148,16 @@ TEST_CASE("a packet that would not do the sink good is refused", "[serial][GW-16
   host_port small_sink(config);
   CHECK(all<lost>(small_sink.send(id(1), numbered_packet(1, 29), start)).size() == 1);
   CHECK(all<to_line>(small_sink.send(id(2), numbered_packet(1, 28), start)).size() == 1);
+  // A raw frame has a payload, too.
+  const auto raw = [](std::size_t octets) {
+    return encode_raw({7, 0, default_group, 6, bytes(octets)}, 1);
+  };
+  CHECK(objection_to(raw(29), 28) == lost_cause::too_long);
+  CHECK(!objection_to(raw(28), 28));
+  CHECK(!objection_to(bytes(40, 0x02), 28)); // whatever it is
+  small_sink.set_payload_max(29);
+  CHECK(!all<lost>(small_sink.send(id(3), numbered_packet(1, 30), start)).empty());
+  CHECK(all<lost>(small_sink.send(id(4), numbered_packet(1, 29), start)).empty());
   host_port pc;
   CHECK(all<to_line>(pc.send(id(1), numbered_packet(1, 114), start)).size() == 1);
   host_port other;
