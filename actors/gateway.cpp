@@ -352,7 +352,7 @@ void report_counters(gateway_pointer self, bool ends) {
   const auto island = state.arguments.config.island;
   const auto& ecology = state.arguments.ecology;
   self->send(ecology, serial_status{island, counted(state)});
-  if (!state.arguments.plain.motes.rules.empty())
+  if (!state.arguments.plain.motes.rules.empty() || state.plain.counters().packets > 0)
     report_real_line(self, ends);
   self->send(ecology, message_status{{island, no_mote},
                                      false,

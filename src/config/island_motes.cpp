@@ -145,7 +145,8 @@ void island_motes::check_mac_profile(const table_reader& in, const mote_profile&
 
 void island_motes::read_mote(table_reader& in) {
   mote_id id;
-  const bool has_id = in.required("id", whole<std::uint16_t>{1, mote_id_max}, id,
+  const std::uint16_t least = island_.outside.has_sink() ? 0 : 1; // plain motes may have any
+  const bool has_id = in.required("id", whole<std::uint16_t>{least, mote_id_max}, id,
                                   "TinyOS id, one of a kind in the island");
   const auto profile = read_profile_of(in);
   auto out = profile.mote();

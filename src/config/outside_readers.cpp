@@ -152,7 +152,7 @@ real_names read_real(table_reader& island, const surroundings& with, island_desc
               [&](table_reader& mote) {
                 mote_id id;
                 std::string name;
-                mote.required("id", whole<std::uint16_t>{1, mote_id_max}, id, "its address");
+                mote.required("id", whole<std::uint16_t>{0, mote_id_max}, id, "its address");
                 mote.required("name", name_text{}, name, "one of a kind in the island");
                 if (mote.sound() && !real.motes.has(id))
                   mote.problems().add(mote.at("id"),

@@ -54,7 +54,7 @@ std::optional<instant> parse_seconds(std::string_view text) {
 }
 
 std::optional<mote_id> parse_mote(std::string_view text) {
-  const auto value = parse_decimal<std::uint16_t>(text, 1, mote_id_max);
+  const auto value = parse_decimal<std::uint16_t>(text, 0, mote_id_max);
   return value ? std::optional(mote_id{*value}) : std::nullopt;
 }
 
@@ -129,7 +129,7 @@ std::string to_string(const device_key& x) {
     return std::string(device_role_key);
   if (x.what == device_tuple::gateways)
     return std::string(device_gateways_key);
-  assert(x.mote.value >= 1 && x.mote.value <= mote_id_max);
+  assert(x.mote.value <= mote_id_max);
   key += '.' + to_string(x.mote);
   switch (x.what) {
   case device_tuple::list:

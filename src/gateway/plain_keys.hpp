@@ -8,10 +8,10 @@ namespace rubicon::gateway {
 
 inline auto keys_of(const address_range*) {
   return keys::of(
-      keys::required("first", &address_range::first, keys::whole<std::uint16_t>{1, mote_id_max},
+      keys::required("first", &address_range::first, keys::whole<std::uint16_t>{0, mote_id_max},
                      "the lowest address of the motes behind it; no simulated mote of the island "
                      "has one of theirs"),
-      keys::required("last", &address_range::last, keys::whole<std::uint16_t>{1, mote_id_max},
+      keys::required("last", &address_range::last, keys::whole<std::uint16_t>{0, mote_id_max},
                      "the highest one; packets of others are dropped and counted"));
 }
 
@@ -23,11 +23,17 @@ inline auto keys_of(const plain_rule*) {
           "Oscilloscope"),
       keys::required("type", &plain_rule::type, keys::whole<std::uint32_t>{1},
                      "number of the mote type as which they are devices, for proxies"),
-      keys::optional("first", &plain_rule::first, keys::whole<std::uint16_t>{1, mote_id_max},
+      keys::optional("first", &plain_rule::first, keys::whole<std::uint16_t>{0, mote_id_max},
                      {"the lowest address of such motes", "`1`; that of `real`, if there is one"}),
-      keys::optional("last", &plain_rule::last, keys::whole<std::uint16_t>{1, mote_id_max},
+      keys::optional("last", &plain_rule::last, keys::whole<std::uint16_t>{0, mote_id_max},
                      {"the highest one; others that send this AM type are none",
                       "`65532`; that of `real`, if there is one"}),
+      keys::optional(
+          "id_offset", &plain_rule::id_offset, keys::whole<std::uint8_t>{0, 112},
+          {"where in the payload the mote's address is, 2 octets, the high one first: 4 "
+           "of Oscilloscope and of packets of CTP, whose origin it is; 0 of BlinkToRadio",
+           "the packet's source, which programs that talk to the serial line themselves "
+           "leave at 0"}),
       keys::optional("channel", &plain_rule::channel, keys::whole<std::uint8_t>{1, 255},
                      "output channel that has the payload of each packet"),
       keys::optional(
@@ -42,12 +48,14 @@ inline auto keys_of(const plain_rule*) {
           keys::word<plain_form>{{{"octets", plain_form::octets},
                                   {"count", plain_form::count},
                                   {"blink", plain_form::blink},
-                                  {"oscilloscope", plain_form::oscilloscope}}},
+                                  {"oscilloscope", plain_form::oscilloscope},
+                                  {"mviz", plain_form::mviz}}},
           "how they are made. `\"octets\"`: what is written. The others take a number of 2 octets, "
           "`u16` of a proxy: `\"count\"` of RadioCountToLeds and `\"blink\"` of BlinkToRadio show "
           "it "
-          "with their LEDs, to `\"oscilloscope\"` it is the interval in ms, sent with the next "
-          "version of the mote's settings"));
+          "with their LEDs, to `\"oscilloscope\"` and `\"mviz\"` it is the interval in ms, sent "
+          "with the "
+          "next version of the mote's settings"));
 }
 
 } // namespace rubicon::gateway

@@ -1,28 +1,46 @@
 #include "gateway/plain_line.hpp"
 
+#include "network/am.hpp"
 #include "serial/packet.hpp"
 #include "serial/raw_packet.hpp"
 
 namespace rubicon::gateway {
 
+namespace {
+
+/// Whether the islands' own program says such packets.
+bool is_of_sink(std::uint8_t am_type) {
+  return am_type == network::am::sink_event || am_type == network::am::to_gateway ||
+         am_type == network::am::packet;
+}
+
+} // namespace
+
 std::optional<std::vector<sink_packet>> plain_line::on_packet(byte_view packet, instant now) {
-  counters_.packets += config_.range ? 1 : 0;
   const auto x = serial::decode_any_packet(packet);
   if (!x) {
     const bool is_raw = !packet.empty() && packet.front() == serial::raw_dispatch;
-    return drop(is_raw && x.error() == errc::unsupported ? "no_data" : "malformed");
+    if (config_.range)
+      drop(is_raw && x.error() == errc::unsupported ? "no_data" : "malformed");
+    return {};
   }
   const mote_id source(x->source);
-  if (config_.range && !config_.range->has(source))
-    return drop("out_of_range");
+  const auto from = motes_.sender_of(source, x->am_type, x->payload);
+  if (from.rule == nullptr) {
+    if (config_.range && !config_.range->has(from.mote))
+      drop("out_of_range");
+    else if (config_.range || !is_of_sink(x->am_type))
+      drop("no_rule");
+    return {};
+  }
   auto said = motes_.on_packet(source, x->am_type, x->payload, now);
-  if (!said)
-    return drop("no_rule");
   is_raw_ = packet.front() == serial::raw_dispatch;
-  if (said->empty())
-    static_cast<void>(drop("table_full"));
-  else
-    counters_.taken += config_.range ? 1 : 0;
+  if (said->empty()) {
+    drop("table_full");
+  } else {
+    ++counters_.packets;
+    ++counters_.taken;
+  }
   return said;
 }
 
@@ -44,10 +62,9 @@ void plain_line::on_lost(serial::lost_cause cause) {
   ++counters_.inputs_failed[is_refused ? "refused" : std::string(to_string(cause))];
 }
 
-std::optional<std::vector<sink_packet>> plain_line::drop(const char* cause) {
-  if (config_.range)
-    ++counters_.dropped[cause];
-  return {};
+void plain_line::drop(const char* cause) {
+  ++counters_.packets;
+  ++counters_.dropped[cause];
 }
 
 } // namespace rubicon::gateway

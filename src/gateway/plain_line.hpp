@@ -26,8 +26,8 @@ struct plain_line_config {
   std::uint8_t group = 0; ///< of packets to them
 };
 
-/// How each packet and each input has ended, while this was there. Packets are counted only where
-/// the line has real motes alone.
+/// How each packet and each input has ended, while this was there. Where the line has a sink of
+/// ours, too, what that one says does not count, nor does what is no packet at all.
 struct plain_line_counters {
   std::uint64_t packets = 0; ///< = taken + sum of dropped
   std::uint64_t taken = 0;
@@ -67,7 +67,7 @@ public:
   [[nodiscard]] const plain_line_counters& counters() const { return counters_; }
 
 private:
-  [[nodiscard]] std::optional<std::vector<sink_packet>> drop(const char* cause);
+  void drop(const char* cause);
 
   plain_line_config config_;
   plain_motes motes_;

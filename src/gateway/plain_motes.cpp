@@ -26,9 +26,15 @@ sink_packet message_of(mote_id mote, std::uint8_t channel, byte_view payload) {
           encode(network::island_packet{own_island, no_mote, channel, encode(x)})};
 }
 
-/// Of Oscilloscope (tinyos.md names its AM type only; the layout is the program's own): version of
-/// the settings, interval, address, count, ten readings, 2 octets each.
+/// What follows version and interval of the settings in packets of Oscilloscope and MViz (tinyos.md
+/// names their AM type only; the layouts are the programs' own), 2 octets each: address, count, ten
+/// readings; address, count, a reading, ETX, quality of the link, parent.
 constexpr std::size_t oscilloscope_rest = 2 + 2 + 10 * 2;
+constexpr std::size_t mviz_rest = 6 * 2;
+
+bool has_settings(plain_form x) {
+  return x == plain_form::oscilloscope || x == plain_form::mviz;
+}
 
 /// The 2 octets that all forms but one take; nothing: they are not 2.
 std::optional<std::uint16_t> number_in_octets(byte_view x) {
@@ -37,25 +43,34 @@ std::optional<std::uint16_t> number_in_octets(byte_view x) {
   return in.ok() && in.remaining() == 0 ? std::optional(number) : std::nullopt;
 }
 
+/// @returns nothing if the payload ends before the address, or it is nobody's
+std::optional<mote_id> address_by(const plain_rule& rule, mote_id source, byte_view payload) {
+  if (!rule.id_offset)
+    return source;
+  byte_reader in(payload.subspan(std::min<std::size_t>(*rule.id_offset, payload.size())));
+  const mote_id found(in.big<std::uint16_t>());
+  return in.ok() && found.value <= mote_id_max ? std::optional(found) : std::nullopt;
+}
+
 } // namespace
 
 std::optional<std::vector<sink_packet>> plain_motes::on_packet(mote_id source, std::uint8_t am_type,
                                                                byte_view payload, instant now) {
-  const auto* rule = rule_for(source, am_type);
+  const auto [mote, rule] = sender_of(source, am_type, payload);
   if (rule == nullptr)
     return {};
   std::vector<sink_packet> out;
-  if (members_.size() == motes_max && !members_.contains(source))
+  if (members_.size() == motes_max && !members_.contains(mote))
     return out;
-  auto& x = members_[source];
+  auto& x = members_[mote];
   x.heard = now;
-  if (rule->input_form == plain_form::oscilloscope)
+  if (has_settings(rule->input_form))
     x.version = std::max(x.version, byte_reader(payload).big<std::uint16_t>());
   if (!x.listed) {
     x.listed = true;
-    out.push_back(event_of(source, network::mote_joined{source, ++x.lives, rule->type, {}}));
+    out.push_back(event_of(mote, network::mote_joined{mote, ++x.lives, rule->type, {}}));
   }
-  out.push_back(message_of(source, rule->channel, payload));
+  out.push_back(message_of(mote, rule->channel, payload));
   return out;
 }
 
@@ -76,7 +91,8 @@ std::optional<plain_packet> plain_motes::on_input(mote_id mote, std::uint16_t ch
   case plain_form::blink:
     payload.big(std::uint16_t{0});
     break;
-  case plain_form::oscilloscope: {
+  case plain_form::oscilloscope:
+  case plain_form::mviz: {
     // A mote takes settings of a newer version only, and a count above its own.
     const auto known = members_.find(mote);
     if (!number || known == members_.end() || known->second.version == UINT16_MAX)
@@ -88,8 +104,8 @@ std::optional<plain_packet> plain_motes::on_input(mote_id mote, std::uint16_t ch
   if (!number)
     return {};
   payload.big(*number);
-  if (rule->input_form == plain_form::oscilloscope)
-    payload.append(bytes(oscilloscope_rest));
+  if (has_settings(rule->input_form))
+    payload.append(bytes(rule->input_form == plain_form::mviz ? mviz_rest : oscilloscope_rest));
   out.payload = payload.finish();
   return out;
 }
@@ -125,11 +141,16 @@ std::optional<instant> plain_motes::deadline() const {
   return due;
 }
 
-const plain_rule* plain_motes::rule_for(mote_id source, std::uint8_t am_type) const {
-  const auto found = std::ranges::find_if(config_.rules, [&](const plain_rule& x) {
-    return x.am_type == am_type && x.first <= source.value && source.value <= x.last;
-  });
-  return found == config_.rules.end() ? nullptr : &*found;
+plain_motes::sender plain_motes::sender_of(mote_id source, std::uint8_t am_type,
+                                           byte_view payload) const {
+  std::optional<mote_id> stranger;
+  for (const auto& rule : config_.rules) {
+    const auto mote = rule.am_type == am_type ? address_by(rule, source, payload) : std::nullopt;
+    if (mote && rule.first <= mote->value && mote->value <= rule.last)
+      return {*mote, &rule};
+    stranger = stranger ? stranger : mote;
+  }
+  return {stranger.value_or(source), nullptr};
 }
 
 const plain_rule* plain_motes::input_rule_for(mote_id mote, std::uint16_t channel) const {

@@ -40,6 +40,13 @@ public:
   plain_motes() = default;
   explicit plain_motes(plain_config config) : config_(std::move(config)) {}
 
+  /// Whose packet it is.
+  struct sender {
+    mote_id mote; ///< without a rule, who it would be by the first that has its AM type
+    const plain_rule* rule = nullptr; ///< valid as long as this; nullptr: no rule knows the packet
+  };
+  [[nodiscard]] sender sender_of(mote_id source, std::uint8_t am_type, byte_view payload) const;
+
   /// @returns what a sink would have said, empty if there is no room for another mote; nothing: no
   /// rule knows the packet
   [[nodiscard]] std::optional<std::vector<sink_packet>>
@@ -67,7 +74,6 @@ private:
     std::uint16_t version = 0; ///< of Oscilloscope's settings: the newest heard, or said
   };
 
-  [[nodiscard]] const plain_rule* rule_for(mote_id source, std::uint8_t am_type) const;
   [[nodiscard]] const plain_rule* input_rule_for(mote_id mote, std::uint16_t channel) const;
 
   plain_config config_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/address.hpp"
 
@@ -22,6 +23,7 @@ enum class plain_form : std::uint8_t {
   count,        ///< of RadioCountToLeds: the number
   blink,        ///< of BlinkToRadio: an address, which nobody looks at, and the number
   oscilloscope, ///< of Oscilloscope: the number is its interval in ms
+  mviz,         ///< of MViz, whose packets are shorter: the same
 };
 
 /// Packets of one AM type from some motes are messages of devices; and what is written to one of
@@ -35,6 +37,9 @@ struct plain_rule {
   std::uint8_t input = 0;           ///< channel of their input; 0: they have none
   std::uint8_t input_am_type = 0;   ///< of the packets that it becomes
   plain_form input_form = plain_form::octets;
+  /// Where in the payload a mote's address is, 2 octets in network byte order; nothing: it is the
+  /// packet's source, which programs at a serial line leave at 0 (tinyos.md 1.2).
+  std::optional<std::uint8_t> id_offset = {};
 };
 
 } // namespace rubicon::gateway

@@ -50,7 +50,7 @@ manager::outputs manager::on_devices(island_id island, std::string_view text, in
 manager::outputs manager::on_type(island_id island, mote_id mote, byte_view octets, instant) {
   outputs out;
   const auto type = parse_device_type(octets);
-  if (!type || mote.value == 0 || mote.value > mote_id_max) {
+  if (!type || mote.value > mote_id_max) {
     ++counters_.bad_types;
     return out;
   }

@@ -78,13 +78,13 @@ struct serial_report {
 RUBICON_FIELDS(serial_report, octets_written, octets, octets_up, frames_sent, frames_received,
                lost);
 
-/// The line to a real base station beside a simulated sink. Each packet that came and each input
-/// for a mote behind it has one end: packets = taken + sum of dropped, inputs = inputs_sent + sum
-/// of inputs_failed + inputs_open.
+/// Motes with plain programs of TinyOS, at a line of their own or the sink's, whose own packets do
+/// not count. Each packet that came and each input for such a mote has one end: packets = taken +
+/// sum of dropped, inputs = inputs_sent + sum of inputs_failed + inputs_open.
 struct real_line_report {
   std::uint64_t packets = 0; ///< that came in good frames
   std::uint64_t taken = 0;   ///< of them, made to messages of devices
-  /// the others: `out_of_range` (of a mote whose address is not of the line's range), `no_rule`,
+  /// the others: `out_of_range` (not of the line's addresses), `no_rule` (no `plain` knows them),
   /// `malformed`, `no_data` (802.15.4 frames that carry no active message), `table_full`
   cause_counts dropped;
   std::uint64_t inputs = 0;      ///< for motes behind it

@@ -98,6 +98,14 @@ TEST_CASE("motes behind a real sink may run plain programs", "[config][GW-17]") 
   CHECK(rule("am_type = 6\ntype = 1\ninput_am_type = 7\n") ==
         "14:17: `input_am_type` means nothing without `input`");
   CHECK(rule("am_type = 6\ntype = 1\ninput = 0\n").find("14:9: ") == 0);
+  CHECK(rule("am_type = 6\ntype = 1\nid_offset = 113\n").find("14:13: ") == 0);
+  const auto base =
+      good(with("serial.device = \"/dev/ttyUSB0\"\nmote = [{ id = 0, name = \"base\" }]\n"
+                "plain = [{ am_type = 137, type = 9, first = 0, last = 0, id_offset = 4 }]\n"));
+  CHECK(base.islands.at(0).plain.at(0).first == 0);
+  CHECK(base.islands.at(0).plain.at(0).id_offset == 4);
+  CHECK(base.islands.at(0).motes.at(0).id == mote_id{0});
+  CHECK(!problem_after(wall_head, "[[island.mote]]\nid = 0\nposition_m = [1, 0]\n").empty());
   CHECK(problem_after(wall_head, "serial.payload = 28\n") ==
         "10:18: `payload` means nothing without a real sink");
 }

@@ -216,6 +216,17 @@ TEST_CASE("what is written to a plain mote's input is a packet of its program",
   CHECK(counted.inputs_failed.at("refused") == 9);
 }
 
+TEST_CASE("settings of MViz are as long as its packets", "[gateway][GW-17]") {
+  plain_line_config config;
+  config.motes.rules = {{oscilloscope, 1, 9, 902, 1, 4, oscilloscope, plain_form::mviz}};
+  plain_line line(config);
+  static_cast<void>(line.on_packet(said(7, oscilloscope, bytes{0, 9, 1, 0}), start));
+  const auto packet = line.on_input(mote_id{7}, 4, bytes{1, 0xf4});
+  REQUIRE(packet);
+  CHECK(to_hex(serial::decode_am_packet(*packet)->payload) ==
+        "000a01f4" + std::string(2 * 12, '0'));
+}
+
 TEST_CASE("a line to real motes takes packets of its range alone", "[gateway][GW-17]") {
   auto line = real_line();
   const auto taken = [&](const bytes& packet) { return line.on_packet(packet, start).has_value(); };
@@ -286,6 +297,70 @@ TEST_CASE("each packet of a line to real motes is taken or dropped for a cause",
     for (const auto mote : core.devices())
       CHECK((mote.value >= 100 && mote.value <= 199));
   }
+}
+
+TEST_CASE("a mote's address may stand in the payload", "[gateway][GW-17]") {
+  // What programs at a serial line say has source 0 (tinyos.md 1.2); of CTP it is the last hop.
+  constexpr std::uint8_t ctp = 0x71;
+  plain_line_config config;
+  config.motes.rules = {
+      {.am_type = oscilloscope, .first = 1, .last = 99, .type = 902, .id_offset = 4},
+      {.am_type = oscilloscope, .first = 100, .last = 199, .type = 904, .channel = 2},
+      {.am_type = ctp, .first = 1, .last = 99, .type = 903, .id_offset = 4},
+      {.am_type = 137, .first = 0, .last = 0, .type = 905},
+  };
+  plain_line line(config);
+  auto core = beside(false);
+  static_cast<void>(core.start(start));
+  const auto told_of = [&](const bytes& packet) {
+    const auto all = line.on_packet(packet, start);
+    return all ? plain_told(core, *all, start) : std::vector<std::string>();
+  };
+  const auto osc = from_hex("0001 01f4 0007 0003 0001 0002").value();
+  auto tuples = told_of(said(0, oscilloscope, osc));
+  CHECK(has(tuples, "devices={7}"));
+  CHECK(has(tuples, "devices.7.type=00000386"));
+  CHECK(has(tuples, "devices.7.output.1=" + to_hex(osc)));
+  // The second rule's mote, whose payload says nothing that the first one takes.
+  CHECK(has(told_of(said(150, oscilloscope, bytes{1})), "devices.150.output.2=01"));
+  // THL 2, ETX 300, origin 8, sequence 5, collection 0x93, over mote 3.
+  const auto data = from_hex("0002 012c 0008 05 93 cafe").value();
+  CHECK(has(told_of(serial::encode_raw({1, 3, 0x22, ctp, data}, 1)), "devices={7,8,150}"));
+  CHECK(has(told_of(said(0, 137, bytes{0, 42})), "devices.0.output.1=002a"));
+  CHECK(core.devices().front() == mote_id{0});
+
+  // Too short for an address, nobody's, and of no mote of a rule.
+  CHECK(told_of(said(0, oscilloscope, bytes{0, 1, 1, 0xf4, 0})).empty());
+  CHECK(told_of(said(0, oscilloscope, from_hex("0001 01f4 ffff").value())).empty());
+  CHECK(told_of(said(0, ctp, from_hex("0002 012c 0100").value())).empty());
+  CHECK(told_of(said(5, 137, bytes{0, 42})).empty());
+  CHECK(line.counters().packets == 8);
+  CHECK(line.counters().taken == 4);
+  CHECK(line.counters().dropped == std::map<std::string, std::uint64_t>{{"no_rule", 4}});
+}
+
+TEST_CASE("what no rule of a sink's line knows counts, but for what the sink itself says",
+          "[gateway][GW-17]") {
+  plain_line line; // without any rule
+  CHECK(!line.on_packet(said(100, blink, bytes{1}), start));
+  CHECK(!line.on_packet(serial::encode_raw({0xffff, 7, 0x22, 7, {}}, 1), start));
+  for (const auto type : {network::am::sink_event, network::am::to_gateway, network::am::packet})
+    CHECK(!line.on_packet(said(2, type, bytes{1}), start));
+  CHECK(!line.on_packet(bytes{0, 1}, start)); // no packet: its port counts it
+  CHECK(line.counters().packets == 2);
+  CHECK(line.counters().dropped == std::map<std::string, std::uint64_t>{{"no_rule", 2}});
+}
+
+TEST_CASE("a range is of the addresses that the payload has", "[gateway][GW-17]") {
+  plain_line_config config;
+  config.motes.rules = {{.am_type = 7, .first = 100, .last = 199, .type = 1, .id_offset = 0}};
+  config.range = address_range{100, 199};
+  plain_line line(config);
+  CHECK(line.on_packet(said(0, 7, bytes{0, 100}), start));
+  CHECK(!line.on_packet(said(100, 7, bytes{0, 99}), start));
+  CHECK(!line.on_packet(said(100, 8, bytes{0, 100}), start));
+  CHECK(line.counters().dropped ==
+        std::map<std::string, std::uint64_t>{{"no_rule", 1}, {"out_of_range", 1}});
 }
 
 TEST_CASE("a lost line to real motes leaves them listed, and nobody leaves because of it",
