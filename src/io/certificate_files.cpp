@@ -147,6 +147,21 @@ std::variant<owned<EVP_PKEY>, std::string> read_key(const std::string& path) {
   return read_pem<EVP_PKEY>(path, "a private key without password", PEM_read_bio_PrivateKey);
 }
 
+std::string common_name_of(const X509& x) {
+  const auto* const subject = X509_get_subject_name(&x);
+  const auto at = X509_NAME_get_index_by_NID(subject, NID_commonName, -1);
+  if (at < 0)
+    return {};
+  unsigned char* octets = nullptr;
+  const auto size =
+      ASN1_STRING_to_UTF8(&octets, X509_NAME_ENTRY_get_data(X509_NAME_get_entry(subject, at)));
+  if (size < 0)
+    return {};
+  std::string name(reinterpret_cast<const char*>(octets), static_cast<std::size_t>(size));
+  OPENSSL_free(octets);
+  return name;
+}
+
 std::optional<std::chrono::sys_seconds> time_of(const ASN1_TIME& x) {
   const owned<ASN1_STRING> epoch(ASN1_TIME_set(nullptr, 0));
   int days = 0;

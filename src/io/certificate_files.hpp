@@ -43,6 +43,9 @@ using owned = std::unique_ptr<T, openssl_free>;
 /// The same for a private key.
 [[nodiscard]] std::variant<owned<EVP_PKEY>, std::string> read_key(const std::string& path);
 
+/// Empty if it has none.
+[[nodiscard]] std::string common_name_of(const X509& x);
+
 /// The time of a certificate; nothing for one that no calendar has.
 [[nodiscard]] std::optional<std::chrono::sys_seconds> time_of(const ASN1_TIME& x);
 

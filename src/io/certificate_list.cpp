@@ -25,22 +25,6 @@ std::string text_of(const ASN1_STRING& x) {
   return {octets, static_cast<std::size_t>(ASN1_STRING_length(&x))};
 }
 
-/// Empty if it has none.
-std::string common_name_of(const X509& x) {
-  const auto* const subject = X509_get_subject_name(&x);
-  const auto at = X509_NAME_get_index_by_NID(subject, NID_commonName, -1);
-  if (at < 0)
-    return {};
-  unsigned char* octets = nullptr;
-  const auto size =
-      ASN1_STRING_to_UTF8(&octets, X509_NAME_ENTRY_get_data(X509_NAME_get_entry(subject, at)));
-  if (size < 0)
-    return {};
-  std::string name(reinterpret_cast<const char*>(octets), static_cast<std::size_t>(size));
-  OPENSSL_free(octets);
-  return name;
-}
-
 std::string ip_text(const std::string& octets) {
   std::array<char, INET6_ADDRSTRLEN> text{};
   const auto family = octets.size() == 4 ? AF_INET : AF_INET6;

@@ -3,6 +3,9 @@
 #include <csignal>
 #include <utility>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <boost/asio/signal_set.hpp>
 
 #include "io/context.hpp"
@@ -36,6 +39,14 @@ hangup_watch::~hangup_watch() {
   boost::system::error_code ignored;
   state_->signals.clear(ignored);
   state_->signals.cancel(ignored);
+}
+
+bool has_terminal() {
+  const int terminal = ::open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC);
+  if (terminal == -1)
+    return false;
+  ::close(terminal);
+  return true;
 }
 
 } // namespace rubicon::io

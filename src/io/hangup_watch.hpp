@@ -23,4 +23,7 @@ private:
   std::shared_ptr<state> state_;
 };
 
+/// Whether this process has a terminal, so that SIGHUP says that it was closed.
+[[nodiscard]] bool has_terminal();
+
 } // namespace rubicon::io

@@ -7,6 +7,7 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <netinet/in.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 namespace rubicon::io {
@@ -47,6 +48,11 @@ std::int64_t time_since_boot_us() {
   timespec now{};
   static_cast<void>(::clock_gettime(CLOCK_BOOTTIME, &now));
   return std::int64_t{now.tv_sec} * 1'000'000 + now.tv_nsec / 1000;
+}
+
+std::size_t descriptors_max() {
+  rlimit x{};
+  return ::getrlimit(RLIMIT_NOFILE, &x) == 0 ? static_cast<std::size_t>(x.rlim_cur) : 0;
 }
 
 } // namespace rubicon::io

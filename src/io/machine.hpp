@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -30,5 +31,8 @@ struct network_interface {
 /// Microseconds since this computer started, those included for which it was suspended: it never
 /// steps.
 [[nodiscard]] std::int64_t time_since_boot_us();
+
+/// How many files and connections this process may have open.
+[[nodiscard]] std::size_t descriptors_max();
 
 } // namespace rubicon::io
