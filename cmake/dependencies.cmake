@@ -27,13 +27,6 @@ if(RUBICON_ACTORS)
     # gcc takes the values that CAF's deserializer is about to fill for uninitialized ones.
     INTERFACE_COMPILE_OPTIONS $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>
     INTERFACE_LINK_LIBRARIES Threads::Threads)
-  # Its network between computers.
-  foreach(module io openssl)
-    find_library(CAF_${module}_LIBRARY caf_${module} REQUIRED)
-    add_library(caf::${module} UNKNOWN IMPORTED)
-    set_target_properties(caf::${module} PROPERTIES IMPORTED_LOCATION ${CAF_${module}_LIBRARY}
-      INTERFACE_LINK_LIBRARIES caf::core)
-  endforeach()
 endif()
 if(RUBICON_TESTS)
   find_package(Catch2 REQUIRED)

@@ -8,7 +8,7 @@ include(CMakePackageConfigHelpers)
 
 set(package_folder lib/cmake/rubicon)
 list(TRANSFORM RUBICON_ROOMS PREPEND rubicon_ OUTPUT_VARIABLE libraries)
-list(APPEND libraries rubicon_options rubicon_scheduler rubicon_actors rubicon_control rubicon_cli)
+list(APPEND libraries rubicon_options rubicon_scheduler rubicon_actors rubicon_cli)
 
 # The names of components are targets too: what has to be built for them.
 add_custom_target(binary DEPENDS rubicon)

@@ -21,7 +21,7 @@ ask_each(control::system& actors, const std::vector<deployed_host>& hosts,
   for (std::size_t i = 0; i < hosts.size(); ++i) {
     auto question = what(hosts[i]);
     const auto patience = deploy::patience_for(question);
-    clients.emplace_back(actors, loop, hosts[i].address, hosts[i].port)
+    clients.emplace_back(actors, loop, hosts[i].address, hosts[i].port, hosts[i].certificate_name())
         .ask(std::move(question), patience,
              [&, i](std::variant<deploy::answer, std::string> found) {
                answers[i] = std::move(found);

@@ -8,6 +8,7 @@
 
 #include "config/ecology.hpp"
 #include "control/tls.hpp"
+#include "core/name.hpp"
 
 namespace rubicon::cli {
 
@@ -15,6 +16,9 @@ struct deployed_host {
   std::string name;
   std::string address;
   std::uint16_t port = 0;
+
+  /// That its certificate must have; empty: any, for it is called by its address.
+  [[nodiscard]] std::string certificate_name() const { return is_name(name) ? name : ""; }
 };
 
 /// Those that run something, in the order of the file.

@@ -31,7 +31,8 @@ deployment::deployment(io::loop& loop, control::system& actors, std::string id, 
     auto& x = hosts_.emplace_back();
     x.name = host.name;
     x.report.host = host.name;
-    x.client = std::make_unique<control::client>(actors, loop, host.address, host.port);
+    x.client = std::make_unique<control::client>(actors, loop, host.address, host.port,
+                                                 host.certificate_name());
   }
 }
 

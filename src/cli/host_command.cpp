@@ -15,6 +15,7 @@
 #include "core/overloads.hpp"
 #include "core/printable.hpp"
 #include "io/file_lock.hpp"
+#include "io/hangup_watch.hpp"
 #include "io/kept_number.hpp"
 #include "io/loop.hpp"
 #include "io/signal_watch.hpp"
@@ -34,18 +35,23 @@ class host_service {
 public:
   host_service(const host_command& x, fs::path folder)
       : command_(x), with_{x.name, std::move(folder), x.allows_commands, x.known},
-        signals_(loop_, [this](int) { end(); }), actors_(x.tls),
+        signals_(
+            loop_, [this](int) { end(); }, /*hangup_too=*/!renews()),
+        identity_(x.tls, x.name),
         part_(loop_, with_, [this](const std::string& text) { say(text); }), seeds_(loop_, with_) {}
 
   exit_status run() {
-    auto opened =
-        control::server::open(actors_, loop_, command_.address, command_.port,
-                              [this](deploy::question x) { return answer(std::move(x)); });
+    auto opened = control::server::open(
+        identity_, loop_, command_.address, command_.port,
+        [this](deploy::question x) { return answer(std::move(x)); },
+        [this](const std::string& line) { say(line); });
     if (const auto* why = std::get_if<std::string>(&opened)) {
       say(*why);
       return exit_status::refused;
     }
     server_.emplace(std::get<control::server>(std::move(opened)));
+    if (renews())
+      hangups_.emplace(loop_, [this] { server_->renew(); });
     say("listens on " + command_.address + ':' + std::to_string(server_->port()) +
         (command_.tls.empty() ? ", for this computer only"
                               : ", for certificates of " + command_.tls.authority));
@@ -54,11 +60,15 @@ public:
       part_.on_time();
       seeds_.on_time();
     }
+    hangups_.reset();
     server_.reset();
     return exit_status::good;
   }
 
 private:
+  /// A service is told by SIGHUP that it has a new certificate.
+  [[nodiscard]] bool renews() const { return !command_.tls.empty() && !has_terminal_; }
+
   void say(const std::string& text) const {
     static_cast<void>(print(stderr, printable(command_.name + "  " + text) + '\n'));
   }
@@ -88,14 +98,16 @@ private:
   }
 
   const host_command& command_;
+  const bool has_terminal_ = io::has_terminal();
   const hosting with_;
   std::optional<steady::time_point> ending_;
   io::loop loop_;
   io::signal_watch signals_;
-  control::system actors_;
+  control::system identity_;
   hosted_part part_;
   hosted_seeds seeds_;
   std::optional<control::server> server_; ///< refers to all of these
+  std::optional<io::hangup_watch> hangups_;
 };
 
 exit_status refuse(const std::string& why) {

@@ -1,5 +1,6 @@
 #include "cli/local_hosts.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <stdexcept>
 #include <utility>
@@ -29,12 +30,13 @@ local_hosts::local_hosts(io::loop& loop, const std::vector<deployed_host>& hosts
   const auto folder = (folder_.path() / "certs").string();
   const auto now = io::system_time();
   need(io::make_authority(folder, {}, now));
-  need(io::make_certificate(folder, {coordinator}, now));
+  while (std::ranges::find(hosts, coordinator_, &deployed_host::name) != hosts.end())
+    coordinator_ += '-';
+  need(io::make_certificate(folder, {coordinator_}, now));
   for (const auto& place : hosts) {
     auto& x = hosts_.emplace_back();
     x.place = place;
-    x.certificate = "host-" + std::to_string(hosts_.size());
-    need(io::make_certificate(folder, {x.certificate}, now));
+    need(io::make_certificate(folder, {place.name}, now));
     start(x);
   }
 }
@@ -49,7 +51,7 @@ control::tls_files local_hosts::certificate_of(const std::string& name) const {
 }
 
 void local_hosts::start(local_host& x) {
-  const auto tls = certificate_of(x.certificate);
+  const auto tls = certificate_of(x.place.name);
   io::spawn_request what;
   what.program = own_binary;
   what.words = {"rubicon",         "host",

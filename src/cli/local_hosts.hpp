@@ -28,7 +28,7 @@ public:
   local_hosts& operator=(const local_hosts&) = delete;
 
   /// Of whoever deploys to them.
-  [[nodiscard]] control::tls_files own_certificate() const { return certificate_of(coordinator); }
+  [[nodiscard]] control::tls_files own_certificate() const { return certificate_of(coordinator_); }
 
   /// To be called now and then.
   void on_time();
@@ -36,11 +36,8 @@ public:
 private:
   using steady = std::chrono::steady_clock;
 
-  static constexpr const char* coordinator = "coordinator";
-
   struct local_host {
     deployed_host place;
-    std::string certificate; ///< name of its
     std::optional<io::process> process;
     steady::time_point starts_at;
     io::line_splitter lines;
@@ -52,7 +49,8 @@ private:
 
   io::loop& loop_;
   const io::temporary_folder folder_{"rubicon-deploy"};
-  std::list<local_host> hosts_; ///< processes refer to them
+  std::string coordinator_ = "coordinator"; ///< no host has this name
+  std::list<local_host> hosts_;             ///< processes refer to them
 };
 
 } // namespace rubicon::cli

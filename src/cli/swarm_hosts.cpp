@@ -30,7 +30,8 @@ swarm_hosts::swarm_hosts(io::loop& where, control::system& actors,
   for (const auto& host : hosts) {
     auto& x = hosts_.emplace_back();
     x.name = host.name;
-    x.client = std::make_unique<control::client>(actors, where, host.address, host.port);
+    x.client = std::make_unique<control::client>(actors, where, host.address, host.port,
+                                                 host.certificate_name());
   }
 }
 

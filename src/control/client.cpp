@@ -1,182 +1,153 @@
 #include "control/client.hpp"
 
-#include <mutex>
+#include <algorithm>
 #include <optional>
-#include <set>
 #include <utility>
 
-#include "control/caf_system.hpp"
+#include "control/frame.hpp"
+#include "control/octets.hpp"
+#include "io/secure_stream.hpp"
 #include "io/tcp_connect.hpp"
+#include "io/timer.hpp"
 
 namespace rubicon::control {
 
 namespace {
 
 constexpr duration connect_max = 2s;
-
-using outcome = std::variant<deploy::answer, std::string>;
-
-/// A question on its way. What an earlier one comes back with is not wanted any more.
-struct open_question {
-  deploy::question what;
-  duration timeout{};
-  std::uint64_t number = 0;
-};
+constexpr std::uint8_t tls_alert = 0x15; ///< how an answer of TLS begins to what is none
 
 } // namespace
 
-/// What the loop's thread and the actor share.
-struct client::state : std::enable_shared_from_this<state> {
-  state(system& in, io::loop& loop, std::string where, std::uint16_t at)
-      : all(in.inside()), where_loop(loop), address(std::move(where)), port(at) {}
+///   away --ask()--> connecting --> shaking --> open --ask(), answer--> open
+///    ^                  |             |          |
+///    +------------------+-------------+----------+  failure, or the question is given up
+struct client::state {
+  enum class phase : std::uint8_t { away, connecting, shaking, open };
 
-  system::impl& all;
-  io::loop& where_loop; ///< not touched by the actor once it is closed
+  state(system& in, io::loop& loop, std::string at, std::uint16_t at_port, std::string name)
+      : own(in.own()), where(loop), address(std::move(at)), port(at_port), host(std::move(name)),
+        patience(loop) {}
+
+  io::tls_keeper& own;
+  io::loop& where;
   const std::string address;
   const std::uint16_t port;
-  caf::actor actor;
+  const std::string host;
 
-  // Of the loop's thread.
+  phase now = phase::away;
   callback done; ///< empty: no question is open
-  bool is_connected = false;
-  std::uint64_t number = 0;
-  std::optional<io::tcp_connect> probe; ///< CAF waits for a host that is not there, this does not
+  frame asked;   ///< as long as it has not been sent
+  std::uint8_t answer_kind = 0;
+  std::uint32_t number = 0;
+  bool has_answered = false; ///< somebody, at some time
+  std::optional<io::tcp_connect> attempt;
+  std::optional<io::secure_stream> stream;
+  frame_reader reader{answer_limits()};
+  io::timer patience;
 
-  std::mutex guard;
-  std::optional<open_question> waiting; ///< guarded, as is
-  bool closed = false;
-
-  void hand_over(open_question x) {
-    {
-      const std::lock_guard lock(guard);
-      waiting = std::move(x);
-    }
-    caf::anon_send(actor, caf::tick_atom::value);
-  }
-
-  [[nodiscard]] std::optional<open_question> take() {
-    const std::lock_guard lock(guard);
-    return std::exchange(waiting, std::nullopt);
-  }
-
-  /// From the actor.
-  void finish(std::uint64_t of, outcome x) {
-    const std::lock_guard lock(guard);
-    if (closed)
-      return;
-    where_loop.post([me = shared_from_this(), of, x = std::move(x)]() mutable {
-      me->finish_here(of, std::move(x));
-    });
-    where_loop.wake();
-  }
-
-  void finish_here(std::uint64_t of, outcome x) {
-    if (of != number || !done)
-      return;
-    is_connected = x.index() == 0;
-    std::exchange(done, nullptr)(std::move(x));
-  }
-};
-
-/// Asks, through a connection that it makes when there is none.
-class client::asker : public caf::event_based_actor {
-public:
-  asker(caf::actor_config& config, std::shared_ptr<state> with)
-      : caf::event_based_actor(config), with_(std::move(with)) {
-    set_down_handler([this](caf::down_msg& x) {
-      if (remote_ && x.source == remote_) {
-        remote_ = nullptr;
-        fail(number_, "cannot be reached any more");
-      }
+  void begin(deploy::question x, duration timeout, callback f) {
+    done = std::move(f);
+    asked = {static_cast<std::uint8_t>(x.index()), ++number, octets_of(x)};
+    answer_kind = control::answer_kind(asked.kind);
+    if (asked.content.size() > question_limits()[asked.kind])
+      return patience.start({}, [this] { fail("is asked more than a question may hold"); });
+    patience.start(timeout, [this] { fail(why_late()); });
+    if (now == phase::open)
+      return send();
+    now = phase::connecting;
+    stream.reset();
+    attempt.emplace(where, address, port, std::min(timeout, connect_max), [this](auto opened) {
+      attempt.reset();
+      if (const auto* why = std::get_if<std::string>(&opened))
+        fail("cannot be reached: " + *why);
+      else
+        connected(std::get<io::tcp_stream>(std::move(opened)));
     });
   }
 
-  caf::behavior make_behavior() override {
-    return {[this](caf::tick_atom) {
-      if (auto next = with_->take())
-        begin(*std::move(next));
-    }};
+  void connected(io::tcp_stream x) {
+    static_cast<void>(own.look()); // who cannot be believed any more is told so by the other side
+    now = phase::shaking;
+    reader = frame_reader{answer_limits()};
+    stream.emplace(
+        std::move(x), own.identity(), io::tls_session::side::client, host,
+        io::secure_stream::callbacks{[this](const std::string&) { ready(); },
+                                     [this](byte_view octets) { on_octets(octets); }, [] {},
+                                     [this](const std::string& why) { on_closed(why); }});
+    if (!own.identity())
+      ready();
   }
 
-private:
-  void begin(open_question x) {
-    number_ = x.number;
-    if (remote_)
-      return ask(std::move(x));
-    auto next = std::make_shared<open_question>(std::move(x));
-    request(with_->all.manager(), next->timeout, caf::connect_atom::value, with_->address,
-            with_->port)
-        .then(
-            [this, next](const caf::node_id&, caf::strong_actor_ptr& found,
-                         const std::set<std::string>&) {
-              remote_ = caf::actor_cast<caf::actor>(found);
-              was_connected_ = true;
-              monitor(remote_);
-              if (next->number == number_)
-                ask(std::move(*next));
-            },
-            [this, next](const caf::error&) { fail(next->number, why_no_connection()); });
+  void ready() {
+    now = phase::open;
+    send();
   }
 
-  void ask(open_question x) {
-    std::visit(
-        [&, number = x.number](auto& question) {
-          using answer = typename std::decay_t<decltype(question)>::answer;
-          request(remote_, x.timeout, std::move(question))
-              .then([this, number](
-                        answer& found) { with_->finish(number, deploy::answer(std::move(found))); },
-                    [this, number](const caf::error&) {
-                      if (number == number_)
-                        remote_ = nullptr; // to be found anew
-                      fail(number, "does not answer");
-                    });
-        },
-        x.what);
+  void send() {
+    stream->send(encode_header(asked));
+    stream->send(std::move(asked.content));
+    asked.content.clear();
   }
 
-  [[nodiscard]] std::string why_no_connection() const {
-    if (was_connected_)
-      return "cannot be reached any more";
-    return with_->all.is_secured ? "does not take our certificate, or has none of ours"
-                                 : "does not answer as a host of ours, or only to certificates";
+  void on_octets(byte_view octets) {
+    if (!own.identity() && !has_answered && !octets.empty() && octets.front() == tls_alert)
+      return fail("does not answer as a host of ours, or only to certificates: it speaks TLS");
+    while (!octets.empty() && reader.now() != frame_reader::state::complete &&
+           reader.now() != frame_reader::state::refused)
+      octets = octets.subspan(reader.feed(octets));
+    if (reader.now() == frame_reader::state::refused)
+      return fail("does not answer as a host of ours: " + reader.problem());
+    if (reader.now() == frame_reader::state::complete)
+      on_answer(reader.take(), !octets.empty());
   }
 
-  void fail(std::uint64_t number, const std::string& why) { with_->finish(number, why); }
+  void on_answer(const frame& x, bool is_followed) {
+    if (!done || is_followed || x.number != number || x.kind != answer_kind)
+      return fail("answers what was not asked");
+    auto found = answer_of(x.kind, x.content);
+    if (!found)
+      return fail("answers what cannot be read");
+    has_answered = true;
+    patience.stop();
+    std::exchange(done, nullptr)(*std::move(found));
+  }
 
-  std::shared_ptr<state> with_;
-  caf::actor remote_;
-  bool was_connected_ = false;
-  std::uint64_t number_ = 0; ///< of the newest question
+  void on_closed(const std::string& why) {
+    if (now == phase::shaking)
+      return fail(why);
+    if (has_answered)
+      return fail("cannot be reached any more");
+    fail(own.identity() ? why
+                        : "does not answer as a host of ours, or only to certificates: " + why);
+  }
+
+  [[nodiscard]] std::string why_late() const {
+    if (now == phase::open && has_answered)
+      return "does not answer";
+    return own.identity() ? "does not answer as a host with certificates"
+                          : "does not answer as a host of ours, or only to certificates";
+  }
+
+  /// The connection is of no use any more.
+  void fail(std::string why) {
+    now = phase::away;
+    patience.stop();
+    attempt.reset();
+    stream.reset();
+    if (done)
+      std::exchange(done, nullptr)(std::move(why));
+  }
 };
 
-client::client(system& in, io::loop& where, std::string address, std::uint16_t port)
-    : state_(std::make_shared<state>(in, where, std::move(address), port)) {
-  state_->actor = state_->all.actors.spawn<asker>(state_);
-}
+client::client(system& in, io::loop& where, std::string address, std::uint16_t port,
+               std::string host)
+    : state_(std::make_unique<state>(in, where, std::move(address), port, std::move(host))) {}
 
-client::~client() {
-  state_->probe.reset();
-  state_->done = nullptr;
-  caf::anon_send_exit(state_->actor, caf::exit_reason::user_shutdown);
-  state_->actor = nullptr;
-  const std::lock_guard lock(state_->guard);
-  state_->closed = true;
-}
+client::~client() = default;
 
 void client::ask(deploy::question x, duration timeout, callback f) {
-  auto& all = *state_;
-  all.done = std::move(f);
-  open_question next{std::move(x), timeout, ++all.number};
-  if (all.is_connected)
-    return all.hand_over(std::move(next));
-  all.probe.emplace(
-      all.where_loop, all.address, all.port, std::min(timeout, connect_max),
-      [me = state_.get(), next = std::make_shared<open_question>(std::move(next))](auto opened) {
-        if (const auto* why = std::get_if<std::string>(&opened))
-          me->finish_here(next->number, "cannot be reached: " + *why);
-        else
-          me->hand_over(std::move(*next));
-      });
+  state_->begin(std::move(x), timeout, std::move(f));
 }
 
 bool client::is_asking() const {

@@ -17,17 +17,20 @@ namespace rubicon::control {
 /// Asks one question after the other, and finds the host anew when it was gone.
 class client {
 public:
-  /// The answer, or why there is none.
+  /// The answer, or why there is none: `cannot be reached: ...`, a verb first.
   using callback = std::function<void(std::variant<deploy::answer, std::string>)>;
 
-  client(system& in, io::loop& where, std::string address, std::uint16_t port);
+  /// @param in the certificate that it holds is looked at anew for each connection
+  /// @param host whose name the certificate there must have; empty: any of our authority's
+  client(system& in, io::loop& where, std::string address, std::uint16_t port,
+         std::string host = {});
   ~client();
   client(const client&) = delete;
   client& operator=(const client&) = delete;
 
   /// @pre no question is open
   /// @param f called once, on the loop's thread, at most a little after the timeout; not any more
-  ///          when the client has ended
+  ///          when the client has ended, which it may end itself
   void ask(deploy::question x, duration timeout, callback f);
 
   [[nodiscard]] bool is_asking() const;
@@ -37,8 +40,7 @@ public:
 
 private:
   struct state;
-  class asker;
-  std::shared_ptr<state> state_;
+  std::unique_ptr<state> state_;
 };
 
 } // namespace rubicon::control

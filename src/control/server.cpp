@@ -1,91 +1,298 @@
 #include "control/server.hpp"
 
-#include <atomic>
-#include <future>
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <map>
+#include <optional>
 #include <utility>
+#include <vector>
 
-#include "control/caf_system.hpp"
-#include "core/time.hpp"
+#include "control/admission.hpp"
+#include "control/frame.hpp"
+#include "control/octets.hpp"
+#include "control/refusal_log.hpp"
+#include "io/machine.hpp"
+#include "io/secure_stream.hpp"
+#include "io/tcp_listener.hpp"
+#include "io/timer.hpp"
 
 namespace rubicon::control {
 
 namespace {
 
-/// What actor and server share: the actor may be in the middle of a question when the server ends.
-struct desk {
-  desk(io::loop& loop, server::handler f) : where(loop), answer(std::move(f)) {}
+using steady = std::chrono::steady_clock;
 
-  io::loop& where; ///< not touched once it is closed
-  server::handler answer;
-  std::atomic<bool> closed = false;
-};
+/// Of the descriptors of the process, most are for what it runs.
+constexpr std::size_t descriptors_per_unknown = 16;
+constexpr std::size_t unknown_least = 4;
 
-template <class Question>
-caf::result<typename Question::answer> ask(const std::shared_ptr<desk>& at, Question& x) {
-  using answer = typename Question::answer;
-  if (at->closed)
-    return caf::make_error(caf::exit_reason::user_shutdown);
-  auto answered = std::make_shared<std::promise<answer>>();
-  auto found = answered->get_future();
-  at->where.post([at, answered, x = std::move(x)]() mutable {
-    if (!at->closed)
-      answered->set_value(std::get<answer>(at->answer(deploy::question(std::move(x)))));
-  });
-  at->where.wake();
-  while (found.wait_for(20ms) != std::future_status::ready)
-    if (at->closed)
-      return caf::make_error(caf::exit_reason::user_shutdown);
-  return found.get();
+admission_limits limits_here() {
+  admission_limits out;
+  const auto share = io::descriptors_max() / descriptors_per_unknown;
+  out.all_max = std::clamp(share, unknown_least, out.all_max);
+  out.of_address_max = std::min(out.of_address_max, out.all_max);
+  return out;
 }
 
-/// Holds up a thread of the scheduler while it waits for the loop: nothing else needs that one. (A
-/// detached actor that could not be published would keep its thread, and the system with it.)
-caf::behavior server_actor(caf::event_based_actor* /*self*/, const std::shared_ptr<desk>& at) {
-  return {
-      [at](deploy::greeting& x) { return ask(at, x); },
-      [at](deploy::ask_facts& x) { return ask(at, x); },
-      [at](deploy::offer& x) { return ask(at, x); },
-      [at](deploy::begin_part& x) { return ask(at, x); },
-      [at](deploy::end_part& x) { return ask(at, x); },
-      [at](deploy::cause_fault& x) { return ask(at, x); },
-      [at](deploy::ask_news& x) { return ask(at, x); },
-      [at](deploy::offer_seeds& x) { return ask(at, x); },
-      [at](deploy::run_seeds& x) { return ask(at, x); },
-  };
+std::string text_of(const ipv4_address& x) {
+  std::string text;
+  for (const auto octet : x)
+    text += (text.empty() ? "" : ".") + std::to_string(octet);
+  return text;
+}
+
+/// A person's program that speaks TLS, or nothing that we know, sees why it is closed.
+payload plain_words() {
+  return to_bytes(std::string_view("this is a rubicon host without certificates\n"));
 }
 
 } // namespace
 
 struct server::state {
-  state(system& in, io::loop& where, handler f)
-      : all(in.inside()), at(std::make_shared<desk>(where, std::move(f))),
-        actor(all.actors.spawn(server_actor, at)) {}
-  ~state() {
-    at->closed = true;
-    caf::anon_send_exit(actor, caf::exit_reason::user_shutdown);
-  }
-  state(const state&) = delete;
-  state& operator=(const state&) = delete;
+  using id = admission::id;
 
-  system::impl& all;
-  std::shared_ptr<desk> at;
-  caf::actor actor;
-  std::uint16_t port = 0;
+  ///   unknown --its certificate is believed (without TLS: a header)--> idle
+  ///   idle --header--> asking --all of the question--> answering --answer has left--> idle
+  enum class phase : std::uint8_t { unknown, idle, asking, answering };
+
+  struct connection {
+    connection(io::loop& where, std::string address) : from(std::move(address)), patience(where) {}
+
+    std::string from;
+    std::optional<io::secure_stream> stream;
+    phase at = phase::unknown;
+    frame_reader reader{question_limits()};
+    io::timer patience;
+    std::uint64_t identity = 0; ///< number of the one that it was believed by
+    steady::time_point idle_since;
+    steady::time_point asked_at;
+  };
+
+  state(system& in, io::loop& loop, handler f, teller tell_)
+      : own(in.own()), where(loop), answer(std::move(f)), tell(std::move(tell_)),
+        doors(limits_here()), log_timer(loop) {}
+
+  io::tls_keeper& own;
+  io::loop& where;
+  handler answer;
+  teller tell;
+  admission doors;
+  refusal_log log;
+  io::timer log_timer;
+  const steady::time_point begun = steady::now();
+  id last_id = 0;
+  std::map<id, connection> all;
+  std::deque<id> with_files; ///< they take turns, the first one is read
+  std::optional<io::tcp_listener> listener;
+
+  [[nodiscard]] instant now() const { return instant(steady::now() - begun); }
+
+  void say(const std::string& line) const {
+    if (tell && !line.empty())
+      tell(line);
+  }
+
+  void refuse(const std::string& from, const std::string& why) {
+    if (auto line = log.note(from, why, now()))
+      say(*line);
+    if (const auto due = log.deadline())
+      log_timer.start(*due - now(), [this] {
+        if (auto line = log.on_time(now()))
+          say(*line);
+      });
+  }
+
+  void on_connection(io::tcp_stream stream, const ipv4_address& address) {
+    const auto who = ++last_id;
+    const auto entry = doors.arrive(who, address, now());
+    if (!entry.enters)
+      return refuse(text_of(address), "connects too often");
+    if (entry.leaves) {
+      refuse(all.at(*entry.leaves).from,
+             "holds more connections than it may without saying who it is");
+      end(*entry.leaves);
+    }
+    look_for_certificate();
+    auto& x = all.emplace(std::piecewise_construct, std::forward_as_tuple(who),
+                          std::forward_as_tuple(where, text_of(address)))
+                  .first->second;
+    x.identity = own.changes();
+    x.patience.start(unknown_max, [this, who] {
+      close(who, "does not say who it is within " + to_text(unknown_max));
+    });
+    x.stream.emplace(
+        std::move(stream), own.identity(), io::tls_session::side::server, "",
+        io::secure_stream::callbacks{[this, who](const std::string&) { on_known(who); },
+                                     [this, who](byte_view octets) { on_octets(who, octets); },
+                                     [this, who] { on_answered(who); },
+                                     [this, who](const std::string& why) { on_closed(who, why); }});
+  }
+
+  void look_for_certificate(bool again = false) {
+    const auto before = own.changes();
+    say(own.look(again));
+    if (own.changes() == before)
+      return;
+    std::vector<id> old; // whoever they were: they come again, and show what they have now
+    for (const auto& [who, x] : all)
+      if (x.at == phase::idle)
+        old.push_back(who);
+    for (const auto who : old)
+      end(who);
+  }
+
+  void on_known(id who) {
+    auto& x = all.at(who);
+    doors.leave(who);
+    if (!make_room())
+      return close(who, "comes when " + std::to_string(known_max) + " others ask");
+    x.at = phase::idle;
+    be_idle(who, x);
+  }
+
+  /// Who has asked nothing for longest, goes.
+  bool make_room() {
+    std::size_t known = 0;
+    std::optional<id> longest;
+    for (const auto& [who, x] : all) {
+      known += x.at == phase::unknown ? 0 : 1;
+      if (x.at == phase::idle && (!longest || x.idle_since < all.at(*longest).idle_since))
+        longest = who;
+    }
+    if (known < known_max)
+      return true;
+    if (longest)
+      end(*longest);
+    return longest.has_value();
+  }
+
+  void be_idle(id who, connection& x) {
+    x.idle_since = steady::now();
+    x.patience.start(idle_max, [this, who] { end(who); });
+  }
+
+  void on_octets(id who, byte_view octets) {
+    auto& x = all.at(who);
+    if (x.at == phase::answering)
+      return close(who, "asks before it is answered");
+    while (!octets.empty() && x.reader.now() != frame_reader::state::complete &&
+           x.reader.now() != frame_reader::state::refused)
+      octets = octets.subspan(x.reader.feed(octets));
+    if (x.reader.now() == frame_reader::state::refused) {
+      if (!own.identity())
+        x.stream->send(plain_words());
+      return close(who, "sends what is no question: " + x.reader.problem());
+    }
+    if (!octets.empty())
+      return close(who, "asks before it is answered");
+    if (x.reader.now() == frame_reader::state::header)
+      return; // a part of it, which makes nobody known
+    if (x.at == phase::unknown) {
+      on_known(who);
+      if (!all.contains(who))
+        return;
+    }
+    if (x.at == phase::idle)
+      begin_question(who, x);
+    if (x.reader.now() == frame_reader::state::complete)
+      on_question(who, x);
+    else
+      be_patient(who, x);
+  }
+
+  void begin_question(id who, connection& x) {
+    x.at = phase::asking;
+    x.asked_at = steady::now();
+    if (x.reader.announced() <= small_octets_max)
+      return;
+    with_files.push_back(who);
+    x.stream->read(with_files.front() == who);
+  }
+
+  /// What comes in pieces comes soon.
+  void be_patient(id who, connection& x) {
+    const bool has_files = x.reader.announced() > small_octets_max;
+    const auto until = x.asked_at + (has_files ? files_max : silence_max);
+    x.patience.start(std::min<duration>(silence_max, until - steady::now()), [this, who] {
+      const auto& late = all.at(who);
+      const bool waits = !with_files.empty() && late.reader.announced() > small_octets_max &&
+                         with_files.front() != who && steady::now() < late.asked_at + files_max;
+      if (waits)
+        be_patient(who, all.at(who));
+      else
+        close(who, "does not finish its question");
+    });
+  }
+
+  void on_question(id who, connection& x) {
+    const auto asked = x.reader.take();
+    x.stream->read(false);
+    x.at = phase::answering;
+    auto question = question_of(asked.kind, asked.content);
+    if (!question)
+      return close(who, "sends a question of kind " + std::to_string(asked.kind) +
+                            " that cannot be read");
+    const auto found = answer(*std::move(question));
+    next_with_files(who);
+    frame reply{answer_kind(asked.kind), asked.number, octets_of(found)};
+    if (reply.kind != found.index() || reply.content.size() > answer_limits()[reply.kind])
+      return close(who, "asks for more than an answer may hold");
+    x.patience.start(unread_max, [this, who] { close(who, "does not read its answer"); });
+    x.stream->send(encode_header(reply));
+    x.stream->send(std::move(reply.content));
+  }
+
+  void on_answered(id who) {
+    auto& x = all.at(who);
+    if (x.at != phase::answering)
+      return; // words to whom is closed
+    if (x.identity != own.changes())
+      return end(who);
+    x.at = phase::idle;
+    x.stream->read(true);
+    be_idle(who, x);
+  }
+
+  void on_closed(id who, const std::string& why) {
+    const auto& x = all.at(who);
+    if (x.at == phase::unknown)
+      refuse(x.from, why);
+    end(who);
+  }
+
+  void close(id who, const std::string& why) {
+    refuse(all.at(who).from, why);
+    end(who);
+  }
+
+  void end(id who) {
+    doors.leave(who);
+    next_with_files(who);
+    all.erase(who);
+  }
+
+  void next_with_files(id who) {
+    const bool was_first = !with_files.empty() && with_files.front() == who;
+    std::erase(with_files, who);
+    if (was_first && !with_files.empty())
+      all.at(with_files.front()).stream->read(true);
+  }
 };
 
 std::variant<server, std::string> server::open(system& in, io::loop& where,
                                                const std::string& address, std::uint16_t port,
-                                               handler f) {
-  auto made = std::make_unique<state>(in, where, std::move(f));
-  auto& all = made->all;
-  const auto opened =
-      all.is_secured
-          ? caf::openssl::publish(made->actor, port, address.c_str(), /*reuse=*/true)
-          : all.actors.middleman().publish(made->actor, port, address.c_str(), /*reuse=*/true);
-  if (!opened)
-    return "cannot listen on " + address + ':' + std::to_string(port) +
-           ": the port is taken, or the address is not one of this computer";
-  made->port = *opened;
+                                               handler f, teller tell) {
+  auto made = std::make_unique<state>(in, where, std::move(f), std::move(tell));
+  auto opened = io::tcp_listener::open(
+      where, address, port, [x = made.get()](io::tcp_stream stream, const ipv4_address& from) {
+        x->on_connection(std::move(stream), from);
+      });
+  if (const auto* why = std::get_if<std::string>(&opened))
+    return *why;
+  made->listener.emplace(std::get<io::tcp_listener>(std::move(opened)));
+  if (port != 0 && made->listener->port() != port)
+    return "cannot listen on " + address + ':' + std::to_string(port) + ": the port is taken";
   return server(std::move(made));
 }
 
@@ -95,7 +302,11 @@ server::server(server&&) noexcept = default;
 server& server::operator=(server&&) noexcept = default;
 
 std::uint16_t server::port() const {
-  return state_->port;
+  return state_->listener->port();
+}
+
+void server::renew() {
+  state_->look_for_certificate(/*again=*/true);
 }
 
 } // namespace rubicon::control

@@ -1,26 +1,25 @@
-// The actor system of the control plane, beside that of the ecology. CAF stays behind it.
+// What this end of the control plane shows others, and whom it believes.
 #pragma once
 
-#include <memory>
+#include <string>
 
 #include "control/tls.hpp"
+#include "io/tls_keeper.hpp"
 
 namespace rubicon::control {
 
 class system {
 public:
-  /// @throws std::runtime_error if a file of `tls` cannot be used
-  explicit system(const tls_files& tls);
-  ~system();
+  /// @param host whose name the certificate must have; empty: any
+  /// @throws std::runtime_error if the files of `tls` cannot be used
+  explicit system(const tls_files& tls, const std::string& host = {}) : own_(tls, host) {}
   system(const system&) = delete;
   system& operator=(const system&) = delete;
 
-  /// What the other files of this room work with.
-  struct impl;
-  [[nodiscard]] impl& inside() { return *impl_; }
+  [[nodiscard]] io::tls_keeper& own() { return own_; }
 
 private:
-  std::unique_ptr<impl> impl_;
+  io::tls_keeper own_;
 };
 
 } // namespace rubicon::control

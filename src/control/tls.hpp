@@ -1,18 +1,10 @@
 // By what the ends of the control plane know each other.
 #pragma once
 
-#include <string>
+#include "io/tls_identity.hpp"
 
 namespace rubicon::control {
 
-/// PEM files, as `rubicon certs` makes them. Both ends of a connection show a certificate, and each
-/// takes only those of its own authority.
-struct tls_files {
-  std::string certificate; ///< path; empty: there is no TLS
-  std::string key;
-  std::string authority;
-
-  [[nodiscard]] bool empty() const { return certificate.empty(); }
-};
+using io::tls_files;
 
 } // namespace rubicon::control

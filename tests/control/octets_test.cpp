@@ -43,3 +43,45 @@ TEST_CASE("half of what a part tells is nothing", "[control]") {
   for (std::size_t size = 0; size < octets.size(); ++size)
     CHECK_FALSE(part_report_of(byte_view(octets).first(size)));
 }
+
+TEST_CASE("each question and answer comes as what it was", "[control]") {
+  deploy::offer offered{"id", "kitchen", {}, "warn", true};
+  offered.what.files["a.csv"] = std::string("1\0002", 3);
+  offered.what.length = 3min;
+  const deploy::question all[] = {deploy::greeting{"1"},
+                                  deploy::ask_facts{},
+                                  offered,
+                                  deploy::begin_part{"id", 2s},
+                                  deploy::end_part{"id"},
+                                  deploy::cause_fault{"id", "kill"},
+                                  deploy::ask_news{"id", 3, 4},
+                                  deploy::offer_seeds{"x", {}, 1s},
+                                  deploy::run_seeds{"x", {1, 2}, 3, true}};
+  static_assert(std::size(all) == std::variant_size_v<deploy::question>);
+  for (std::uint8_t kind = 0; kind < std::size(all); ++kind) {
+    INFO(int(kind));
+    REQUIRE(all[kind].index() == kind);
+    const auto octets = octets_of(all[kind]);
+    const auto found = control::question_of(kind, octets);
+    REQUIRE(found);
+    CHECK(found->index() == kind);
+    CHECK(octets_of(*found) == octets);
+  }
+  deploy::news told;
+  told.lines = {"one"};
+  told.lives.push_back({7, 1s, false, some_part()});
+  told.facts.state = deploy::part_state::running;
+  const auto octets = octets_of(deploy::answer(told));
+  const auto found = control::answer_of(control::answer_kind(6), octets);
+  REQUIRE(found);
+  CHECK(std::get<deploy::news>(*found).lives.at(0).told.report.ecology == "house");
+  CHECK(std::get<deploy::news>(*found).facts.state == deploy::part_state::running);
+}
+
+TEST_CASE("a kind that there is not, or of another message, is nothing", "[control]") {
+  const auto octets = octets_of(deploy::question(deploy::greeting{"1"}));
+  CHECK(control::question_of(0, octets));
+  CHECK_FALSE(control::question_of(1, octets));
+  CHECK_FALSE(control::question_of(std::variant_size_v<deploy::question>, octets));
+  CHECK_FALSE(control::answer_of(255, octets));
+}

@@ -1,5 +1,9 @@
 // Both ends of the control plane, in one process over loopback.
+#include <algorithm>
 #include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -11,8 +15,12 @@
 #include <unistd.h>
 
 #include "control/client.hpp"
+#include "control/frame.hpp"
+#include "control/octets.hpp"
 #include "control/server.hpp"
 #include "io/certificates.hpp"
+#include "io/secure_stream.hpp"
+#include "io/tcp_connect.hpp"
 #include "io/tcp_listener.hpp"
 #include "io/tcp_stream.hpp"
 #include "io/temporary_folder.hpp"
@@ -22,8 +30,8 @@ using namespace rubicon;
 
 namespace {
 
-/// Connects, says something that is no TLS or nothing at all, and goes.
-void intrude(std::uint16_t port, std::size_t octets) {
+/// A socket that is connected.
+int connected(std::uint16_t port) {
   const int stranger = ::socket(AF_INET, SOCK_STREAM, 0);
   REQUIRE(stranger != -1);
   sockaddr_in to{};
@@ -31,6 +39,12 @@ void intrude(std::uint16_t port, std::size_t octets) {
   to.sin_port = htons(port);
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   REQUIRE(::connect(stranger, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0);
+  return stranger;
+}
+
+/// Connects, says something that is no TLS or nothing at all, and goes.
+void intrude(std::uint16_t port, std::size_t octets) {
+  const int stranger = connected(port);
   const std::string garbage(octets, static_cast<char>('a' + octets % 26));
   static_cast<void>(::send(stranger, garbage.data(), garbage.size(), MSG_NOSIGNAL));
   ::close(stranger);
@@ -68,12 +82,59 @@ reply ask(io::loop& loop, control::client& client, deploy::question x, duration 
   return *std::move(found);
 }
 
+/// Lets the loop run until something is so.
+template <class F>
+bool comes_true(io::loop& loop, F is_so, duration at_most = 10s) {
+  const auto until = std::chrono::steady_clock::now() + at_most;
+  while (!is_so() && std::chrono::steady_clock::now() < until)
+    loop.wait_until(std::chrono::steady_clock::now() + 20ms);
+  return is_so();
+}
+
+/// What a server says to whoever looks after its computer.
+struct journal {
+  std::vector<std::string> lines;
+
+  [[nodiscard]] bool has(const std::string& part) const {
+    for (const auto& line : lines)
+      if (line.find(part) != std::string::npos)
+        return true;
+    return false;
+  }
+};
+
+/// Says these octets, as whoever has the certificate, and waits until it is closed.
+bool is_closed_after(io::loop& loop, std::uint16_t port, const control::tls_files& tls,
+                     const bytes& octets) {
+  const auto own = tls.empty() ? std::nullopt
+                               : std::optional(std::get<io::tls_identity>(
+                                     io::tls_identity::load(tls, io::system_time())));
+  bool is_closed = false;
+  std::optional<io::secure_stream> stream;
+  const io::tcp_connect attempt(loop, "127.0.0.1", port, 2s, [&](auto opened) {
+    stream.emplace(
+        std::get<io::tcp_stream>(std::move(opened)), own, io::tls_session::side::client, "",
+        io::secure_stream::callbacks{[&](const auto&) { stream->send(octets); }, [](byte_view) {},
+                                     [] {}, [&](const auto&) { is_closed = true; }});
+    if (!own)
+      stream->send(octets);
+  });
+  return comes_true(
+      loop, [&] { return is_closed; }, 4s);
+}
+
+/// Of a long text.
+std::string description(const std::string& x) {
+  return std::to_string(x.size()) + ' ' + x.substr(0, 1);
+}
+
 deploy::answer echo(deploy::question x) {
   if (auto* offered = std::get_if<deploy::offer>(&x))
-    return deploy::verdict{{offered->what.toml}, true};
+    return deploy::verdict{{description(offered->what.toml)}, true};
   if (auto* asked = std::get_if<deploy::ask_news>(&x)) {
     deploy::news out;
     out.line = asked->line + 1;
+    out.lines.emplace_back(asked->change, 'y');
     out.lives.resize(1);
     out.lives[0].told.report.ecology = "house";
     return out;
@@ -98,10 +159,11 @@ TEST_CASE("a question is answered by another system", "[control]") {
   big.what.toml = std::string(std::size_t{8} << 20, 'x');
   const auto offered = ask(loop, client, big);
   CHECK(std::get<deploy::verdict>(std::get<deploy::answer>(offered)).problems.at(0) ==
-        big.what.toml);
-  const auto told = ask(loop, client, deploy::ask_news{"id", 41, 0});
+        description(big.what.toml));
+  const auto told = ask(loop, client, deploy::ask_news{"id", 41, 8'000'000});
   const auto& news = std::get<deploy::news>(std::get<deploy::answer>(told));
   CHECK(news.line == 42);
+  CHECK(news.lines.at(0) == std::string(8'000'000, 'y'));
   CHECK(news.lives.at(0).told.report.ecology == "house");
   CHECK(std::holds_alternative<std::string>(
       control::server::open(theirs, loop, "127.0.0.1", server.port(), echo)));
@@ -177,6 +239,152 @@ TEST_CASE(
       intrude(port, octets);
     REQUIRE(is_answered());
   }
+}
+
+TEST_CASE("who is refused, and why, is told in words at both ends", "[control]") {
+  const certified ours({"kitchen", "bedroom", "me"});
+  const certified foreign({"me"});
+  io::loop loop;
+  journal log;
+  control::system host{ours.of("kitchen"), "kitchen"};
+  auto opened = control::server::open(host, loop, "127.0.0.1", 0, echo,
+                                      [&](const std::string& line) { log.lines.push_back(line); });
+  const auto port = std::get<control::server>(opened).port();
+  const auto why = [&](const control::tls_files& tls, const std::string& name) {
+    control::system who{tls};
+    control::client client(who, loop, "127.0.0.1", port, name);
+    const auto found = ask(loop, client, deploy::greeting{"9"});
+    const auto* text = std::get_if<std::string>(&found);
+    return text == nullptr ? "" : *text;
+  };
+  CHECK(why(ours.of("me"), "kitchen").empty());
+  CHECK(why(ours.of("me"), "bedroom") == "shows the certificate of `kitchen`, not of `bedroom`");
+  CHECK(why(foreign.of("me"), "kitchen") ==
+        "has a certificate `kitchen` of another authority, and does not take our certificate");
+  CHECK(why({}, "").starts_with("does not answer as a host of ours, or only to certificates"));
+  CHECK(comes_true(loop, [&] { return log.has("does not speak TLS"); }));
+  CHECK(log.has(
+      "127.0.0.1 is refused: it does not take our certificate `kitchen`: it is of another"));
+  CHECK(log.has("it wants another host"));
+
+  control::system bare{{}};
+  auto plain = control::server::open(bare, loop, "127.0.0.1", 0, echo);
+  control::system me{ours.of("me")};
+  control::client client(me, loop, "127.0.0.1", std::get<control::server>(plain).port());
+  CHECK(std::get<std::string>(ask(loop, client, deploy::greeting{"9"})) ==
+        "does not speak TLS: it has no certificates");
+}
+
+TEST_CASE("strangers who say nothing hold few connections, and nobody up", "[control]") {
+  const certified ours({"kitchen", "me"});
+  io::loop loop;
+  control::system host{ours.of("kitchen")};
+  auto opened = control::server::open(host, loop, "127.0.0.1", 0, echo);
+  const auto port = std::get<control::server>(opened).port();
+  std::vector<int> strangers;
+  for (int i = 0; i < 60; ++i)
+    strangers.push_back(connected(port));
+  control::system coordinator{ours.of("me")};
+  control::client client(coordinator, loop, "127.0.0.1", port);
+  CHECK(std::holds_alternative<deploy::answer>(ask(loop, client, deploy::greeting{"9"})));
+  const auto closed = [&] {
+    return std::count_if(strangers.begin(), strangers.end(), [](int x) {
+      char octet = 0;
+      return ::recv(x, &octet, 1, MSG_DONTWAIT) == 0;
+    });
+  };
+  CHECK(closed() >= 60 - 16);
+  CHECK(comes_true(loop, [&] { return closed() == 60; })); // after 5 s
+  for (const int each : strangers)
+    ::close(each);
+  CHECK(std::holds_alternative<deploy::answer>(ask(loop, client, deploy::greeting{"9"})));
+}
+
+TEST_CASE("who is believed and breaks the rules is closed, and others go on", "[control]") {
+  const certified ours({"kitchen", "me", "other"});
+  for (const bool is_plain : {false, true}) {
+    const auto files = [&](const std::string& name) {
+      return is_plain ? control::tls_files{} : ours.of(name);
+    };
+    io::loop loop;
+    journal log;
+    control::system host{files("kitchen")};
+    auto opened =
+        control::server::open(host, loop, "127.0.0.1", 0, echo,
+                              [&](const std::string& line) { log.lines.push_back(line); });
+    const auto port = std::get<control::server>(opened).port();
+    control::system coordinator{files("me")};
+    control::client client(coordinator, loop, "127.0.0.1", port);
+    const auto greeting = control::octets_of(deploy::question(deploy::greeting{"9"}));
+    auto announced = control::encode_header({2, 1, {}});
+    for (std::size_t i = 8; i < 12; ++i)
+      announced[i] = 0xff;
+    auto unread = control::encode_header({0, 1, bytes(3)});
+    unread.insert(unread.end(), 3, 0xff);
+    auto twice = control::encode_header({0, 1, greeting});
+    twice.insert(twice.end(), greeting.begin(), greeting.end());
+    const auto once = twice;
+    twice.insert(twice.end(), once.begin(), once.end());
+    const bytes others[] = {announced, unread, twice, control::encode_header({77, 1, {}}),
+                            to_bytes(std::string_view("GET / HTTP/1.1\r\n\r\n"))};
+    for (const auto& each : others) {
+      CHECK(is_closed_after(loop, port, files("other"), each));
+      CHECK(std::holds_alternative<deploy::answer>(ask(loop, client, deploy::greeting{"9"})));
+    }
+    CHECK(log.has("of kind 2 of 4294967295 octets"));
+    CHECK(log.has("that cannot be read"));
+    CHECK(log.has("asks before it is answered"));
+    CHECK(log.has("of kind 77, which there is not"));
+  }
+}
+
+TEST_CASE("files come over one connection at a time, and all arrive", "[control]") {
+  io::loop loop;
+  control::system host{{}};
+  auto opened = control::server::open(host, loop, "127.0.0.1", 0, echo);
+  std::vector<std::unique_ptr<control::client>> clients;
+  std::size_t answered = 0;
+  for (char letter = 'a'; letter < 'e'; ++letter) {
+    deploy::offer big;
+    big.what.toml = std::string(std::size_t{5} << 20, letter);
+    auto& client = *clients.emplace_back(std::make_unique<control::client>(
+        host, loop, "127.0.0.1", std::get<control::server>(opened).port()));
+    client.ask(big, 30s, [&answered, letter](const reply& found) {
+      const auto& said = std::get<deploy::verdict>(std::get<deploy::answer>(found)).problems.at(0);
+      answered += said == description(std::string(std::size_t{5} << 20, letter)) ? 1 : 0;
+    });
+  }
+  CHECK(comes_true(
+      loop, [&] { return answered == clients.size(); }, 30s));
+}
+
+TEST_CASE("a new certificate is taken while it runs, a bad one is not", "[control]") {
+  const certified ours({"kitchen", "me"});
+  const auto files = ours.of("kitchen");
+  io::loop loop;
+  journal log;
+  control::system host{files};
+  auto opened = control::server::open(host, loop, "127.0.0.1", 0, echo,
+                                      [&](const std::string& line) { log.lines.push_back(line); });
+  auto& server = std::get<control::server>(opened);
+  control::system coordinator{ours.of("me")};
+  control::client client(coordinator, loop, "127.0.0.1", server.port());
+  const auto is_answered = [&] {
+    return std::holds_alternative<deploy::answer>(ask(loop, client, deploy::greeting{"9"}));
+  };
+  CHECK(is_answered());
+  std::filesystem::rename(files.certificate, files.certificate + ".kept");
+  std::ofstream(files.certificate) << "";
+  server.renew();
+  CHECK(log.has("keeps its certificate, for the new one is no good"));
+  CHECK(is_answered());
+  control::client newcomer(coordinator, loop, "127.0.0.1", server.port());
+  CHECK(std::holds_alternative<deploy::answer>(ask(loop, newcomer, deploy::greeting{"9"})));
+  std::filesystem::rename(files.certificate + ".kept", files.certificate);
+  control::client next(coordinator, loop, "127.0.0.1", server.port());
+  CHECK(std::holds_alternative<deploy::answer>(ask(loop, next, deploy::greeting{"9"})));
+  CHECK(log.has("takes the certificate that "));
+  CHECK((is_answered() || is_answered())); // its connection was closed: it has to come again
 }
 
 TEST_CASE("a file of certificates that is not there is told at once", "[control]") {

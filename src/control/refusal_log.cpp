@@ -1,0 +1,39 @@
+#include "control/refusal_log.hpp"
+
+#include <utility>
+
+namespace rubicon::control {
+
+std::optional<std::string> refusal_log::note(const std::string& who, const std::string& why,
+                                             instant now) {
+  if (lines_ == 0 || now - begun_ >= period) {
+    begun_ = now;
+    lines_ = 0;
+  }
+  std::erase_if(told_, [now](const auto& x) { return now - x.second >= period; });
+  auto line = who + " is refused: it " + why;
+  if (told_.contains(line) || told_.size() >= known_max || lines_ >= lines_max) {
+    ++left_out_;
+    return std::nullopt;
+  }
+  ++lines_;
+  told_.emplace(line, now);
+  return line;
+}
+
+std::optional<instant> refusal_log::deadline() const {
+  return left_out_ > 0 ? std::optional(begun_ + period) : std::nullopt;
+}
+
+std::optional<std::string> refusal_log::on_time(instant now) {
+  const auto due = deadline();
+  if (!due || now < *due)
+    return std::nullopt;
+  const auto count = std::exchange(left_out_, 0);
+  begun_ = now;
+  lines_ = 0;
+  return std::to_string(count) + (count == 1 ? " more was refused" : " more were refused") +
+         " in a minute";
+}
+
+} // namespace rubicon::control
