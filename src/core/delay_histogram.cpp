@@ -26,8 +26,10 @@ std::uint16_t bucket_of(std::uint64_t ns) {
   return static_cast<std::uint16_t>(std::uint64_t{octave} * buckets_per_octave + (ns >> octave));
 }
 
-/// Halfway between the smallest and the largest whole number in a bucket.
+/// Halfway between the smallest and the largest whole number in a bucket. What another computer
+/// tells may have any number.
 double middle_ns(std::uint16_t number) {
+  number = std::min(number, bucket_of(std::numeric_limits<std::uint64_t>::max()));
   if (number < buckets_per_octave)
     return number;
   const auto octave = number / buckets_per_octave - 1;
