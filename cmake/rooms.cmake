@@ -47,10 +47,8 @@ function(rubicon_room name)
   endif()
 endfunction()
 
-# With sanitizers GCC 12 takes variants that are moved in these files for uninitialised.
+# GCC 12 takes variants that are moved in these files for uninitialised, most of them with sanitizers only.
 function(rubicon_quiet_variants)
-  if(RUBICON_SANITIZE)
-    set_source_files_properties(${ARGN} PROPERTIES
-      COMPILE_OPTIONS $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
-  endif()
+  set_source_files_properties(${ARGN} PROPERTIES
+    COMPILE_OPTIONS $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 endfunction()

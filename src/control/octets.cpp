@@ -25,17 +25,20 @@ bytes message_octets(const Message& x) {
   return std::visit([](const auto& each) { return encode_value(each); }, x);
 }
 
+template <class Message, std::size_t number>
+result<Message> alternative_of(byte_view octets) {
+  auto found =
+      decode_value<std::variant_alternative_t<number, Message>>(octets, memory_max_of(octets));
+  if (!found)
+    return found.error();
+  return Message(std::in_place_index<number>, *std::move(found));
+}
+
 template <class Message, std::size_t... number>
 result<Message> message_of(std::size_t kind, byte_view octets,
                            std::index_sequence<number...> /*all*/) {
-  result<Message> out = errc::bad_value;
-  const auto decode = [&]<std::size_t wanted>() {
-    if (auto found = decode_value<std::variant_alternative_t<wanted, Message>>(
-            octets, memory_max_of(octets)))
-      out = Message(std::in_place_index<wanted>, *std::move(found));
-  };
-  ((number == kind ? decode.template operator()<number>() : void()), ...);
-  return out;
+  constexpr std::array all{&alternative_of<Message, number>...};
+  return kind < all.size() ? all.at(kind)(octets) : errc::bad_value;
 }
 
 template <class Message>

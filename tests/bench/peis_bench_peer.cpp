@@ -379,7 +379,7 @@ int main(int argc, char* argv[]) {
     else if (option == "--peis-connect")
       connect.emplace_back(value);
     else if (option == "--interface")
-      config.links.group.interfaces = {value};
+      config.links.group.interfaces = {std::string(value)};
     else {
       std::cerr << usage;
       return 2;
