@@ -2,8 +2,9 @@
 
 #include <chrono>
 #include <cstdio>
-#include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -11,161 +12,19 @@
 
 #include "actors/forwarder_clients.hpp"
 #include "cli/console.hpp"
+#include "cli/sink_source.hpp"
 #include "cli/visit.hpp"
 #include "core/codec.hpp"
 #include "core/printable.hpp"
-#include "io/loop.hpp"
-#include "io/serial_port.hpp"
 #include "io/signal_watch.hpp"
-#include "io/tcp_connect.hpp"
 #include "report/figures.hpp"
-#include "serial/forwarder.hpp"
-#include "serial/host_port.hpp"
+#include "serial/meaning.hpp"
 #include "serial/packet.hpp"
 #include "serial/raw_packet.hpp"
 
 namespace rubicon::cli {
 
 namespace {
-
-constexpr std::size_t write_room = 64 * 1024;
-
-/// A sink behind a serial port or a serial forwarder.
-class sink_source {
-public:
-  struct callbacks {
-    std::function<void(bytes)> on_packet = [](const bytes&) {};
-    std::function<void(serial::packet_id, bool acked)> on_done = [](serial::packet_id, bool) {};
-  };
-
-  sink_source(const serial_command& with, callbacks x)
-      : to_user_(std::move(x)), port_(config_of(with)), start_(clock::now()) {
-    if (!with.device.empty())
-      open_device(with);
-    else
-      connect(with);
-  }
-
-  [[nodiscard]] instant now() const {
-    return instant(std::chrono::duration_cast<duration>(clock::now() - start_));
-  }
-
-  /// Why there is no sink any more; empty: there is one, or will be.
-  [[nodiscard]] const std::string& lost() const { return lost_; }
-  [[nodiscard]] bool is_there() const { return there_; }
-  [[nodiscard]] io::loop& loop() { return loop_; }
-
-  /// Lets a forwarder's packets go without an ack of the mote: it tells none.
-  void send(serial::packet_id id, bytes packet) {
-    if (stream_) {
-      stream_->send(serial::encode_forwarded(packet));
-      loop_.post([this, id] { to_user_.on_done(id, true); });
-    } else {
-      perform(port_.send(id, std::move(packet), now()));
-    }
-  }
-
-  /// Waits for something to happen, until `end` at the latest.
-  void step(instant end) {
-    const auto until = earliest(port_.deadline(), std::optional(end));
-    loop_.wait_until(start_ +
-                     std::chrono::duration_cast<clock::duration>(until->time_since_epoch()));
-    perform(port_.on_time(now()));
-  }
-
-private:
-  using clock = std::chrono::steady_clock;
-
-  static serial::host_port_config config_of(const serial_command& x) {
-    serial::host_port_config out;
-    out.baud = x.baud;
-    return out;
-  }
-
-  void open_device(const serial_command& with) {
-    auto x = io::serial_port::open(loop_, with.device, with.baud, write_room);
-    if (auto* why = std::get_if<std::string>(&x)) {
-      lost_ = std::move(*why);
-      return;
-    }
-    device_ = std::get<io::serial_port>(std::move(x));
-    device_.start(
-        {[this](byte_view octets) { perform(port_.on_bytes(octets, now())); },
-         [this, name = with.device](const std::string& why) { lost_ = name + ": " + why; }});
-    there_ = true;
-  }
-
-  void connect(const serial_command& with) {
-    const auto name = with.host + ':' + std::to_string(with.port);
-    attempt_ = std::make_unique<io::tcp_connect>(
-        loop_, with.host, with.port, 5s, [this, name](std::variant<io::tcp_stream, std::string> x) {
-          if (const auto* why = std::get_if<std::string>(&x)) {
-            lost_ = *why;
-            return;
-          }
-          stream_ = std::make_unique<io::tcp_stream>(std::get<io::tcp_stream>(std::move(x)));
-          stream_->start({[this, name](byte_view octets) { on_forwarded(octets, name); },
-                          [](std::size_t) {},
-                          [this, name](const std::string& why) { lost_ = name + ": " + why; }});
-          stream_->send(serial::forwarder_greeting());
-        });
-  }
-
-  void on_forwarded(byte_view octets, const std::string& name) {
-    for (auto& packet : decoder_.on_octets(octets))
-      to_user_.on_packet(std::move(packet));
-    there_ = decoder_.greeted();
-    if (decoder_.refused() != serial::refusal::none)
-      lost_ = name + ": " + std::string(to_string(decoder_.refused()));
-  }
-
-  void perform(serial::outputs todo) {
-    for (auto& output : todo) {
-      if (auto* x = std::get_if<serial::to_line>(&output))
-        static_cast<void>(device_.send(payload(std::move(x->octets))));
-      else if (auto* y = std::get_if<serial::received>(&output))
-        to_user_.on_packet(std::move(y->packet));
-      else if (const auto* done = std::get_if<serial::sent>(&output))
-        loop_.post([this, id = done->id] { to_user_.on_done(id, true); });
-      else if (const auto* gone = std::get_if<serial::lost>(&output))
-        loop_.post([this, id = gone->id] { to_user_.on_done(id, false); });
-    }
-  }
-
-  callbacks to_user_;
-  io::loop loop_;
-  serial::host_port port_;
-  clock::time_point start_;
-  bool there_ = false;
-  std::string lost_;
-  io::serial_port device_;
-  serial::forwarder_decoder decoder_;
-  std::unique_ptr<io::tcp_connect> attempt_;
-  std::unique_ptr<io::tcp_stream> stream_;
-};
-
-/// What programs that come with TinyOS say, by type and length; empty: it is something else.
-std::string meaning_of(const serial::am_packet& x) {
-  constexpr std::uint8_t count_type = 6; // of RadioCountToLeds and BlinkToRadio
-  constexpr std::uint8_t oscilloscope_type = 0x93;
-  byte_reader in(x.payload);
-  if (x.am_type == count_type && x.payload.size() == 2)
-    return "count " + std::to_string(in.big<std::uint16_t>());
-  if (x.am_type == count_type && x.payload.size() == 4) {
-    const auto mote = in.big<std::uint16_t>();
-    return "mote " + std::to_string(mote) + " count " + std::to_string(in.big<std::uint16_t>());
-  }
-  if (x.am_type != oscilloscope_type || x.payload.size() < 8 || x.payload.size() % 2 != 0)
-    return {};
-  static_cast<void>(in.big<std::uint16_t>()); // version
-  const auto interval = in.big<std::uint16_t>();
-  const auto mote = in.big<std::uint16_t>();
-  auto text = "mote " + std::to_string(mote) + " interval " + std::to_string(interval) + " ms, " +
-              std::to_string(in.big<std::uint16_t>()) + " so far:";
-  while (in.remaining() > 0)
-    text += ' ' + std::to_string(in.big<std::uint16_t>());
-  return text;
-}
 
 std::string hex_text(std::uint64_t x, std::size_t octets) {
   byte_writer out;
@@ -183,6 +42,17 @@ std::string end_text(const serial::raw_end& x) {
   return *x.address == serial::am_broadcast ? "all" : std::to_string(*x.address);
 }
 
+/// The active message in a packet. Of one with more octets than its header says it is what the
+/// header says, as motes take it (tinyos.md 1.4).
+std::optional<serial::am_packet> message_in(byte_view packet) {
+  constexpr std::size_t length_at = 5;
+  auto x = serial::decode_any_packet(packet);
+  if (!x && x.error() == errc::too_long && packet.front() != serial::raw_dispatch &&
+      packet[length_at] <= serial::am_payload_max)
+    x = serial::decode_any_packet(packet.first(1 + serial::am_header_octets + packet[length_at]));
+  return x ? std::optional(*std::move(x)) : std::nullopt;
+}
+
 /// One packet in a line of text.
 class packet_line {
 public:
@@ -190,13 +60,17 @@ public:
 
   [[nodiscard]] std::string of(const bytes& packet) {
     const auto raw = serial::decode_raw_packet(packet);
-    if (const auto x = serial::decode_am_packet(packet))
-      add_ends(std::to_string(x->source),
-               x->destination == serial::am_broadcast ? "all" : std::to_string(x->destination));
-    else if (raw)
+    const auto message = message_in(packet);
+    if (raw)
       add(*raw);
-    if (const auto x = serial::decode_any_packet(packet))
-      add(*x);
+    else if (message)
+      add_ends(std::to_string(message->source), message->destination == serial::am_broadcast
+                                                    ? "all"
+                                                    : std::to_string(message->destination));
+    if (!packet.empty() && packet.front() == serial::cc1000_dispatch && message)
+      text_ += dim("  CC1000");
+    if (message)
+      add(*message);
     else if (raw)
       text_ += raw->body.empty() ? std::string() : "  " + to_hex(raw->body);
     else
@@ -233,7 +107,7 @@ private:
   void add(const serial::am_packet& x) {
     text_ += "  type " + bold(std::to_string(x.am_type)) +
              dim("  group 0x" + to_hex(bytes{x.group})) + "  " + to_hex(x.payload);
-    if (const auto meaning = meaning_of(x); !meaning.empty())
+    if (const auto meaning = serial::meaning_of(x); !meaning.empty())
       text_ += "  " + bold(meaning);
   }
 
@@ -256,7 +130,7 @@ std::string json_of(const bytes& packet, instant at) {
   out["time_s"] = std::chrono::duration<double>(at.time_since_epoch()).count();
   out["dispatch"] = packet.front();
   const auto raw = serial::decode_raw_packet(packet);
-  const auto message = serial::decode_any_packet(packet);
+  const auto message = message_in(packet);
   if (raw) {
     out["frame"] = to_string(raw->kind);
     out["sequence"] = raw->sequence;
@@ -273,7 +147,7 @@ std::string json_of(const bytes& packet, instant at) {
     out["group"] = message->group;
     out["type"] = message->am_type;
     out["payload"] = to_hex(message->payload);
-    if (const auto meaning = meaning_of(*message); !meaning.empty())
+    if (const auto meaning = serial::meaning_of(*message); !meaning.empty())
       out["meaning"] = meaning;
   } else if (raw) {
     out["body"] = to_hex(raw->body);
@@ -281,6 +155,10 @@ std::string json_of(const bytes& packet, instant at) {
     out["packet"] = to_hex(packet);
   }
   return out.dump() + '\n';
+}
+
+void tell_news(const std::string& what) {
+  static_cast<void>(print(stderr, "rubicon: " + printable(what) + '\n'));
 }
 
 exit_status perform(const serial_command& with, const listen_serial& x) {
@@ -296,20 +174,27 @@ exit_status perform(const serial_command& with, const listen_serial& x) {
     written = print(stdout, x.json ? json_of(packet, at) : packet_line(at, colour).of(packet));
     over = !written || ++count == x.count;
   };
-  sink_source from(with, {on_packet, [](serial::packet_id, bool) {}});
+  sink_source from(with, sink_source::patience::for_a_sink,
+                   {.on_packet = on_packet, .on_news = tell_news});
   source = &from;
   bool interrupted = false;
   const io::signal_watch signals(from.loop(), [&](int) { over = interrupted = true; });
-  while (!over && from.lost().empty() && !(x.length && from.now() >= instant(*x.length)))
+  while (!over && !(x.length && from.now() >= instant(*x.length)))
     from.step(x.length ? instant(*x.length) : from.now() + 1s);
   if (!written)
     return exit_status::refused;
   if (interrupted)
     return exit_status::interrupted;
-  if (!over && !from.lost().empty())
-    return fail(from.lost());
+  if (!over && !from.lost().empty()) // it has said why
+    return exit_status::failed;
   return x.count && count < *x.count ? fail("only " + report::counted(count, "packet"))
                                      : exit_status::good;
+}
+
+std::string too_long_text(std::size_t payload_max) {
+  return "a payload of more than " + std::to_string(payload_max) +
+         " octets is refused: a BaseStation that is compiled for fewer takes nothing more after "
+         "one; say --payload if the mote takes longer ones";
 }
 
 exit_status perform(const serial_command& with, const send_serial& x) {
@@ -318,18 +203,24 @@ exit_status perform(const serial_command& with, const send_serial& x) {
   packet.group = x.group;
   packet.am_type = x.am_type;
   packet.payload = x.payload;
-  std::optional<bool> acked;
-  sink_source to(with,
-                 {[](const bytes&) {}, [&acked](serial::packet_id, bool good) { acked = good; }});
+  if (packet.payload.size() > with.payload_max)
+    return fail(too_long_text(with.payload_max));
+  bool over = false;
+  bool acked = false;
+  sink_source to(with, sink_source::patience::none,
+                 {.on_done = [&](serial::packet_id, std::optional<serial::lost_cause> why) {
+                   over = true;
+                   acked = !why;
+                 }});
   while (!to.is_there() && to.lost().empty())
     to.step(to.now() + 1s);
   if (to.lost().empty())
     to.send(serial::packet_id{1}, serial::encode(packet));
-  while (!acked && to.lost().empty())
+  while (!over && to.lost().empty())
     to.step(to.now() + 1s);
   if (!to.lost().empty())
     return fail(to.lost());
-  if (!*acked)
+  if (!acked)
     return fail("the sink has not acknowledged it");
   return answer(with.device.empty() ? "handed to the forwarder\n" : "acknowledged\n");
 }
@@ -338,35 +229,35 @@ exit_status perform(const serial_command& with, const forward_serial& x) {
   std::unique_ptr<forwarder_clients> clients;
   std::map<std::uint64_t, std::uint64_t> senders; // by packet id
   std::uint64_t next = 1;
-  sink_source sink(with, {[&](const bytes& packet) {
-                            if (clients)
-                              clients->forward(packet);
-                          },
-                          [&](serial::packet_id id, bool) {
-                            const auto sender = senders.extract(id.value);
-                            if (clients && !sender.empty())
-                              clients->done(sender.mapped());
-                          }});
-  auto found = forwarder_clients::open(sink.loop(), x.address, x.port,
-                                       {[&](std::uint64_t client, bytes packet) {
-                                          senders[next] = client;
-                                          sink.send(serial::packet_id{next++}, std::move(packet));
-                                        },
-                                        [](const std::string& what) {
-                                          static_cast<void>(
-                                              print(stderr, "rubicon: " + printable(what) + '\n'));
-                                        }});
+  bool told = false; // that a client's packet was refused
+  const auto on_packet = [&](const bytes& packet) {
+    if (clients)
+      clients->forward(packet);
+  };
+  const auto on_done = [&](serial::packet_id id, std::optional<serial::lost_cause> why) {
+    if (why == serial::lost_cause::too_long && !std::exchange(told, true))
+      tell_news(too_long_text(with.payload_max));
+    const auto sender = senders.extract(id.value);
+    if (clients && !sender.empty())
+      clients->done(sender.mapped());
+  };
+  sink_source sink(with, sink_source::patience::for_a_sink, {on_packet, on_done, tell_news});
+  const auto from_client = [&](std::uint64_t client, bytes packet) {
+    senders[next] = client;
+    sink.send(serial::packet_id{next++}, std::move(packet));
+  };
+  auto found = forwarder_clients::open(sink.loop(), x.address, x.port, {from_client, tell_news});
   if (const auto* why = std::get_if<std::string>(&found))
     return fail(*why);
   clients = std::get<std::unique_ptr<forwarder_clients>>(std::move(found));
   bool interrupted = false;
   const io::signal_watch signals(sink.loop(), [&](int) { interrupted = true; });
-  while (!interrupted && sink.lost().empty() && !(x.length && sink.now() >= instant(*x.length)))
+  while (!interrupted && !(x.length && sink.now() >= instant(*x.length)))
     sink.step(x.length ? instant(*x.length) : sink.now() + 1s);
   clients.reset();
   if (interrupted)
     return exit_status::interrupted;
-  return sink.lost().empty() ? exit_status::good : fail(sink.lost());
+  return sink.lost().empty() ? exit_status::good : exit_status::failed;
 }
 
 } // namespace

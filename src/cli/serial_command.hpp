@@ -1,6 +1,7 @@
 // What is asked of a sink without an ecology: `rubicon serial`.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 #include "cli/exit_status.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
+#include "serial/line_config.hpp"
 
 namespace rubicon::cli {
 
@@ -39,6 +41,7 @@ struct serial_command {
   std::string host;   ///< of the forwarder
   std::uint16_t port = 9002;
   std::uint32_t baud = 57600;
+  std::size_t payload_max = serial::base_station_payload; ///< of the mote at the port
   std::variant<listen_serial, send_serial, forward_serial> what;
 };
 

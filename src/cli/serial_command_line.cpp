@@ -72,6 +72,17 @@ bytes parse_payload(const std::string& text) {
 
 } // namespace
 
+/// For commands that write to a mote.
+void serial_command_line::add_payload_max(CLI::App& app) {
+  add_parsed(app, "--payload", "N",
+             "Longest AM payload that the mote is compiled for; 28 if not given, as TinyOS has it. "
+             "A longer one is refused: a BaseStation would take nothing more after it",
+             [this](const auto& text) {
+               with_.payload_max =
+                   parse_number<std::size_t>("--payload", text, 1, serial::am_payload_max);
+             });
+}
+
 CLI::App& serial_command_line::add(CLI::App& below, const char* name, const char* text) {
   auto& app = *below.add_subcommand(name, text);
   add_parsed(app, "SOURCE", "", "A serial port such as /dev/ttyUSB0, or sf@HOST:PORT, a forwarder",
@@ -116,9 +127,11 @@ serial_command_line::serial_command_line(CLI::App& app) {
   add_parsed(sent, "--group", "N", "AM group; 0x22 if not given", [this](const auto& text) {
     send_.group = parse_number<std::uint8_t>("--group", text, 0, 255);
   });
+  add_payload_max(sent);
 
   auto& forwarded = add(serial, "forward", "Be a serial forwarder for programs of TinyOS");
   forward_app_ = &forwarded;
+  add_payload_max(forwarded);
   add_parsed(forwarded, "ADDRESS:PORT", "", "Where they connect to; 127.0.0.1:9002 if not given",
              [this](const auto& text) { parse_listener(text, forward_); });
   add_parsed(forwarded, "--for", "TIME", "End after this time; at Ctrl-C if not given",

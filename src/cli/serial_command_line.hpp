@@ -21,6 +21,7 @@ public:
 
 private:
   CLI::App& add(CLI::App& below, const char* name, const char* text);
+  void add_payload_max(CLI::App& app);
 
   serial_command with_;
   listen_serial listen_;

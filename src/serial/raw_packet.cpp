@@ -108,6 +108,11 @@ std::optional<am_packet> am_packet_in(const raw_frame& x) {
 }
 
 result<am_packet> decode_any_packet(byte_view packet) {
+  if (!packet.empty() && packet.front() == cc1000_dispatch) { // the header is the same
+    auto same = to_bytes(packet);
+    same.front() = am_dispatch;
+    return decode_am_packet(same);
+  }
   if (packet.empty() || packet.front() != raw_dispatch)
     return decode_am_packet(packet);
   const auto frame = decode_raw_packet(packet);

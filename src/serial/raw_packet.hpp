@@ -53,8 +53,10 @@ struct raw_frame {
 /// begins with its network octet. The group is the low octet of the destination's PAN.
 [[nodiscard]] std::optional<am_packet> am_packet_in(const raw_frame& x);
 
-/// The active message in a packet of either dispatch. Errors: those of decode_am_packet() and
-/// decode_raw_packet(); unsupported also for frames that carry none.
+inline constexpr std::uint8_t cc1000_dispatch = 1; ///< frames of that radio: an AM header, payload
+
+/// The active message in a packet of any of the three dispatches. Errors: those of
+/// decode_am_packet() and decode_raw_packet(); unsupported also for frames that carry none.
 [[nodiscard]] result<am_packet> decode_any_packet(byte_view packet);
 
 /// A data frame as TinyOS sends it, without asking for an acknowledgement, for the PAN of x.group.

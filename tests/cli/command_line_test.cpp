@@ -213,6 +213,9 @@ TEST_CASE("each option of serial reaches its command", "[cli][serial]") {
   CHECK(message.group == 0x7d);
   CHECK(of({"send", "/dev/ttyS0", "6", "--baud", "38400"}).baud == 38400);
   CHECK(of({"listen", "sf@host"}).port == 9002);
+  CHECK(of({"send", "x", "6"}).payload_max == 28);
+  CHECK(of({"send", "x", "6", "--payload", "114"}).payload_max == 114);
+  CHECK(of({"forward", "x", "0.0.0.0:9004", "--payload", "40"}).payload_max == 40);
   const auto forwarded = of({"forward", "/dev/ttyS0", "0.0.0.0:9004"});
   CHECK(std::get<forward_serial>(forwarded.what).address == "0.0.0.0");
   CHECK(std::get<forward_serial>(forwarded.what).port == 9004);
@@ -227,6 +230,7 @@ TEST_CASE("a command of serial that makes no sense is refused", "[cli][serial]")
   CHECK(contains(refusal({"serial", "send", "x", "6", "0"}), "octets in hexadecimal"));
   CHECK(contains(refusal({"serial", "send", "x", "6", std::string(230, '0').c_str()}),
                  "up to 114 octets"));
+  CHECK(contains(refusal({"serial", "send", "x", "6", "--payload", "115"}), "from 1 to 114"));
   CHECK(contains(refusal({"serial", "forward", "x", "localhost:9002"}), "IPv4 address"));
 }
 

@@ -94,6 +94,46 @@ TEST_CASE("a gateway has its sink behind a serial forwarder, and is one for othe
   CHECK(motes->report()["violations"].empty());
 }
 
+TEST_CASE("a forwarder waits for its port, opens it again when it has gone, and keeps its clients",
+          "[cli][serial][GW-15][GW-17]") {
+  edge x;
+  const auto port = std::to_string(free_port(x.loop));
+  program forwarder(x.loop, {"serial", "forward", x.file("sink"), "127.0.0.1:" + port});
+  program listener(x.loop, {"serial", "listen", "sf@127.0.0.1:" + port, "--json"});
+  const auto heard = [&] { return std::ranges::count(listener.out, '\n'); };
+  run(x.loop, [&] { return forwarder.err.find("; tries again\n") != std::string::npos; });
+  auto motes = x.start("mote");
+  run(x.loop, [&] { return heard() >= 5; });
+  CHECK(motes->report()["violations"].empty());
+  motes.reset();
+  const auto before = heard();
+  motes = x.start("mote");
+  run(x.loop, [&] { return heard() >= before + 5; });
+  CHECK(!listener.end);
+  const auto has = "rubicon: has " + x.file("sink") + '\n';
+  CHECK(forwarder.err.find(has) != forwarder.err.rfind(has)); // twice
+  for (auto* each : {&listener, &forwarder}) {
+    each->process->signal(SIGINT);
+    each->await_end();
+    CHECK(each->end->status == 130);
+  }
+}
+
+TEST_CASE("who listens at a port that never comes is told, and so is who sends too much",
+          "[cli][serial][GW-17]") {
+  edge x;
+  program listener(x.loop, {"serial", "listen", x.file("none"), "--for", "1500ms"});
+  listener.await_end();
+  CHECK(listener.end->status == 1);
+  CHECK(listener.out.empty());
+  CHECK(listener.err.find("none: No such file or directory") != std::string::npos);
+  CHECK(std::ranges::count(listener.err, '\n') == 1); // once, though it has tried twice
+  program sender(x.loop, {"serial", "send", x.file("none"), "6", std::string(58, '0')});
+  sender.await_end();
+  CHECK(sender.end->status == 1);
+  CHECK(sender.err.find("more than 28 octets is refused") != std::string::npos);
+}
+
 TEST_CASE("a client that does not read, or says nonsense, is closed, and no other notices",
           "[cli][serial][GW-17]") {
   edge x;
