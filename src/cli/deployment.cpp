@@ -233,7 +233,9 @@ void deployment::on_news(followed& x, deploy::answer& found) {
   x.change = told.change;
   for (auto& each : told.lives)
     take(x, each);
-  if (x.facts.state == deploy::part_state::ended) {
+  if (told.has_more) {
+    x.asks_at = steady::now();
+  } else if (x.facts.state == deploy::part_state::ended) {
     x.at = phase::ended;
     if (x.facts.refused) {
       refused_ = true;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -29,6 +30,7 @@
 #include "io/loop.hpp"
 #include "io/machine.hpp"
 #include "io/serial_devices.hpp"
+#include "io/tls_identity.hpp"
 #include "io/udp_group.hpp"
 #include "report/figures.hpp"
 #include "report/text_layout.hpp"
@@ -45,6 +47,9 @@ struct finding {
 };
 
 using findings = std::vector<finding>;
+
+/// Time enough to make another.
+constexpr std::chrono::days certificate_left_least(14);
 
 std::string address_text(const io::network_interface& x) {
   std::string text;
@@ -126,22 +131,40 @@ void look_at_serial(findings& out) {
                          "again"});
 }
 
-void look_at_certificates(const control::tls_files& tls, findings& out) {
+/// @returns whether hosts can be asked with them
+bool look_at_certificates(const control::tls_files& tls, findings& out) {
   if (tls.empty())
-    return;
-  const auto path = std::filesystem::path(tls.certificate);
-  const auto listed = io::list_certificates(path.parent_path().string());
-  if (const auto* why = std::get_if<std::string>(&listed)) {
-    out.push_back({"certificate", *why, "make them: rubicon certs init, rubicon certs add HOST"});
-    return;
+    return true;
+  const auto loaded = io::tls_identity::load(tls, io::system_time());
+  if (const auto* why = std::get_if<std::string>(&loaded)) {
+    out.push_back({"certificate", *why,
+                   "rubicon certs list tells more; rubicon certs init and certs add make others"});
+    return false;
   }
-  const auto& all = std::get<std::vector<io::listed_certificate>>(listed);
-  const auto found =
-      std::ranges::find(all, path.filename().string(), &io::listed_certificate::file);
-  const auto now = io::system_time();
-  const bool good = found != all.end() && io::is_good(*found, now);
-  out.push_back({"certificate", tls.certificate + (good ? "" : " is no good"),
-                 good ? "" : "rubicon certs list tells why; rubicon certs add makes another"});
+  const auto& own = std::get<io::tls_identity>(loaded);
+  const auto left = own.valid_until() - io::system_time();
+  out.push_back(
+      {"certificate",
+       tls.certificate + " of `" + own.name() + "` until " + io::time_text(own.valid_until()),
+       left < certificate_left_least ? "it ends soon: rubicon certs add makes another" : ""});
+  return true;
+}
+
+/// @param why a host does not answer
+std::string advice_for(const std::string& why, const std::string& host) {
+  const auto has = [&why](std::string_view part) { return why.find(part) != std::string::npos; };
+  if (has("clock there is wrong") || has("one of the two clocks"))
+    return "set the clock that is wrong (timedatectl set-ntp true), here or there";
+  if (has("expired"))
+    return "make another certificate: rubicon certs add, with the same ca.crt and ca.key";
+  if (has("another authority"))
+    return "make both certificates with one ca.key";
+  if (has("shows the certificate of"))
+    return "correct `address`, or give the host its own files";
+  if (has("certificate"))
+    return "give both ends certificates of one authority (--tls-cert, --tls-key, --tls-ca)";
+  return "start rubicon host --name " + host +
+         " there, open the port in its firewall, and give both ends certificates of one authority";
 }
 
 /// What hosts say of themselves, and of the part that is theirs.
@@ -159,10 +182,7 @@ void look_at_hosts(const doctor_command& x, const deploy::packed& file, findings
     const auto name = "host " + hosts[i].name;
     const auto place = hosts[i].address + ':' + std::to_string(hosts[i].port);
     if (const auto* why = std::get_if<std::string>(&greeted[i])) {
-      out.push_back({name, place + ' ' + *why,
-                     "start rubicon host --name " + hosts[i].name +
-                         " there, open the port in its firewall, and give both ends certificates "
-                         "of one authority"});
+      out.push_back({name, place + ' ' + *why, advice_for(*why, hosts[i].name)});
       continue;
     }
     const auto& theirs = std::get<deploy::greeting>(greeted[i]).version;
@@ -222,7 +242,7 @@ exit_status perform(const doctor_command& x) {
   all.push_back(look_at_descriptors());
   all.push_back(look_at_state());
   look_at_serial(all);
-  look_at_certificates(x.tls, all);
+  const bool can_ask = look_at_certificates(x.tls, all);
   if (!x.file.empty()) {
     config::overrides instead;
     instead.mode = config::run_mode::wall;
@@ -232,7 +252,8 @@ exit_status perform(const doctor_command& x) {
       return exit_status::refused;
     for (const auto& each : config::placement_problems(*file.loaded.ecology))
       all.push_back({"file", x.file, each});
-    look_at_hosts(x, file, all);
+    if (can_ask)
+      look_at_hosts(x, file, all);
   }
   const bool good = std::ranges::all_of(all, [](const auto& each) { return each.advice.empty(); });
   if (!print(stdout, x.json ? json_of(all) : text_of(all)))

@@ -15,6 +15,9 @@ namespace rubicon::cli {
 
 namespace {
 
+/// Of the results in one answer, roughly: the others come with the next one.
+constexpr std::size_t told_octets_max = std::size_t{64} << 20;
+
 /// Nobody has asked for so long: who has given the seeds is gone.
 constexpr duration forgotten_after = 1min;
 
@@ -70,8 +73,14 @@ deploy::seeds_news hosted_seeds::run(const deploy::run_seeds& x) {
   all.waiting.insert(all.waiting.end(), x.seeds.begin(), x.seeds.end());
   start_some();
   out.upto = all.last_number;
-  for (const auto& each : all.results)
+  std::size_t octets = 0;
+  for (const auto& each : all.results) {
+    octets += each.result.out.size() + each.result.err.size();
+    if (octets > told_octets_max && !out.results.empty())
+      break;
     out.results.push_back(each.result);
+    out.upto = each.number;
+  }
   out.jobs = jobs_;
   return out;
 }

@@ -113,8 +113,9 @@ struct news {
   std::vector<std::string> lines; ///< that the part has written
   std::vector<life_news> lives;   ///< those that have told more, the oldest first
   host_facts facts;
+  bool has_more = false; ///< of `lives`: the next question brings them
 };
-RUBICON_FIELDS(news, line, change, lines_left_out, lines, lives, facts);
+RUBICON_FIELDS(news, line, change, lines_left_out, lines, lives, facts, has_more);
 
 struct ask_news {
   std::string deployment;
