@@ -66,12 +66,13 @@ std::vector<report::cell> row_of(const io::listed_certificate& x, sys_seconds no
   const auto key = judged(std::string(to_string(x.key)),
                           x.key == io::key_state::safe || x.key == io::key_state::missing);
   if (!x.problem.empty())
-    return {printable(x.name), "", "", "", judged("unreadable", false), key};
+    return {printable(x.name), "", "", "", judged("unreadable", false), "", key};
   return {printable(x.name),
           joined(x.addresses),
           date_text(x.valid_until),
           time_left(x, now),
           judged(x.signed_by_authority ? "yes" : "no", x.signed_by_authority),
+          x.file == "ca.crt" ? "" : std::string(to_string(x.use)),
           key};
 }
 
@@ -81,6 +82,7 @@ std::string table_of(const certificates& all, sys_seconds now) {
                        {"valid until"},
                        {"days left", report::align::right},
                        {"signed by ca"},
+                       {"use"},
                        {"key"}});
   for (const auto& x : all)
     table.add(row_of(x, now));
@@ -98,6 +100,7 @@ std::string json_of(const certificates& all, sys_seconds now) {
       row["valid_until"] = x.valid_until.time_since_epoch().count();
       row["days_left"] = days_left(x, now);
       row["signed_by_ca"] = x.signed_by_authority;
+      row["use"] = to_string(x.use);
     } else {
       row["problem"] = x.problem;
     }

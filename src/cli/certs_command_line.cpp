@@ -46,6 +46,13 @@ void certs_command_line::add_host() {
                  "An IP address or DNS name by which others reach it; may be given again")
       ->allow_extra_args(false) // else it would take HOST for another address
       ->type_name("ADDRESS");
+  auto* const as_host = app.add_flag_function(
+      "--host", [this](auto) { host_.use = io::certificate_use::host; },
+      "It answers who deploys, and may not deploy itself");
+  app.add_flag_function(
+         "--coordinator", [this](auto) { host_.use = io::certificate_use::coordinator; },
+         "It deploys, and is no host")
+      ->excludes(as_host);
   add_days(app, host_.days, "Days that it is valid; 825 if not given");
 }
 

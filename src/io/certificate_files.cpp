@@ -162,6 +162,16 @@ std::string common_name_of(const X509& x) {
   return name;
 }
 
+certificate_use use_of(const X509& x) {
+  const auto copy = owned<X509>(X509_dup(&x)); // asking fills in what OpenSSL remembers of it
+  const auto ends = copy ? X509_get_extended_key_usage(copy.get()) : 0;
+  const bool is_server = (ends & XKU_SSL_SERVER) != 0;
+  const bool is_client = (ends & XKU_SSL_CLIENT) != 0;
+  if (is_server)
+    return is_client ? certificate_use::any : certificate_use::host;
+  return is_client ? certificate_use::coordinator : certificate_use::none;
+}
+
 std::optional<std::chrono::sys_seconds> time_of(const ASN1_TIME& x) {
   const owned<ASN1_STRING> epoch(ASN1_TIME_set(nullptr, 0));
   int days = 0;

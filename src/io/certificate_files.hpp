@@ -13,6 +13,8 @@
 #include <openssl/x509.h>
 #include <openssl/x509v3.h>
 
+#include "io/certificates.hpp"
+
 namespace rubicon::io {
 
 struct openssl_free {
@@ -45,6 +47,9 @@ using owned = std::unique_ptr<T, openssl_free>;
 
 /// Empty if it has none.
 [[nodiscard]] std::string common_name_of(const X509& x);
+
+/// As its extended key usage says; any if it does not say it.
+[[nodiscard]] certificate_use use_of(const X509& x);
 
 /// The time of a certificate; nothing for one that no calendar has.
 [[nodiscard]] std::optional<std::chrono::sys_seconds> time_of(const ASN1_TIME& x);

@@ -83,6 +83,7 @@ bool describe(listed_certificate& to, const X509& x) {
     return false;
   to.name = common_name_of(x);
   to.addresses = addresses_of(x);
+  to.use = use_of(x);
   to.valid_from = *from;
   to.valid_until = *until;
   return true;
@@ -136,6 +137,20 @@ std::string_view to_string(key_state x) {
     return "unreadable";
   case key_state::foreign:
     return "foreign";
+  }
+  return {};
+}
+
+std::string_view to_string(certificate_use x) {
+  switch (x) {
+  case certificate_use::any:
+    return "any";
+  case certificate_use::host:
+    return "host";
+  case certificate_use::coordinator:
+    return "coordinator";
+  case certificate_use::none:
+    return "none";
   }
   return {};
 }

@@ -80,13 +80,28 @@ constexpr std::array authority_extensions{
     extension{NID_authority_key_identifier, "keyid:always"},
 };
 
-constexpr std::array host_extensions{
-    extension{NID_basic_constraints, "critical,CA:FALSE"},
-    extension{NID_key_usage, "critical,digitalSignature"},
-    extension{NID_ext_key_usage, "serverAuth,clientAuth"},
-    extension{NID_subject_key_identifier, "hash"},
-    extension{NID_authority_key_identifier, "keyid:always"},
-};
+const char* ends_of(certificate_use x) {
+  switch (x) {
+  case certificate_use::host:
+    return "serverAuth";
+  case certificate_use::coordinator:
+    return "clientAuth";
+  case certificate_use::any:
+  case certificate_use::none:
+    break;
+  }
+  return "serverAuth,clientAuth";
+}
+
+std::array<extension, 5> host_extensions(certificate_use use) {
+  return {{
+      {NID_basic_constraints, "critical,CA:FALSE"},
+      {NID_key_usage, "critical,digitalSignature"},
+      {NID_ext_key_usage, ends_of(use)},
+      {NID_subject_key_identifier, "hash"},
+      {NID_authority_key_identifier, "keyid:always"},
+  }};
+}
 
 template <class Extensions>
 bool set_extensions(X509& x, X509& issuer, const Extensions& all) {
@@ -192,7 +207,7 @@ certificate_pair build_certificate(const new_certificate& wanted, const validity
   if (x.certificate &&
       X509_set_issuer_name(x.certificate.get(), X509_get_subject_name(&issuer)) == 1 &&
       set_names(*x.certificate, wanted) &&
-      set_extensions(*x.certificate, issuer, host_extensions) &&
+      set_extensions(*x.certificate, issuer, host_extensions(wanted.use)) &&
       sign(*x.certificate, *authority.key))
     return x;
   return {};

@@ -26,10 +26,21 @@ struct new_authority {
   unsigned days = 3652;         ///< 1 to certificate_days_max
 };
 
+/// What a certificate is good for.
+enum class certificate_use : std::uint8_t {
+  any,         ///< a host's, and whoever has it may deploy to others
+  host,        ///< answers who deploys, and may not deploy itself: TLS server
+  coordinator, ///< deploys to hosts, and is none: TLS client
+  none,        ///< neither
+};
+
+[[nodiscard]] std::string_view to_string(certificate_use x);
+
 struct new_certificate {
   std::string host;                        ///< as `name` of `[[host]]`
   std::vector<std::string> addresses = {}; ///< by which others reach it: IP, DNS
   unsigned days = 825;                     ///< 1 to certificate_days_max
+  certificate_use use = certificate_use::any;
 };
 
 struct made_certificate {
@@ -44,8 +55,7 @@ struct made_certificate {
 [[nodiscard]] std::variant<made_certificate, std::string>
 make_authority(const std::string& folder, const new_authority& x, std::chrono::sys_seconds now);
 
-/// Makes HOST.crt and HOST.key, signed with ca.key: for both ends of a connection (TLS server and
-/// client), valid for the host's name and addresses.
+/// Makes HOST.crt and HOST.key, signed with ca.key, valid for the host's name and addresses.
 /// @returns what was made, or why nothing was: also an authority that has expired, or is none
 [[nodiscard]] std::variant<made_certificate, std::string>
 make_certificate(const std::string& folder, const new_certificate& x, std::chrono::sys_seconds now);
@@ -69,6 +79,7 @@ struct listed_certificate {
   std::chrono::sys_seconds valid_from;
   std::chrono::sys_seconds valid_until;
   bool signed_by_authority = false;
+  certificate_use use = certificate_use::any;
   key_state key = key_state::missing;
 };
 

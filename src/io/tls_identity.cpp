@@ -90,6 +90,10 @@ std::string read(parts& to, const tls_files& files, sys_seconds now, const std::
     return why;
   if (auto why = why_not_signed(files, *to.certificate, *to.authority); !why.empty())
     return why;
+  const auto use = use_of(*to.certificate);
+  if (!name.empty() && use != certificate_use::any && use != certificate_use::host)
+    return files.certificate + ": not the certificate of a host (`certs list` says `" +
+           std::string(to_string(use)) + "`)";
   if (!name.empty() && X509_check_host(to.certificate.get(), name.data(), name.size(),
                                        X509_CHECK_FLAG_NEVER_CHECK_SUBJECT, nullptr) != 1)
     return files.certificate + ": the certificate of `" + common_name_of(*to.certificate) +

@@ -90,7 +90,9 @@ struct tls_session::state {
       doubt = "shows the certificate of" + name + ", not of `" + wanted_name + '`';
       break;
     case X509_V_ERR_INVALID_PURPOSE:
-      doubt = "has a certificate" + name + " that is not for this use";
+      doubt =
+          "has a certificate" + name +
+          (is_server ? " that is not a coordinator's: it may not deploy" : " that is not a host's");
       break;
     case X509_V_ERR_CERT_REVOKED:
       doubt = "has a certificate" + name + " that was revoked";
@@ -118,7 +120,8 @@ struct tls_session::state {
     case SSL_AD_UNKNOWN_CA:
       return begin + " `" + own.name() + "`: it is of another authority than its own";
     case SSL_AD_UNSUPPORTED_CERTIFICATE:
-      return begin + " `" + own.name() + "`: it is not for this use";
+      return begin + " `" + own.name() + "`: it is not " +
+             (is_server ? "a host's" : "a coordinator's");
     case SSL_AD_CERTIFICATE_REVOKED:
       return begin + " `" + own.name() + "`: it was revoked";
     case SSL_AD_PROTOCOL_VERSION:

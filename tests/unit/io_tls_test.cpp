@@ -27,8 +27,8 @@ public:
   }
 
   tls_files add(const std::string& name, std::chrono::sys_seconds now = io::system_time(),
-                unsigned length = 100) const {
-    good(io::make_certificate(path(), {name, {}, length}, now));
+                unsigned length = 100, io::certificate_use use = io::certificate_use::any) const {
+    good(io::make_certificate(path(), {name, {}, length, use}, now));
     return files(name);
   }
 
@@ -130,6 +130,23 @@ TEST_CASE("who is not believed is told apart, at both ends", "[io][tls]") {
   const auto other = meet(identity(ours.add("bedroom")), me, "kitchen");
   CHECK(has(other.client, "shows the certificate of `bedroom`, not of `kitchen`"));
   CHECK(has(other.server, "it wants another host"));
+}
+
+TEST_CASE("a host's certificate is no coordinator's, and the other way round", "[io][tls]") {
+  const authority ours;
+  const auto add = [&](const std::string& name, io::certificate_use use) {
+    return ours.add(name, io::system_time(), 100, use);
+  };
+  const auto kitchen = identity(add("kitchen", io::certificate_use::host));
+  const auto me = identity(add("me", io::certificate_use::coordinator));
+  CHECK(meet(kitchen, me, "kitchen").server.empty());
+  const auto other = meet(kitchen, identity(add("bedroom", io::certificate_use::host)), "kitchen");
+  CHECK(has(other.server, "`bedroom` that is not a coordinator's: it may not deploy"));
+  CHECK(has(other.client, "does not take our certificate `bedroom`: it is not a coordinator's"));
+  const auto posing = meet(me, identity(ours.add("both")), "me");
+  CHECK(has(posing.client, "`me` that is not a host's"));
+  CHECK(has(refusal(tls_identity::load(ours.files("me"), io::system_time(), "me")),
+            "not the certificate of a host"));
 }
 
 TEST_CASE("what is no TLS, and who shows no certificate, get nowhere", "[io][tls]") {
