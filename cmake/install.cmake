@@ -30,7 +30,11 @@ string(CONFIGURE [[
 ]] part @ONLY)
 install(CODE "${part}" COMPONENT binary)
 install(PROGRAMS ${parted}/rubicon DESTINATION bin COMPONENT binary)
-install(FILES packaging/rubicon-host@.service DESTINATION lib/systemd/system COMPONENT binary)
+# It names the binary by where this is installed, which `cmake --install` may be told last.
+install(CODE "set(RUBICON_BINARY_FOLDER \"\${CMAKE_INSTALL_PREFIX}/bin\")
+  configure_file(\"${PROJECT_SOURCE_DIR}/packaging/rubicon-host@.service.in\" \"${parted}/rubicon-host@.service\" @ONLY)"
+  COMPONENT binary)
+install(FILES ${parted}/rubicon-host@.service DESTINATION lib/systemd/system COMPONENT binary)
 install(CODE "${part}" COMPONENT debug EXCLUDE_FROM_ALL)
 install(FILES ${parted}/rubicon.debug DESTINATION bin/.debug COMPONENT debug EXCLUDE_FROM_ALL)
 

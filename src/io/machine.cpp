@@ -1,9 +1,11 @@
 #include "io/machine.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <ctime>
 
+#include <arpa/inet.h>
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <netinet/in.h>
@@ -28,6 +30,16 @@ std::vector<network_interface> network_interfaces() {
   }
   ::freeifaddrs(first);
   return found;
+}
+
+bool has_address(const std::string& address) {
+  std::array<std::uint8_t, 4> wanted{};
+  if (::inet_pton(AF_INET, address.c_str(), wanted.data()) != 1)
+    return false;
+  if (wanted == std::array<std::uint8_t, 4>{} || wanted[0] == 127)
+    return true;
+  const auto all = network_interfaces();
+  return std::any_of(all.begin(), all.end(), [&](const auto& x) { return x.ipv4 == wanted; });
 }
 
 std::string machine_name() {

@@ -21,6 +21,9 @@ struct network_interface {
 /// In the system's order; one entry an address. Empty if the system does not tell.
 [[nodiscard]] std::vector<network_interface> network_interfaces();
 
+/// Whether this computer has an IPv4 address now: `192.168.1.5`; 0.0.0.0 and 127.0.0.0/8 always.
+[[nodiscard]] bool has_address(const std::string& address);
+
 /// The first label of the machine's name: `kitchen` of `kitchen.example.org`; `localhost` if it has
 /// none.
 [[nodiscard]] std::string machine_name();
