@@ -246,10 +246,16 @@ CLI::App& add_host(CLI::App& app, host_command& x) {
              "Where it takes commands; 127.0.0.1:4242 if not given",
              [&](const auto& text) { parse_listen(text, x); });
   add_tls(host, x.tls);
-  host.add_flag("--allow-commands", x.allows_commands,
+  host.add_flag("--allow-commands", x.access.commands,
                 "Files may start programs here, as commands of an init");
+  host.add_option("--allow-devices", x.access.devices,
+                  "Serial ports that files may open here, and pseudo-terminals: '/dev/ttyUSB*'")
+      ->delimiter(',')
+      ->type_name("PATH");
   add_path(host, "--state", "DIR", x.state_folder,
            "Where files and lives are kept; a folder of the user if not given");
+  add_path(host, "--files", "DIR", x.files_folder,
+           "Where recorders of files write; NAME-files in that folder if not given");
   host.footer("It runs until Ctrl-C or SIGTERM, which ends its part of the ecology as well.\n"
               "Without certificates it takes commands from this computer only.");
   return host;

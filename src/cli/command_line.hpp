@@ -15,6 +15,7 @@
 #include "cli/watch_wishes.hpp"
 #include "config/load.hpp"
 #include "control/tls.hpp"
+#include "deploy/host_access.hpp"
 #include "explain/text.hpp"
 #include "io/certificates.hpp"
 
@@ -79,8 +80,9 @@ struct host_command {
   std::string address = "127.0.0.1"; ///< where it takes commands
   std::uint16_t port = 4242;
   control::tls_files tls;
-  bool allows_commands = false; ///< of components that a file starts
-  std::string state_folder;     ///< empty: one of the user
+  deploy::host_access access;
+  std::string state_folder; ///< empty: one of the user
+  std::string files_folder; ///< where parts write; empty: one in that of the state
   config::extensions known;
 };
 

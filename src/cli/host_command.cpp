@@ -18,6 +18,7 @@
 #include "io/hangup_watch.hpp"
 #include "io/kept_number.hpp"
 #include "io/loop.hpp"
+#include "io/machine.hpp"
 #include "io/signal_watch.hpp"
 
 namespace rubicon::cli {
@@ -30,28 +31,31 @@ using steady = std::chrono::steady_clock;
 /// How long the part may take to report when the host ends.
 constexpr duration goodbye_max = 10s;
 constexpr duration look_every = 100ms;
+constexpr duration retry_every = 1s;
 
 class host_service {
 public:
-  host_service(const host_command& x, fs::path folder)
-      : command_(x), with_{x.name, std::move(folder), x.allows_commands, x.known},
+  host_service(const host_command& x, fs::path folder, fs::path files)
+      : command_(x), with_{x.name, std::move(folder), std::move(files), x.access, x.known},
         signals_(
             loop_, [this](int) { end(); }, /*hangup_too=*/!renews()),
         identity_(x.tls, x.name),
         part_(loop_, with_, [this](const std::string& text) { say(text); }), seeds_(loop_, with_) {}
 
   exit_status run() {
-    auto opened = control::server::open(
-        identity_, loop_, command_.address, command_.port,
-        [this](deploy::question x) { return answer(std::move(x)); },
-        [this](const std::string& line) { say(line); });
+    if (renews())
+      hangups_.emplace(loop_, [this] {
+        if (server_)
+          server_->renew();
+      });
+    auto opened = listen();
+    if (ending_)
+      return exit_status::good;
     if (const auto* why = std::get_if<std::string>(&opened)) {
       say(*why);
       return exit_status::refused;
     }
     server_.emplace(std::get<control::server>(std::move(opened)));
-    if (renews())
-      hangups_.emplace(loop_, [this] { server_->renew(); });
     say("listens on " + command_.address + ':' + std::to_string(server_->port()) +
         (command_.tls.empty() ? ", for this computer only"
                               : ", for certificates of " + command_.tls.authority));
@@ -66,6 +70,26 @@ public:
   }
 
 private:
+  /// A computer that has just started may not have its address yet.
+  std::variant<control::server, std::string> listen() {
+    bool is_told = false;
+    for (;;) {
+      const bool is_there = io::has_address(command_.address);
+      auto opened = control::server::open(
+          identity_, loop_, command_.address, command_.port,
+          [this](deploy::question x) { return answer(std::move(x)); },
+          [this](const std::string& line) { say(line); });
+      const auto* why = std::get_if<std::string>(&opened);
+      if (why == nullptr || is_there || ending_)
+        return opened;
+      if (!std::exchange(is_told, true))
+        say(*why + "; waits until this computer has the address");
+      const auto until = steady::now() + retry_every;
+      while (!ending_ && steady::now() < until)
+        loop_.wait_until(until);
+    }
+  }
+
   /// A service is told by SIGHUP that it has a new certificate.
   [[nodiscard]] bool renews() const { return !command_.tls.empty() && !has_terminal_; }
 
@@ -126,9 +150,12 @@ exit_status perform(const host_command& x) {
     return refuse("host " + x.name + " would listen on " + x.address +
                   " for anybody: give it certificates (--tls-cert, --tls-key, --tls-ca; `rubicon "
                   "certs` makes them), or let it listen on 127.0.0.1");
-  if (x.tls.empty() && x.allows_commands)
+  if (x.tls.empty() && x.access.commands)
     return refuse("--allow-commands without certificates would let every user of this computer "
                   "start programs as you: give --tls-cert, --tls-key and --tls-ca");
+  if (x.tls.empty() && !x.access.devices.empty())
+    return refuse("--allow-devices without certificates would let every user of this computer "
+                  "open devices as you: give --tls-cert, --tls-key and --tls-ca");
   fs::path folder = x.state_folder;
   if (folder.empty())
     folder = fs::path(io::state_file("host")).parent_path();
@@ -140,7 +167,12 @@ exit_status perform(const host_command& x) {
   const auto held = io::file_lock::take((folder / (x.name + ".lock")).string());
   if (const auto* why = std::get_if<std::string>(&held))
     return refuse("host " + x.name + " runs already: " + *why);
-  return host_service(x, folder).run();
+  const auto files =
+      x.files_folder.empty() ? folder / (x.name + "-files") : fs::absolute(x.files_folder);
+  fs::create_directories(files, error);
+  if (x.files_folder.empty())
+    fs::permissions(files, fs::perms::owner_all, error);
+  return host_service(x, folder, files).run();
 }
 
 } // namespace rubicon::cli

@@ -35,6 +35,10 @@ constexpr duration restart_pause_max = 30s;
 constexpr duration early = 10s;
 /// The report of each is kept.
 constexpr std::size_t lives_max = 1000;
+/// Longer than any run: times can be added without a thought.
+constexpr duration length_max = std::chrono::years(100);
+/// Reports in one answer.
+constexpr std::size_t lives_told_max = 16;
 
 config::overrides wall() {
   config::overrides instead;
@@ -46,15 +50,24 @@ std::string milliseconds(duration x) {
   return std::to_string(x / 1ms) + "ms";
 }
 
-bool has_commands(const config::ecology_description& part) {
-  return std::ranges::any_of(part.peers, [](const auto& peer) {
-    return std::ranges::any_of(peer.apps, [](const auto& app) {
-      const auto* init = std::get_if<config::init_app>(&app);
-      return init != nullptr && std::ranges::any_of(init->components, [](const auto& each) {
-               return !each.command.empty();
-             });
-    });
-  });
+/// A link on the way of a path could lead anywhere.
+bool leads_over_link(const fs::path& folder, const std::string& path) {
+  auto at = folder;
+  for (const auto& part : fs::path(path)) {
+    at /= part;
+    std::error_code none;
+    if (fs::is_symlink(fs::symlink_status(at, none)))
+      return true;
+  }
+  return false;
+}
+
+/// Of what may not be opened.
+std::string why_missing(const std::string& path) {
+  std::error_code error;
+  return fs::exists(fs::symlink_status(path, error))
+             ? ""
+             : std::make_error_code(std::errc::no_such_file_or_directory).message();
 }
 
 std::uint64_t memory_of(pid_t process) {
@@ -94,6 +107,8 @@ std::vector<std::string> hosted_part::problems_of(const deploy::offer& x,
                                                   const config::loaded& loaded) const {
   if (x.host != with_.host)
     return {"this is host `" + with_.host + "`, not `" + x.host + '`'};
+  if (x.what.length <= duration{} || x.what.length > length_max)
+    return {"it would run for " + to_text(x.what.length)};
   if (is_running())
     return {"it runs `" + part_->ecology.name +
             "` already: `rubicon stop` ends it, `--attach` follows it"};
@@ -120,14 +135,18 @@ std::vector<std::string> hosted_part::problems_of(const deploy::offer& x,
       if (outside->device.empty())
         continue;
       const auto what = outside == &island.outside ? "the sink" : "the base station";
-      if (const auto why = io::why_closed(outside->device); !why.empty())
+      const bool is_ours = deploy::is_allowed(outside->device, with_.access.devices);
+      const auto why = is_ours ? io::why_closed(outside->device) : why_missing(outside->device);
+      if (!why.empty())
         out.push_back(std::string(what) + " of island `" + island.name + "` is at " +
                       outside->device + ": " + why +
                       "; `rubicon doctor` on this host tells which ports there are");
     }
-  if (!with_.allows_commands && has_commands(ours))
-    out.emplace_back("the file starts commands here, which this host does not allow: start "
-                     "`rubicon host` with --allow-commands if you trust whoever deploys");
+  for (auto& each : deploy::refusals(ours, with_.access))
+    out.push_back(std::move(each));
+  for (const auto& path : deploy::files_written(ours))
+    if (deploy::is_inside(path) && leads_over_link(with_.files, path))
+      out.push_back('`' + path + "` leads over a link in " + with_.files.string());
   return out;
 }
 
@@ -153,6 +172,8 @@ deploy::verdict hosted_part::begin(const deploy::begin_part& x) {
     return refuse("that deployment is not offered here any more");
   if (part_->state != deploy::part_state::offered)
     return {};
+  if (x.elapsed < duration{} || x.elapsed > part_->what.length)
+    return refuse("it cannot have run for " + to_text(x.elapsed) + " elsewhere");
   part_->began = steady::now() - x.elapsed;
   say_("begins `" + part_->ecology.name + '`');
   start();
@@ -173,6 +194,7 @@ void hosted_part::start() {
   io::spawn_request what;
   what.program = own_binary;
   what.feeds = true;
+  what.folder = with_.files.string();
   what.words = {"rubicon",
                 "run",
                 file(".bundle").string(),
@@ -341,8 +363,18 @@ deploy::news hosted_part::news_after(const deploy::ask_news& x) {
       if (each.change > x.change)
         out.lives.push_back({each.number, each.elapsed, each.ended, each.is_final, each.told});
   }
+  cut(out);
   out.facts = facts();
   return out;
+}
+
+/// Leaves the newest lives to the next answer if there are too many. Their changes ascend.
+void hosted_part::cut(deploy::news& x) const {
+  if (x.lives.size() <= lives_told_max)
+    return;
+  x.lives.resize(lives_told_max);
+  x.has_more = true;
+  x.change = std::ranges::find(part_->lives, x.lives.back().life, &life::number)->change;
 }
 
 deploy::host_facts hosted_part::facts() const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "config/load.hpp"
+#include "deploy/host_access.hpp"
 #include "deploy/messages.hpp"
 #include "deploy/news_log.hpp"
 #include "io/line_input.hpp"
@@ -21,7 +22,8 @@ namespace rubicon::cli {
 struct hosting {
   std::string host;             ///< own name
   std::filesystem::path folder; ///< where files are kept; nobody else writes there
-  bool allows_commands = false; ///< of components that a file starts
+  std::filesystem::path files;  ///< where what it runs writes; nobody else does
+  deploy::host_access access;   ///< of the files that are deployed here
   config::extensions known;
 };
 
@@ -83,6 +85,7 @@ private:
   [[nodiscard]] std::vector<std::string> problems_of(const deploy::offer& x,
                                                      const config::loaded& loaded) const;
   [[nodiscard]] bool has(const std::string& deployment) const;
+  void cut(deploy::news& x) const;
   [[nodiscard]] duration elapsed() const { return steady::now() - part_->began; }
   [[nodiscard]] std::filesystem::path file(const std::string& name) const;
   void start();

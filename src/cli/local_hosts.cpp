@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -32,11 +33,12 @@ local_hosts::local_hosts(io::loop& loop, const std::vector<deployed_host>& hosts
   need(io::make_authority(folder, {}, now));
   while (std::ranges::find(hosts, coordinator_, &deployed_host::name) != hosts.end())
     coordinator_ += '-';
-  need(io::make_certificate(folder, {coordinator_}, now));
+  need(io::make_certificate(folder, {.host = coordinator_, .use = io::certificate_use::coordinator},
+                            now));
   for (const auto& place : hosts) {
     auto& x = hosts_.emplace_back();
     x.place = place;
-    need(io::make_certificate(folder, {place.name}, now));
+    need(io::make_certificate(folder, {.host = place.name, .use = io::certificate_use::host}, now));
     start(x);
   }
 }
@@ -54,14 +56,25 @@ void local_hosts::start(local_host& x) {
   const auto tls = certificate_of(x.place.name);
   io::spawn_request what;
   what.program = own_binary;
-  what.words = {"rubicon",         "host",
-                "--name",          x.place.name,
-                "--listen",        x.place.address + ':' + std::to_string(x.place.port),
-                "--state",         folder_.path().string(),
-                "--tls-cert",      tls.certificate,
-                "--tls-key",       tls.key,
-                "--tls-ca",        tls.authority,
-                "--allow-commands"};
+  what.words = {"rubicon",
+                "host",
+                "--name",
+                x.place.name,
+                "--listen",
+                x.place.address + ':' + std::to_string(x.place.port),
+                "--state",
+                folder_.path().string(),
+                "--tls-cert",
+                tls.certificate,
+                "--tls-key",
+                tls.key,
+                "--tls-ca",
+                tls.authority,
+                "--allow-commands",
+                "--allow-devices",
+                "*",
+                "--files",
+                std::filesystem::current_path().string()};
   // What a host says is said by its deployment as well; what keeps it from beginning, by it alone.
   auto begun = io::process::start(loop_, std::move(what),
                                   {[](io::process::output, byte_view) {},

@@ -89,7 +89,7 @@ public:
   spawn_plan(const spawn_request& x, int in, int out, int err)
       : program_(x.program), words_(x.words), environment_(environment_with(x.environment)),
         word_pointers_(pointers_to(words_)), environment_pointers_(pointers_to(environment_)),
-        in_(in), out_(out), err_(err), own_group_(x.own_group) {
+        folder_(x.folder), in_(in), out_(out), err_(err), own_group_(x.own_group) {
     if (own_group_)
       guard_ = &group_guard::instance();
   }
@@ -130,9 +130,16 @@ private:
     ::dup2(out_, STDOUT_FILENO);
     ::dup2(err_, STDERR_FILENO);
     reset_signals();
+    if (!folder_.empty() && ::chdir(folder_.c_str()) != 0)
+      give_up(failure);
     // Sockets above all: one that lives on in a child is not closed when we close it.
     ::close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
     ::execve(program_.c_str(), word_pointers_.data(), environment_pointers_.data());
+    give_up(failure);
+  }
+
+  /// Tells the parent what went wrong last.
+  [[noreturn]] static void give_up(int failure) noexcept {
     const int error = errno;
     static_cast<void>(::write(failure, &error, sizeof error));
     ::_exit(exec_failed);
@@ -181,6 +188,7 @@ private:
   std::vector<std::string> environment_;
   std::vector<char*> word_pointers_;
   std::vector<char*> environment_pointers_;
+  std::string folder_;
   int in_;
   int out_;
   int err_;

@@ -12,6 +12,7 @@ struct spawn_request {
   std::string program;                       ///< its path
   std::vector<std::string> words;            ///< what it finds as argv, its name first
   std::vector<std::string> environment = {}; ///< `NAME=value`, besides what this process has
+  std::string folder = {};                   ///< in which it begins; empty: ours
   bool feeds = false; ///< its standard input is a pipe; else it is empty from the beginning
   /// Signals may be sent to it and all that it starts, as -pid. It is guarded (io/group_guard.hpp):
   /// whoever collects its end says so there first.

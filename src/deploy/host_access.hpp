@@ -1,0 +1,30 @@
+// What a file that is deployed may reach on a host: nothing but what the host allows.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/ecology.hpp"
+
+namespace rubicon::deploy {
+
+struct host_access {
+  bool commands = false;            ///< components may be started as programs
+  std::vector<std::string> devices; ///< patterns of paths, as a shell has them; `*` is any text
+};
+
+/// Relative, and not above or beside where it starts: `readings/kitchen.csv`.
+[[nodiscard]] bool is_inside(std::string_view path);
+
+/// Whether one of the patterns has it. A path with `..` in it is nobody's.
+[[nodiscard]] bool is_allowed(std::string_view device, const std::vector<std::string>& patterns);
+
+/// Paths that a part writes, of its own folder.
+[[nodiscard]] std::vector<std::string> files_written(const config::ecology_description& part);
+
+/// What a part asks for and is not allowed, in words.
+[[nodiscard]] std::vector<std::string> refusals(const config::ecology_description& part,
+                                                const host_access& access);
+
+} // namespace rubicon::deploy
