@@ -14,14 +14,19 @@ namespace detail {
 /// Numbers from it on are taken for none, whatever has them.
 inline constexpr std::size_t enumerators_max = 128;
 
-/// A compiler writes a value without a name as a cast: `(rubicon::part_state)7`.
+/// A compiler writes a value without a name as a cast: `(rubicon::part_state)7`, and one with a name
+/// perhaps as `(anonymous namespace)::red`.
 template <class E, E value>
 constexpr bool has_name() {
   constexpr std::string_view text = __PRETTY_FUNCTION__;
   constexpr std::string_view before = "value = ";
   constexpr auto at = text.rfind(before);
   static_assert(at != std::string_view::npos);
-  return text[at + before.size()] != '(';
+  constexpr auto end = text.rfind(')');
+  if constexpr (end == std::string_view::npos || end < at)
+    return true;
+  else
+    return text[end + 1] == ':';
 }
 
 template <class E, std::size_t... number>

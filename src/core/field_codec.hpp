@@ -175,21 +175,21 @@ private:
       static_assert(std::variant_size_v<T> <= 256);
       assert(!x.valueless_by_exception());
       out_.octet(static_cast<std::uint8_t>(x.index()));
-      std::visit([this](const auto& each) { add(each); }, x);
+      std::visit([this](const auto& each) { this->add(each); }, x);
     } else if constexpr (is_array<T>) {
       for (const auto& each : x)
         add(each);
     } else if constexpr (is_tuple<T>) {
-      std::apply([this](const auto&... each) { (add(each), ...); }, x);
+      std::apply([this](const auto&... each) { (this->add(each), ...); }, x);
     } else if constexpr (sequence<T>) {
       add_size(x.size());
       for (const auto& each : x)
         add(static_cast<const typename T::value_type&>(each));
     } else if constexpr (described<T>) {
-      for_each_field(x, [this](std::string_view, const auto& each) { add(each); });
+      for_each_field(x, [this](std::string_view, const auto& each) { this->add(each); });
     } else {
       static_assert(shows_parts<T>, "its fields are not listed");
-      const auto add_all = [this](const auto&... part) { (add(part), ...); };
+      const auto add_all = [this](const auto&... part) { (this->add(part), ...); };
       auto copy = x; // who shows parts does not know that we only look
       inspect(add_all, copy);
     }
@@ -292,16 +292,16 @@ private:
       for (auto& each : x)
         read(each);
     } else if constexpr (is_tuple<T>) {
-      std::apply([this](auto&... each) { (read(each), ...); }, x);
+      std::apply([this](auto&... each) { (this->read(each), ...); }, x);
     } else if constexpr (keyed<T>) {
       read_keyed(x);
     } else if constexpr (sequence<T>) {
       read_sequence(x);
     } else if constexpr (described<T>) {
-      for_each_field(x, [this](std::string_view, auto& each) { read(each); });
+      for_each_field(x, [this](std::string_view, auto& each) { this->read(each); });
     } else {
       static_assert(shows_parts<T>, "its fields are not listed");
-      const auto read_all = [this](auto&... part) { (read(part), ...); };
+      const auto read_all = [this](auto&... part) { (this->read(part), ...); };
       inspect(read_all, x);
     }
   }

@@ -68,7 +68,7 @@ tree some_tree() {
   x.age = 40h;
   x.felled = instant(3s);
   x.island = island_id(9);
-  x.tallest = 30;
+  x.tallest = std::uint64_t{30};
   x.drips.add(5ms);
   x.drips.add(7s);
   return x;
