@@ -28,10 +28,10 @@ public:
   void fold_into(fold64& x) const;
   void print_to(std::string& out) const; ///< how many, and their mean
 
-  /// For messages between computers.
+  /// For octets (core/field_codec.hpp).
   template <class F>
-  friend auto inspect(F& f, delay_histogram& x) {
-    return f(x.count_, x.sum_ns_, x.buckets_);
+  friend void with_parts(F& f, delay_histogram& x) {
+    f(x.count_, x.sum_ns_, x.buckets_);
   }
 
 private:

@@ -68,10 +68,10 @@ struct any_callable {
   constexpr void operator()(Parts&... /*parts*/) const {}
 };
 
-/// A class without a list that shows its parts: `inspect(f, x)` calls f with all of them.
+/// A class without a list that shows its parts: `with_parts(f, x)` calls f with all of them.
 template <class T>
 concept shows_parts = requires(any_callable& f, T& x) {
-  inspect(f, x);
+  with_parts(f, x);
 };
 
 /// The fewest octets that a value takes: bounds how many of them can be in so many octets.
@@ -191,7 +191,7 @@ private:
       static_assert(shows_parts<T>, "its fields are not listed");
       const auto add_all = [this](const auto&... part) { (this->add(part), ...); };
       auto copy = x; // who shows parts does not know that we only look
-      inspect(add_all, copy);
+      with_parts(add_all, copy);
     }
   }
 
@@ -302,7 +302,7 @@ private:
     } else {
       static_assert(shows_parts<T>, "its fields are not listed");
       const auto read_all = [this](auto&... part) { (this->read(part), ...); };
-      inspect(read_all, x);
+      with_parts(read_all, x);
     }
   }
 

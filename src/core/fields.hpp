@@ -56,12 +56,6 @@ struct largest {
   }
 
   friend constexpr auto operator<=>(const largest&, const largest&) = default;
-
-  /// For messages.
-  template <class F>
-  friend auto inspect(F& f, largest& x) {
-    return f(x.value);
-  }
 };
 
 /// Field by field: maps by their keys, arrays one by one, `largest` by its rule, all else by its
@@ -93,10 +87,6 @@ T& operator+=(T& sum, const T& x) {
   return sum;
 }
 
-/// For CAF's inspectors; defined where they are known (control/inspect.hpp).
-template <class Inspector, class T>
-typename Inspector::result_type inspect_fields(Inspector& f, T& x, const char* type_name);
-
 } // namespace rubicon
 
 // Each of up to 256 arguments.
@@ -126,9 +116,5 @@ typename Inspector::result_type inspect_fields(Inspector& f, T& x, const char* t
   }                                                                                                \
   [[maybe_unused]] inline void all_fields_are_listed([[maybe_unused]] const Struct& struct_) {     \
     __VA_OPT__([[maybe_unused]] const auto& [__VA_ARGS__] = struct_;)                              \
-  }                                                                                                \
-  template <class Inspector>                                                                       \
-  typename Inspector::result_type inspect(Inspector& f, Struct& x) {                               \
-    return ::rubicon::inspect_fields(f, x, #Struct);                                               \
   }                                                                                                \
   static_assert(true)
