@@ -365,7 +365,9 @@ TEST_CASE("a swarm over hosts finds what one computer finds, also if one of them
   }
   CHECK(one.dump() == three.dump());
   INFO(in.text("three.err"));
-  CHECK(in.text("three.err").find("kitchen  cannot be reached") != std::string::npos);
+  const auto said = in.text("three.err"); // it dies while it is asked, or just after
+  CHECK((said.find("kitchen  cannot be reached") != std::string::npos ||
+         said.find("kitchen  closes the connection") != std::string::npos));
   CHECK(in.text("nobody").find("`hall` is no [[host]] of the file") != std::string::npos);
 }
 
