@@ -402,6 +402,8 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   };
   if (gateway.line_is_real)
     gateway.port.payload_max = payload_of(island.outside);
+  gateway.config.is_forwarded =
+      !(island.real.is_there() ? island.real.outside : island.outside).forwarder.empty();
   gateway.may_be_own_sink = gateway.line_is_real && island.outside.payload == 0;
   if (const auto& real = island.real; real.is_there()) {
     gateway.config.has_real_line = true;

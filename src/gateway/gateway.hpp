@@ -129,6 +129,8 @@ struct gateway_config {
   std::size_t input_channels_max = 4096; ///< channels of motes ever written to; further ones are
                                          ///< refused without a status
   bool has_real_line = false; ///< motes with plain programs are behind a line of their own
+  /// They are behind a serial forwarder, which takes packets whatever becomes of them.
+  bool is_forwarded = false;
   duration relay_wait = 35s; ///< for the outcome of an input passed on: longer than two messages of
                              ///< Transport take to fail
 };
@@ -242,10 +244,10 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const;
 
   [[nodiscard]] std::vector<mote_id> devices() const; ///< ascending
-  [[nodiscard]] const gateway_counters& counters() const { return counters_; }
-  [[nodiscard]] const directory& others() const { return others_; }
   /// The sink at the line has said something that only the islands' own program says.
   [[nodiscard]] bool has_own_sink() const { return has_own_sink_; }
+  [[nodiscard]] const gateway_counters& counters() const { return counters_; }
+  [[nodiscard]] const directory& others() const { return others_; }
   [[nodiscard]] std::optional<duration> clock_offset() const { return clock_offset_; }
   [[nodiscard]] std::size_t outstanding() const { return above().messages().outstanding(); }
   [[nodiscard]] transport::messenger_counters messages() const; ///< of all its terms
@@ -284,6 +286,7 @@ private:
   [[nodiscard]] outputs dispatch(mote_id source, std::uint8_t am_type, byte_view payload,
                                  instant now);
   [[nodiscard]] bool is_plain(mote_id x) const;
+  [[nodiscard]] bool is_plain_silent() const;
   [[nodiscard]] outputs on_packet_for_us(const network::island_packet& x, instant now);
   [[nodiscard]] outputs on_event(const network::mote_joined& x, instant now);
   [[nodiscard]] outputs on_event(const network::mote_left& x, instant now);
@@ -343,7 +346,9 @@ private:
   std::map<transport::ticket, pending_input> pending_;
   std::map<std::uint64_t, pending_input> plain_pending_; ///< by the number given
   std::uint64_t plain_number_ = 0;
-  bool is_plain_said_ = false; ///< while what on_plain_packet() was given is handled
+  std::optional<instant> plain_heard_; ///< a plain mote
+  duration plain_pause_{};             ///< the longest between two of their packets
+  bool is_plain_said_ = false;         ///< while what on_plain_packet() was given is handled
   directory others_;
   std::uint16_t strict_counter_ = 0; ///< of what came in the strict form
   output_requests requests_;
@@ -352,12 +357,12 @@ private:
   instant clock_settled_;
   std::optional<instant> line_heard_; ///< nothing: never
   bool line_up_ = false;
+  bool has_own_sink_ = false;
   instant rejoin_until_; ///< before this the sink, started again, may not know all its motes
   std::optional<std::uint16_t> roster_number_; ///< of the roster being received
   std::set<mote_id> roster_seen_;
   std::uint8_t roster_pages_seen_ = 0;
   gateway_counters counters_;
-  bool has_own_sink_ = false;
 };
 
 } // namespace rubicon::gateway

@@ -385,6 +385,37 @@ TEST_CASE("a lost line to real motes leaves them listed, and nobody leaves becau
   CHECK(line.on_time(start + 46s).size() == 1); // later it is silent
 }
 
+TEST_CASE("what a forwarder has taken is not sent while nothing comes from behind it",
+          "[gateway][GW-15][GW-17]") {
+  for (const bool is_forwarded : {false, true}) {
+    CAPTURE(is_forwarded);
+    auto line = real_line();
+    gateway_config config;
+    config.island = island_id{20};
+    config.has_real_line = true;
+    config.is_forwarded = is_forwarded;
+    gateway::gateway core(config, random_stream(1));
+    static_cast<void>(core.start(start));
+    const auto hear = [&](instant now) {
+      static_cast<void>(plain_told(core, *line.on_packet(said(100, blink, bytes{1}), now), now));
+    };
+    std::uint64_t number = 0;
+    const auto ends = [&](instant now) {
+      static_cast<void>(core.on_input(mote_id{100}, 2, bytes{0, 7}, now));
+      const auto all = told(core.on_plain_done(++number, true, now));
+      return all.at(0).substr(all.at(0).rfind(' ') + 1);
+    };
+    const std::string silent = is_forwarded ? "failed" : "sent";
+    hear(start);
+    CHECK(ends(start + 25s - 1ns) == "sent");
+    CHECK(ends(start + 25s) == silent);
+    hear(start + 40s);
+    CHECK(ends(start + 40s) == "sent");
+    CHECK(ends(start + 40s + 80s - 1ns) == "sent"); // twice as long as it has been silent before
+    CHECK(ends(start + 40s + 80s) == silent);
+  }
+}
+
 TEST_CASE("a sink and a line to real motes do not speak for each other",
           "[gateway][GW-15][GW-17]") {
   auto line = real_line();
