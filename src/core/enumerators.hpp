@@ -14,8 +14,8 @@ namespace detail {
 /// Numbers from it on are taken for none, whatever has them.
 inline constexpr std::size_t enumerators_max = 128;
 
-/// A compiler writes a value without a name as a cast: `(rubicon::part_state)7`, and one with a name
-/// perhaps as `(anonymous namespace)::red`.
+/// A compiler writes a value without a name as a cast: `(rubicon::part_state)7`, and one with a
+/// name perhaps as `(anonymous namespace)::red`.
 template <class E, E value>
 constexpr bool has_name() {
   constexpr std::string_view text = __PRETTY_FUNCTION__;
