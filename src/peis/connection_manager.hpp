@@ -36,10 +36,6 @@ struct connection_config {
   duration connect_timeout = 3s;
   duration always_retry = 500ms; ///< doubles while it fails, to always_retry_max
   duration always_retry_max = 1s;
-  /// Who takes a link and closes it again at once, twice, is a leaf of another host or has no room:
-  /// doubles each time, to refused_retry_max, for all such peers of one machine together (CM-10).
-  duration refused_retry = 5s;
-  duration refused_retry_max = 30s;
   double forced_octets_per_second = 2000; ///< to one host: a direct link is forced (CM-03)
 };
 

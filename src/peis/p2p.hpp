@@ -363,7 +363,6 @@ private:
     bool trying = false;
     std::optional<link_id> link;
     std::optional<peer_id> host; ///< who answered there last
-    unsigned refusals = 0;       ///< links that were closed at once, one after the other
   };
 
   /// How connecting to a host has gone.
@@ -371,13 +370,6 @@ private:
     unsigned tries = 0;
     instant last;              ///< try, or end of a link
     unsigned runs_foreign = 0; ///< cluster runs that saw it in a higher cluster (CLU-02)
-    unsigned refusals = 0;     ///< links that it has closed at once, one after the other
-  };
-
-  /// Where peers are that refuse us.
-  struct refusing_machine {
-    unsigned refusals = 0;
-    instant until; ///< none of them is tried before
   };
 
   using attempts_node = std::map<attempt_id, attempt>::node_type;
@@ -513,9 +505,6 @@ private:
   void tend_standing(instant now);
   [[nodiscard]] bool is_served(const standing_address& x) const;
   void note_contact(peer_id host, instant now);
-  void note_refusal(peer_id host, instant now);
-  [[nodiscard]] bool is_refused_at(peer_id host, instant now) const;
-  [[nodiscard]] duration refused_wait(unsigned refusals) const;
   [[nodiscard]] bool may_try(peer_id host, unsigned wait_max, instant now) const;
   void merge_clusters(instant now);
   void hasten_merge(instant now);
@@ -628,8 +617,7 @@ private:
   std::vector<standing_address> standing_;
   bluetooth bluetooth_;
   std::map<peer_id, contact> contacts_;
-  std::map<std::string, refusing_machine> refusing_; ///< by name of machine
-  std::map<peer_id, former_host> former_;            ///< lost for want of a way: may be found again
+  std::map<peer_id, former_host> former_; ///< lost for want of a way: may be found again
   traffic_meter traffic_;
   route_probes probes_;
   std::vector<open_trace> traces_;

@@ -18,7 +18,6 @@ constexpr std::size_t former_max = 256;
 constexpr unsigned tries_max = 30;       // seconds between two tries of a host, at most
 constexpr unsigned lost_tries_max = 2;   // the same, of one to which there is no way
 constexpr unsigned foreign_runs_max = 3; // CLU-02
-constexpr unsigned refusals_judged = 2;  // one may be a mistake: peis-wire.md 25.8
 constexpr unsigned first_announcements = 3;
 constexpr unsigned quiet_periods = 3; // after these without a better announcer we announce
 constexpr std::size_t referrals = 8;
@@ -63,63 +62,14 @@ void p2p::note_contact(peer_id host, instant now) {
   x.last = now;
 }
 
-/// @param refusals before that which is waited for
-duration p2p::refused_wait(unsigned refusals) const {
-  auto wait = config_.connections.refused_retry;
-  for (; refusals > 0 && wait < config_.connections.refused_retry_max; --refusals)
-    wait *= 2;
-  return std::min(wait, config_.connections.refused_retry_max);
-}
-
-namespace {
-
-/// The record of a host that is there, or was.
-template <class Hosts, class Former>
-const host_record* record_of(peer_id host, const Hosts& hosts, const Former& former) {
-  if (const auto known = hosts.find(host); known != hosts.end())
-    return &known->second.record;
-  const auto gone = former.find(host);
-  return gone == former.end() ? nullptr : &gone->second.record;
-}
-
-} // namespace
-
-/// From the second time on, it and others of its machine that refuse us are tried by one, and ever
-/// more rarely: leaves that have lost their master are many.
-void p2p::note_refusal(peer_id host, instant now) {
-  const auto known = contacts_.find(host);
-  const auto* record = record_of(host, hosts_, former_);
-  if (known == contacts_.end() || record == nullptr)
-    return;
-  if (++known->second.refusals < refusals_judged)
-    return;
-  std::erase_if(refusing_, [now](const auto& x) { return x.second.until + former_for <= now; });
-  if (refusing_.size() >= former_max && !refusing_.contains(record->host_name))
-    return;
-  auto& machine = refusing_[record->host_name];
-  if (machine.until > now)
-    return; // others were tried at the same time
-  machine.until = now + refused_wait(machine.refusals);
-  ++machine.refusals;
-}
-
-bool p2p::is_refused_at(peer_id host, instant now) const {
-  const auto known = contacts_.find(host);
-  if (known == contacts_.end() || known->second.refusals < refusals_judged)
-    return false;
-  const auto* record = record_of(host, hosts_, former_);
-  const auto machine = record == nullptr ? refusing_.end() : refusing_.find(record->host_name);
-  return machine != refusing_.end() && machine->second.until > now;
-}
-
 /// No link, none asked for, and the time to try again has come (CM-10).
 /// @param wait_max seconds between two tries
 bool p2p::may_try(peer_id host, unsigned wait_max, instant now) const {
-  if (neighbours_.contains(host) || is_refused_at(host, now))
+  if (neighbours_.contains(host))
     return false;
   const auto known = contacts_.find(host);
   if (known != contacts_.end()) {
-    const auto& [tries, last, runs, refusals] = known->second;
+    const auto& [tries, last, runs] = known->second;
     if (last + std::chrono::seconds(std::min(tries, wait_max)) > now)
       return false;
   }

@@ -17,7 +17,6 @@ std::uint64_t tables_per_second(const table_limits& x) {
 constexpr duration judging_gap = 1s;
 constexpr duration naming_time = 5s;      ///< to say who one is, on a link that one has asked for
 constexpr duration lasting = 30s;         // a link that has been of use
-constexpr duration at_once = 1s;          ///< a link that is closed so soon was refused
 constexpr duration retry_after_loss = 1s; // a real kernel cuts a reborn peer off once (25.8)
 
 } // namespace
@@ -208,24 +207,8 @@ void p2p::on_link_sent(link_id link, std::size_t octets, instant now) {
   }
 }
 
-/// A link that its other end closes at once, without a word, is a refusal; the first may be a
-/// mistake, after a restart (25.8).
 void p2p::on_link_closed(link_id link, instant now) {
-  const auto at = connections_.find(link);
-  if (at == connections_.end())
-    return;
-  const bool is_refusal = now < at->second.opened + at_once && at->second.octets_in == 0;
-  const bool has_lasted = at->second.opened + lasting <= now;
-  const auto sought = at->second.tried_for;
-  const auto standing = std::ranges::find(standing_, std::optional(link), &standing_address::link);
   forget_link(link, now);
-  if (is_refusal && sought && !neighbours_.contains(*sought)) // else one of two went
-    note_refusal(*sought, now);
-  if (standing == standing_.end())
-    return;
-  standing->refusals = is_refusal ? standing->refusals + 1 : has_lasted ? 0 : standing->refusals;
-  if (is_refusal && standing->refusals > 1)
-    standing->next = now + refused_wait(standing->refusals - 2);
 }
 
 void p2p::close(link_id link, close_cause why, instant now) {
