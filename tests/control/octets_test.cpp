@@ -69,7 +69,7 @@ TEST_CASE("each question and answer comes as what it was", "[control]") {
   }
   deploy::news told;
   told.lines = {"one"};
-  told.lives.push_back({7, 1s, false, some_part()});
+  told.lives.push_back({7, 1s, 0s, false, some_part()});
   told.facts.state = deploy::part_state::running;
   const auto octets = octets_of(deploy::answer(told));
   const auto found = control::answer_of(control::answer_kind(6), octets);

@@ -180,8 +180,7 @@ TEST_CASE("messages need a program that takes their AM type", "[config][AM-01]")
         program +
         "]\n[[island.mote]]\nid = 6\nname = 'from'\ntype = 'c'\n"
         "position_m = [1, 3]\napps = [{ app = 'messenger', to = 'far/to', text = 'hm', "
-        "every = '1s' }]\n[[peer]]\nname = 'pc-2'\nid = 31\n"
-        "apps = [{ app = 'proxy_manager' }]\n");
+        "every = '1s' }]\n");
   };
   CHECK(with("{ app = 'listener', am_type = 10 }").empty());
   const std::vector<std::string> nobody{

@@ -1,5 +1,7 @@
 // Many kernels on one network: they find each other, stay together and notice who is gone.
 #include <algorithm>
+#include <deque>
+#include <iterator>
 #include <set>
 
 #include "peis_fixture.hpp"
@@ -355,16 +357,14 @@ TEST_CASE("others learn where a peer listens when its networks change", "[peis][
 
 TEST_CASE("two computers of one name find each other at their network addresses",
           "[peis][RTE-08]") {
-  p2p_config config;
-  config.id = peer_id{1};
-  config.host_name = "raspberrypi";
-  config.addresses = {tcp_address("lo", true, {127, 0, 0, 1}, 8000),
-                      tcp_address("eth0", false, {10, 0, 0, 1}, 8000)};
-  config.connections.announces = true;
+  auto config = lan_config_of(1);
+  config.network.host_name = "raspberrypi";
+  config.network.addresses = {tcp_address("lo", true, {127, 0, 0, 1}, 8000),
+                              tcp_address("eth0", false, {10, 0, 0, 1}, 8000)};
   host_record other;
   other.id = peer_id{2};
   other.magic = 77;
-  other.host_name = config.host_name;
+  other.host_name = config.network.host_name;
   other.full_name = "robot@raspberrypi!5";
   other.marked = true;
   other.cluster = 2;
@@ -373,38 +373,39 @@ TEST_CASE("two computers of one name find each other at their network addresses"
   const bool is_here = GENERATE(false, true); // a peer of our own that has lost its port to us
   if (is_here)
     other.addresses[1] = tcp_address("eth0", false, {10, 0, 0, 1}, 8001);
-  p2p self(config, random_stream(1), instant{});
+  kernel self(config, random_stream(1), instant{});
   std::vector<std::string> tried;
   std::size_t told = 0;
   std::map<link_id, link_id> ends; // of links to ourselves: that is who answers there
   std::uint64_t links = 0;
+  std::deque<output> todo;
+  const auto take = [&todo](outputs x) { std::ranges::move(x, std::back_inserter(todo)); };
+  const auto carry_out = [&](output& x, instant at) {
+    told += std::holds_alternative<namesake_found>(x) ? 1 : 0;
+    if (const auto* octets = std::get_if<to_link>(&x); octets && ends.contains(octets->link)) {
+      take(self.on_link_octets(ends.at(octets->link), octets->octets.view(), at));
+    } else if (const auto* closed = std::get_if<close_link>(&x)) {
+      if (const auto end = ends.extract(closed->link))
+        take(self.on_link_closed(end.mapped(), at));
+    } else if (const auto* wanted = std::get_if<connect_to>(&x)) {
+      tried.push_back(wanted->url);
+      if (wanted->url.find("127.0.0.1") == std::string::npos)
+        return;
+      const link_id from{++links};
+      const link_id to{++links};
+      ends = {{from, to}, {to, from}};
+      take(self.on_link_open(to, link_role::acceptor, at));
+      take(self.on_link_open(from, link_role::initiator, at, wanted->attempt));
+    }
+  };
   for (instant at{}; at < instant{20s}; at += 100ms) {
     if (at.time_since_epoch() % 1s == 0s)
-      self.on_announcement(encode(announcement{500, config.network, other}), at);
-    self.on_time(at);
-    for (auto todo = self.take_events(); !todo.empty(); todo = self.take_events()) {
-      for (auto& x : todo) {
-        told += std::holds_alternative<namesake_found>(x) ? 1 : 0;
-        if (const auto* octets = std::get_if<to_link>(&x); octets && ends.contains(octets->link)) {
-          self.on_link_octets(ends.at(octets->link), octets->octets.view(), at);
-        } else if (const auto* closed = std::get_if<close_link>(&x)) {
-          while (self.serve_next(at)) { // what came before
-          }
-          if (const auto end = ends.extract(closed->link))
-            self.on_link_closed(end.mapped(), at);
-        } else if (const auto* wanted = std::get_if<connect_to>(&x)) {
-          tried.push_back(wanted->url);
-          if (wanted->url.find("127.0.0.1") == std::string::npos)
-            continue;
-          const link_id from{++links};
-          const link_id to{++links};
-          ends = {{from, to}, {to, from}};
-          self.on_link_open(to, link_role::acceptor, at);
-          self.on_link_open(from, link_role::initiator, at, wanted->attempt);
-        }
-      }
-      while (self.serve_next(at)) {
-      }
+      take(self.on_announcement(
+          encode(announcement{protocol_version, config.network.network, other}), at));
+    take(self.on_time(at));
+    for (; !todo.empty(); todo.pop_front()) {
+      auto x = std::move(todo.front());
+      carry_out(x, at);
     }
   }
   REQUIRE(tried.size() > 1);
