@@ -162,6 +162,12 @@ struct performer {
     self->state.real->hold(x.link, !x.wanted);
   }
 
+  /// Simulated links take packages as a whole.
+  void operator()(const peis::pace_link& x) const {
+    if (x.link.value >= first_real_link && self->state.real != nullptr)
+      self->state.real->links().carry_out(x);
+  }
+
   void operator()(const peis::connect_to& x) const { ask_for_link(self, x); }
 
   void operator()(const peis::announce& x) const {

@@ -17,6 +17,7 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "io/tcp_socket.hpp"
+#include "io/tcp_window.hpp"
 
 namespace rubicon::io {
 
@@ -28,6 +29,10 @@ namespace {
 constexpr std::size_t input_min = 16 * 1024;
 constexpr std::size_t input_max = 128 * 1024; // of each link, however many there are
 constexpr std::size_t pieces_max = 64;        ///< payloads in one write
+constexpr duration look_gap = 1ms;            // at what was acknowledged
+constexpr duration quiet_look_gap = 10ms;     // the same, when nothing has been for some time
+constexpr duration quiet_after = 100ms;
+constexpr duration patience_max = 500ms; // with a window that has no room for a whole
 
 /// Without these options a stream still works.
 void set_option(asio::ip::tcp::socket& socket, int name, int value) {
@@ -42,7 +47,8 @@ void set_option(asio::ip::tcp::socket& socket, int name, int value) {
 struct tcp_stream::state : std::enable_shared_from_this<state> {
   enum class phase : std::uint8_t { open, draining, lingering, over };
 
-  explicit state(asio::ip::tcp::socket x) : socket(std::move(x)), patience(socket.get_executor()) {
+  explicit state(asio::ip::tcp::socket x)
+      : socket(std::move(x)), patience(socket.get_executor()), next_look(socket.get_executor()) {
     error_code ignored;
     socket.non_blocking(true, ignored);
     set_option(socket, TCP_NODELAY, 1);
@@ -56,6 +62,7 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
 
   asio::ip::tcp::socket socket;
   asio::steady_timer patience;
+  asio::steady_timer next_look; ///< at what the other side has acknowledged
   std::string name;
   callbacks to_owner;
   std::function<void()> on_done;
@@ -69,6 +76,13 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
   std::size_t unsent = 0;
   bool broken = false;    ///< nothing can be sent any more
   bool write_due = false; ///< flush() is about to run, or waits for room
+  // While paced:
+  bool paced = false;
+  bool look_due = false;
+  std::uint64_t written = 0;  ///< octets that the system has
+  std::uint64_t reported = 0; ///< of these, on_sent() has told
+  std::chrono::steady_clock::time_point
+      moved; ///< when something was last acknowledged or written, or began to wait
 
   void receive() {
     if (std::exchange(reading, true))
@@ -112,21 +126,62 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
       return;
     error_code error;
     std::size_t sent = 0;
-    while (!output.empty() && !error)
-      sent += write_some(error);
+    const bool whole = paced && now == phase::open;
+    auto room = whole ? room_at_other_side() : SIZE_MAX;
+    while (!output.empty() && !error && (gone > 0 || output.front().size() <= room)) {
+      const auto some = write_some(error, whole ? 1 : pieces_max);
+      sent += some;
+      room -= whole ? std::min(room, some) : 0;
+    }
+    written += sent;
     if (error == asio::error::would_block || error == asio::error::try_again)
       flush_when_possible();
     else if (error)
       on_write_failed(error);
-    if (sent > 0 && now == phase::open)
-      to_owner.on_sent(sent);
+    if (whole)
+      look(sent > 0);
+    else if (sent > 0 && now == phase::open)
+      report(written);
     if (now == phase::draining && output.empty())
       linger();
   }
 
-  std::size_t write_some(error_code& error) {
+  void report(std::uint64_t total) {
+    if (const auto last = std::exchange(reported, std::max(reported, total)); last < reported)
+      to_owner.on_sent(reported - last);
+  }
+
+  /// A whole that is cut by a window without room for it might never be completed. If nothing moves
+  /// for long, word of more room may have been lost: TCP asks for it if it has something to send.
+  std::size_t room_at_other_side() {
+    const auto in_transit = unacknowledged(socket.native_handle());
+    if (in_transit == 0 && moved + patience_max <= std::chrono::steady_clock::now())
+      return output.empty() ? 0 : output.front().size();
+    const auto window = window_of_other_side(socket.native_handle());
+    return window - std::min(window, in_transit);
+  }
+
+  /// Reports what has been acknowledged, and looks again while there is more to come.
+  void look(bool has_written) {
+    const auto in_transit = unacknowledged(socket.native_handle());
+    const auto acknowledged = written - std::min<std::uint64_t>(written, in_transit);
+    const auto at = std::chrono::steady_clock::now();
+    if (has_written || acknowledged > reported)
+      moved = at;
+    if ((in_transit > 0 || !output.empty()) && !std::exchange(look_due, true)) {
+      next_look.expires_after(at - moved < quiet_after ? look_gap : quiet_look_gap);
+      next_look.async_wait([x = shared_from_this()](const error_code&) {
+        x->look_due = false;
+        if (!x->write_due)
+          x->flush();
+      });
+    }
+    report(acknowledged);
+  }
+
+  std::size_t write_some(error_code& error, std::size_t count_max) {
     std::array<asio::const_buffer, pieces_max> pieces;
-    const auto count = std::min(output.size(), pieces.size());
+    const auto count = std::min(output.size(), count_max);
     for (std::size_t i = 0; i < count; ++i)
       pieces[i] = asio::buffer(output[i].view().data(), output[i].size());
     pieces[0] += gone;
@@ -208,6 +263,7 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
     error_code ignored;
     socket.close(ignored);
     patience.cancel();
+    next_look.cancel();
     output.clear();
     if (on_done)
       asio::post(socket.get_executor(), std::exchange(on_done, nullptr));
@@ -251,9 +307,17 @@ void tcp_stream::send(payload octets) {
   assert(state_ && state_->started);
   if (state_->now != state::phase::open || state_->broken || octets.empty())
     return;
+  if (state_->paced && state_->output.empty())
+    state_->moved = std::chrono::steady_clock::now();
   state_->unsent += octets.size();
   state_->output.push_back(std::move(octets));
   state_->flush_soon();
+}
+
+void tcp_stream::pace() {
+  assert(state_ && state_->started);
+  state_->paced = true;
+  state_->moved = std::chrono::steady_clock::now();
 }
 
 std::size_t tcp_stream::unsent() const {

@@ -52,6 +52,11 @@ public:
   /// bound of its own: the owner counts with on_sent. @pre start() was called
   void send(payload octets);
 
+  /// From now on what each send() was given leaves as a whole, as soon as the other side has room
+  /// for all of it, and on_sent tells what the other side's system has acknowledged. For readers
+  /// that wait for a whole with their window closed. @pre start() was called
+  void pace();
+
   /// Octets that send() was given and that have not been handed to the system.
   [[nodiscard]] std::size_t unsent() const;
 

@@ -214,6 +214,7 @@ private:
   void handle(peis::to_link& x) { links_->carry_out(std::move(x)); }
   void handle(peis::close_link& x);
   void handle(const peis::read_link& x) { links_->carry_out(x); }
+  void handle(const peis::pace_link& x) { links_->carry_out(x); }
   void handle(peis::connect_to& x) { links_->carry_out(x); }
   void handle(peis::announce& x) { links_->carry_out(x); }
   void handle(peis::tuple_changed& x);

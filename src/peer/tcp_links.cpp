@@ -134,6 +134,12 @@ void tcp_links::carry_out(const peis::read_link& x) {
     found->second.read(x.wanted);
 }
 
+void tcp_links::carry_out(const peis::pace_link& x) {
+  const auto found = streams_.find(x.link);
+  if (found != streams_.end())
+    found->second.pace();
+}
+
 void tcp_links::close(io::tcp_stream x) {
   if (*closing_ >= closing_max)
     return; // dropped

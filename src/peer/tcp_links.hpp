@@ -93,6 +93,7 @@ public:
   void carry_out(peis::to_link x); ///< for a link that is gone: nothing
   void carry_out(const peis::close_link& x);
   void carry_out(const peis::read_link& x);
+  void carry_out(const peis::pace_link& x);
   void carry_out(const peis::connect_to& x);
   void carry_out(const peis::announce& x);
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <set>
+#include <utility>
 
 namespace rubicon::peis {
 
@@ -108,11 +108,29 @@ outgoing_package delivery::package_of(const transfer& x, std::uint16_t fragment,
   return package;
 }
 
+void delivery::note_taken(pending& x, instant now) {
+  auto& owner = transfers_.at(x.transfer);
+  if (owner.is_broken_off() && owner.last_taken + config_.pause_max <= now) {
+    owner.paused = true;
+    stale_.insert(owner.message.destination);
+  }
+  owner.last_taken = now;
+  owner.taken = static_cast<std::uint16_t>(owner.taken + (std::exchange(x.taken, true) ? 0 : 1));
+}
+
+std::optional<peer_id> delivery::destination_of(std::int32_t ack_id) const {
+  const auto at = in_flight_.find(ack_id);
+  if (at == in_flight_.end())
+    return std::nullopt;
+  return transfers_.at(at->second.transfer).message.destination;
+}
+
 void delivery::on_transmitted(std::int32_t ack_id, instant now) {
   const auto at = in_flight_.find(ack_id);
   if (at == in_flight_.end())
     return;
   auto& x = at->second;
+  note_taken(x, now);
   x.due = now + x.attempts * config_.retry_time;
   waits_[x.attempts].push_back({*x.due, ack_id});
 }
@@ -154,6 +172,8 @@ std::optional<delivery::acknowledged> delivery::acknowledge(std::int32_t ack_id)
     return std::nullopt;
   const auto owner = transfers_.find(at->second.transfer);
   assert(owner != transfers_.end());
+  owner->second.taken =
+      static_cast<std::uint16_t>(owner->second.taken + (at->second.taken ? 0 : 1));
   in_flight_.erase(at);
   shorten_waits();
   auto& x = owner->second;
@@ -196,26 +216,31 @@ std::optional<delivery::due> delivery::take_due(instant now, id_source& ids) {
   return result;
 }
 
-/// Ends a transfer and forgets all that is in flight of it (ACK-07).
-reliable_message delivery::fail(std::uint64_t id) {
-  const auto owner = transfers_.find(id);
-  auto& x = owner->second;
-  const auto to = flows_.find(x.message.destination);
-  for (auto ack_id = to->second.order.begin(); x.unacknowledged > 0; ++ack_id) {
+/// Forgets all that is in flight of a transfer.
+void delivery::withdraw(std::uint64_t id, transfer& x, flow& to) {
+  for (auto ack_id = to.order.begin(); x.unacknowledged > 0; ++ack_id) {
     const auto at = in_flight_.find(*ack_id);
     if (at == in_flight_.end() || at->second.transfer != id)
       continue;
     in_flight_.erase(at);
     --x.unacknowledged;
-    --to->second.in_flight;
+    --to.in_flight;
   }
+  shorten(to);
+  shorten_waits();
+}
+
+/// Ends a transfer (ACK-07).
+reliable_message delivery::fail(std::uint64_t id) {
+  const auto owner = transfers_.find(id);
+  auto& x = owner->second;
+  const auto to = flows_.find(x.message.destination);
+  withdraw(id, x, to->second);
   if (x.begun < packages_of(x)) {
     auto& queue = to->second.queues[static_cast<std::size_t>(x.message.class_of_service)];
     queue.erase(std::find(queue.begin(), queue.end(), id));
     on_begun(to->second, x);
   }
-  shorten(to->second);
-  shorten_waits();
   if (to->second.idle())
     flows_.erase(to);
   auto message = std::move(x.message);
@@ -223,26 +248,69 @@ reliable_message delivery::fail(std::uint64_t id) {
   return message;
 }
 
+std::set<std::uint64_t> delivery::transfers_of(const flow& x) const {
+  std::set<std::uint64_t> ids; // a message in flight may wait with its rest
+  for (const auto& queue : x.queues)
+    ids.insert(queue.begin(), queue.end());
+  for (const auto ack_id : x.order) {
+    if (const auto at = in_flight_.find(ack_id); at != in_flight_.end())
+      ids.insert(at->second.transfer);
+  }
+  return ids;
+}
+
+delivery::anew delivery::begin_anew(peer_id destination, id_source& ids) {
+  anew result;
+  const auto to = flows_.find(destination);
+  if (to == flows_.end())
+    return result;
+  const auto all = transfers_of(to->second);
+  for (auto at = all.rbegin(); at != all.rend(); ++at) { // the oldest comes first again
+    auto& x = transfers_.at(*at);
+    if (!x.is_broken_off())
+      continue;
+    if (x.tries >= config_.tries_max) {
+      result.failed.push_back(fail(*at));
+      continue;
+    }
+    withdraw(*at, x, to->second);
+    if (x.begun == packages_of(x)) {
+      to->second.queues[static_cast<std::size_t>(x.message.class_of_service)].push_front(*at);
+      ++to->second.waiting;
+      to->second.waiting_octets += x.message.content->size();
+    }
+    x.begun = x.taken = 0;
+    x.paused = false;
+    x.seqid = ids.next_group();
+    ++x.tries;
+    ++result.begun;
+  }
+  return result;
+}
+
 std::vector<reliable_message> delivery::fail_all(peer_id destination) {
   const auto to = flows_.find(destination);
   if (to == flows_.end())
     return {};
-  std::set<std::uint64_t> ids; // a message in flight may wait with its rest
-  for (const auto& queue : to->second.queues)
-    ids.insert(queue.begin(), queue.end());
-  for (const auto ack_id : to->second.order) {
-    if (const auto at = in_flight_.find(ack_id); at != in_flight_.end())
-      ids.insert(at->second.transfer);
-  }
   std::vector<reliable_message> failed;
-  for (const auto id : ids)
+  for (const auto id : transfers_of(to->second))
     failed.push_back(fail(id));
   return failed;
 }
 
 bool delivery::only_waiting(peer_id destination) const {
   const auto at = flows_.find(destination);
-  return at != flows_.end() && at->second.in_flight == 0 && at->second.waiting > 0;
+  return at != flows_.end() && at->second.in_flight == 0 && at->second.waiting > 0 &&
+         !waits_anew(destination);
+}
+
+bool delivery::waits_anew(peer_id destination) const {
+  const auto at = flows_.find(destination);
+  if (at == flows_.end() || at->second.in_flight > 0)
+    return false;
+  return std::ranges::any_of(at->second.queues, [this](const auto& queue) {
+    return !queue.empty() && transfers_.at(queue.front()).tries > 1; // they are at the front
+  });
 }
 
 std::optional<instant> delivery::deadline() const {

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -36,6 +37,10 @@ struct delivery_config {
   // What has not begun to leave, per destination: a stall of 50 ms at 100 000 messages a second.
   std::size_t waiting_max = 8192;                    ///< messages
   std::size_t waiting_octets_max = 64 * 1024 * 1024; ///< beyond the first message
+  /// A receiver drops a message 10 s after its last fragment (peis-wire.md 8.3). If none has left
+  /// for so long, the message is sent anew.
+  duration pause_max = 9500ms;
+  unsigned tries_max = 5; ///< to send a message from its first fragment
 };
 
 /// A message on its way, also as the owner gets it back when it has ended.
@@ -106,11 +111,30 @@ public:
   /// A repeat could not be sent for want of a route: wait as if it had been.
   void on_unsendable(std::int32_t ack_id, instant now) { on_transmitted(ack_id, now); }
 
+  /// Sends long messages to a destination from their first fragment again, under new numbers: those
+  /// of which the receiver has, or had, some fragments and not the others. One whose fragments have
+  /// all been taken may have arrived; of it only what is not acknowledged is repeated.
+  struct anew {
+    std::size_t begun = 0;
+    std::vector<reliable_message> failed; ///< those that have been tried too often
+  };
+  [[nodiscard]] anew begin_anew(peer_id destination, id_source& ids);
+
+  /// Destinations with a message of which no fragment has left for too long, since the last call:
+  /// begin_anew() is due.
+  [[nodiscard]] std::set<peer_id> take_stale() { return std::exchange(stale_, {}); }
+
+  /// Whom a package in flight is for; nobody, if it is no longer wanted.
+  [[nodiscard]] std::optional<peer_id> destination_of(std::int32_t ack_id) const;
+
   /// Gives up everything for a destination. @returns the messages, oldest first
   [[nodiscard]] std::vector<reliable_message> fail_all(peer_id destination);
 
-  /// Nothing is in flight to it, yet messages wait.
+  /// Nothing is in flight to it, yet messages wait, and none of them has ever begun to leave.
   [[nodiscard]] bool only_waiting(peer_id destination) const;
+
+  /// The same, but some have begun, and are to be sent anew.
+  [[nodiscard]] bool waits_anew(peer_id destination) const;
 
   [[nodiscard]] std::optional<instant> deadline() const;
 
@@ -124,6 +148,14 @@ private:
     std::uint16_t seqid = 0;
     std::uint16_t begun = 0; ///< packages that next() has given out
     std::uint16_t unacknowledged = 0;
+    std::uint16_t taken = 0; ///< packages that have left, or are acknowledged
+    instant last_taken;
+    bool paused = false; ///< for longer than its receiver waits
+    unsigned tries = 1;
+
+    [[nodiscard]] bool is_broken_off() const {
+      return paused || (fragments > 0 && taken > 0 && taken < fragments);
+    }
   };
 
   struct flow {
@@ -141,6 +173,7 @@ private:
     std::uint16_t fragment = 0;
     unsigned attempts = 1;
     std::optional<instant> due; ///< unset while queued
+    bool taken = false;
   };
 
   struct wait {
@@ -154,6 +187,9 @@ private:
   [[nodiscard]] const std::deque<std::uint64_t>* open_queue(const flow& x,
                                                             const delivery_window& window) const;
   reliable_message fail(std::uint64_t id);
+  void note_taken(pending& x, instant now);
+  void withdraw(std::uint64_t id, transfer& x, flow& to);
+  [[nodiscard]] std::set<std::uint64_t> transfers_of(const flow& x) const;
   void shorten(flow& x) const;
   void on_begun(flow& x, const transfer& which) const;
   [[nodiscard]] bool is_current(const wait& x) const;
@@ -168,6 +204,7 @@ private:
   /// Those that wait after attempt k, and at 0 those due at once: each ascends by itself. One that
   /// is acknowledged stays until those before it are gone.
   std::array<std::deque<wait>, attempts_max + 1> waits_;
+  std::set<peer_id> stale_;
 };
 
 } // namespace rubicon::peis

@@ -35,8 +35,8 @@ struct kernel_config {
   std::vector<peer_id> managers; ///< may write our kernel.do-quit, besides peers of our host
 };
 
-// to_link, close_link, read_link, connect_to and announce: peis/p2p_events.hpp; tuple_changed and
-// tuple_deleted: peis/tuple_events.hpp.
+// to_link, close_link, read_link, pace_link, connect_to and announce: peis/p2p_events.hpp;
+// tuple_changed and tuple_deleted: peis/tuple_events.hpp.
 
 /// A whole message for a hooked port.
 struct message {
@@ -69,10 +69,10 @@ struct debug_requested {
 /// Whose messages a debug log has.
 inline constexpr std::string_view debug_key = "rubicon.debug";
 
-using output =
-    std::variant<to_link, close_link, read_link, connect_to, announce, tuple_changed, tuple_deleted,
-                 message, outcome, host_appeared, host_vanished, quit_requested, traced, id_taken,
-                 namesake_found, intercepted, scan_adapter, say_hello, debug_requested>;
+using output = std::variant<to_link, close_link, read_link, pace_link, connect_to, announce,
+                            tuple_changed, tuple_deleted, message, outcome, host_appeared,
+                            host_vanished, quit_requested, traced, id_taken, namesake_found,
+                            intercepted, scan_adapter, say_hello, debug_requested>;
 using outputs = std::vector<output>;
 
 /// Everything counted; nothing is dropped without appearing here.

@@ -452,6 +452,8 @@ void p2p::pump(peer_id destination) {
     if (delivery_.only_waiting(destination)) {
       for (const auto& x : delivery_.fail_all(destination))
         fail(x, cause::no_route);
+    } else if (delivery_.waits_anew(destination)) {
+      stalled_.insert(destination); // until there is a way, or the host is given up
     }
     return;
   }
@@ -481,6 +483,16 @@ void p2p::repeat_due(instant now) {
     } else {
       ++counters_.retransmissions;
     }
+  }
+}
+
+void p2p::begin_anew(const std::set<peer_id>& destinations) {
+  for (const auto destination : destinations) {
+    auto outcome = delivery_.begin_anew(destination, ids_);
+    counters_.messages_begun_anew += outcome.begun;
+    for (const auto& x : outcome.failed)
+      fail(x, cause::too_many_retries);
+    stalled_.insert(destination); // flush() goes on with it
   }
 }
 

@@ -81,6 +81,8 @@ struct p2p_config {
   /// Octets handed out per link that the owner has not reported with on_link_sent(). 0: the owner
   /// takes everything at once and never reports.
   std::size_t link_window = 0;
+  /// In its place on a paced link: as many as a real kernel lets another acknowledge at a time.
+  std::size_t paced_window = 20'000;
   /// Links from this number on lead to other processes, which are not told of in-process addresses.
   link_id outside_from{std::numeric_limits<std::uint64_t>::max()};
   budget_config budget; ///< of each neighbour
@@ -126,8 +128,9 @@ struct p2p_counters {
   std::uint64_t acks_sent = 0; ///< ids, not packages
   std::uint64_t ack_packages_sent = 0;
   std::uint64_t acks_received = 0;
-  std::uint64_t messages_delivered = 0; ///< reliable ones, acknowledged in full
-  std::uint64_t messages_failed = 0;    ///< reliable ones, after they had been accepted
+  std::uint64_t messages_delivered = 0;  ///< reliable ones, acknowledged in full
+  std::uint64_t messages_failed = 0;     ///< reliable ones, after they had been accepted
+  std::uint64_t messages_begun_anew = 0; ///< long ones, whose receiver may have dropped a part
   std::uint64_t routing_sendings = 0;
   std::uint64_t attempts = 0;        ///< to get a link
   std::uint64_t attempts_failed = 0; ///< nobody answered, or refused
@@ -312,6 +315,7 @@ private:
     instant no_room_until;           ///< for hosts that it tells of
     std::optional<instant> asked_at; ///< by the neighbour
     bool named = false;              ///< the neighbour has told who it is
+    bool paced = false;              ///< the owner was told to pace it
     std::int64_t credit = 0;         ///< work that it may still have done this turn
     outgoing_queue queue;
     bytes preamble; ///< goes out before any package
@@ -429,6 +433,7 @@ private:
   void bind_neighbour(connection& x, peer_id neighbour, instant now);
   void close(link_id link, close_cause why, instant now);
   void forget_link(link_id link, instant now);
+  void drop_output(connection& gone, instant now);
   void check_silence(instant now);
   void watch_silence(const connection& x);
   [[nodiscard]] duration patience(const connection& x) const;
@@ -438,6 +443,10 @@ private:
   [[nodiscard]] bool replace_least(instant now);
   static void note_counter(connection& x, std::uint32_t counter);
   [[nodiscard]] bool write(connection& to, instant now);
+  [[nodiscard]] bool has_window(const connection& to, std::size_t more) const;
+  [[nodiscard]] bool encode_next(connection& to, bytes& out, instant now);
+  void hand_out(connection& to, bytes octets, instant now);
+  void pace(connection& x);
   void count_drop(cause why);
 
   // p2p.cpp: packages
@@ -457,6 +466,7 @@ private:
   [[nodiscard]] cause send_unreliable(const posting& x, link_id way);
   void pump(peer_id destination);
   void repeat_due(instant now);
+  void begin_anew(const std::set<peer_id>& destinations);
   void fail(const reliable_message& x, cause why);
   [[nodiscard]] package_header fresh_header(package_type type, std::uint16_t port);
   cause enqueue(connection& to, lane where, outgoing_package x);

@@ -34,6 +34,14 @@ struct read_link {
   bool wanted = true;
 };
 
+/// The other side takes packages as a whole only, and waits with its window closed if it has got
+/// the first part of one. From now on each to_link of this link is a package: a medium that can
+/// begins to send one only if there is room for all of it at the other side, and what it reports
+/// with on_link_sent() is what the other side's machine has acknowledged.
+struct pace_link {
+  link_id link;
+};
+
 /// A link to this address is wanted: try it, then call on_link_open() or on_attempt_failed() with
 /// the attempt's name. The kernel itself gives up after its connect_timeout, and then ignores both.
 struct connect_to {
@@ -123,9 +131,9 @@ struct forgotten_by {
 };
 
 using event =
-    std::variant<to_link, close_link, read_link, connect_to, announce, host_appeared, host_vanished,
-                 arrived, delivered, undelivered, forgotten_by, traced, id_taken, namesake_found,
-                 intercepted, scan_adapter, say_hello, device_noted>;
+    std::variant<to_link, close_link, read_link, pace_link, connect_to, announce, host_appeared,
+                 host_vanished, arrived, delivered, undelivered, forgotten_by, traced, id_taken,
+                 namesake_found, intercepted, scan_adapter, say_hello, device_noted>;
 using events = std::vector<event>;
 
 } // namespace rubicon::peis

@@ -196,6 +196,8 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
     x.cost = same_host ? config_.cost_same_host : config_.cost_other_host;
     x.magic = record.magic;
     x.named = true;
+    if (!record.marked)
+      pace(x);
     bind_neighbour(x, record.id, now);
   }
   store_record(*message, now);

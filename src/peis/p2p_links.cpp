@@ -207,6 +207,30 @@ void p2p::on_link_sent(link_id link, std::size_t octets, instant now) {
   }
 }
 
+/// What has not left over a link that is gone. Real kernels may have taken parts of messages, which
+/// they drop before the rest comes over another link.
+void p2p::drop_output(connection& gone, instant now) {
+  std::set<peer_id> broken_off;
+  const auto drop = [&](std::int32_t ack_id) {
+    if (const auto to = delivery_.destination_of(ack_id); to && gone.paced)
+      broken_off.insert(*to);
+    delivery_.on_dropped(ack_id, now);
+  };
+  for (const auto& [end, ack_id] : gone.leaving)
+    drop(ack_id);
+  while (const auto x = gone.queue.pop()) {
+    if (x->header.reliable() && x->header.source == self_.id) {
+      drop(x->header.ack_id);
+    } else {
+      ++counters_.queued_lost;
+      rubicon::note_loss(x->from, loss::package_lost);
+    }
+  }
+  if (gone.paced && gone.neighbour)
+    broken_off.insert(*gone.neighbour);
+  begin_anew(broken_off);
+}
+
 void p2p::on_link_closed(link_id link, instant now) {
   forget_link(link, now);
 }
@@ -235,16 +259,7 @@ void p2p::forget_link(link_id link, instant now) {
       x.next = now + retry_after_loss;
     }
   }
-  for (const auto& [end, ack_id] : gone.leaving)
-    delivery_.on_dropped(ack_id, now);
-  while (const auto x = gone.queue.pop()) {
-    if (x->header.reliable() && x->header.source == self_.id) {
-      delivery_.on_dropped(x->header.ack_id, now);
-    } else {
-      ++counters_.queued_lost;
-      rubicon::note_loss(x->from, loss::package_lost);
-    }
-  }
+  drop_output(gone, now);
   if (gone.neighbour && neighbours_.at(*gone.neighbour) == link) {
     neighbours_.erase(*gone.neighbour);
     for (const auto& [other, x] : connections_) {
@@ -310,23 +325,49 @@ void p2p::flush(instant now) {
     progress = false;
     for (auto& [link, x] : connections_)
       progress = write(x, now) || progress;
+    begin_anew(delivery_.take_stale());
     for (const auto destination : std::exchange(stalled_, {}))
       pump(destination);
   }
 }
 
-/// Hands out what is queued, as far as the link's window allows.
+/// A neighbour of another kind, which may take the first part of a package and wait for the rest.
+void p2p::pace(connection& x) {
+  if (x.paced || config_.link_window == 0)
+    return;
+  x.paced = true;
+  events_.push_back(pace_link{x.id});
+}
+
+/// May so many octets more be handed out, and a package?
+bool p2p::has_window(const connection& to, std::size_t more) const {
+  const auto out = to.unreported + more;
+  if (to.paced)
+    return out == 0 || out + header_size + data_max <= config_.paced_window;
+  return config_.link_window == 0 || out < config_.link_window;
+}
+
+/// Hands out what is queued, as far as the link's window allows: over a paced link package by
+/// package.
 bool p2p::write(connection& to, instant now) {
   if (to.queue.empty() || !to.open)
     return false;
   bytes out = std::exchange(to.preamble, {});
-  const auto room = [&] {
-    return config_.link_window == 0 || to.unreported + out.size() < config_.link_window;
-  };
-  while (room()) {
-    auto x = to.queue.pop();
-    if (!x)
-      break;
+  bool any = false;
+  while (has_window(to, out.size()) && encode_next(to, out, now)) {
+    any = true;
+    if (to.paced)
+      hand_out(to, std::exchange(out, {}), now);
+  }
+  if (out.empty())
+    return any;
+  hand_out(to, std::move(out), now);
+  return true;
+}
+
+/// The next package that is still wanted. @returns false if there is none
+bool p2p::encode_next(connection& to, bytes& out, instant now) {
+  for (auto x = to.queue.pop(); x; x = to.queue.pop()) {
     const bool awaited = x->header.reliable() && x->header.source == self_.id;
     if (awaited && !delivery_.wanted(x->header.ack_id))
       continue;
@@ -343,19 +384,21 @@ bool p2p::write(connection& to, instant now) {
       delivery_.on_transmitted(x->header.ack_id, now);
     else if (awaited) // the wait for an acknowledgement begins when it has left
       to.leaving.emplace_back(to.octets_out + out.size(), x->header.ack_id);
+    return true;
   }
-  if (out.empty())
-    return false;
-  counters_.octets_sent += out.size();
-  to.octets_out += out.size();
+  return false;
+}
+
+void p2p::hand_out(connection& to, bytes octets, instant now) {
+  counters_.octets_sent += octets.size();
+  to.octets_out += octets.size();
   to.last_written = now;
   const bool waited = to.unreported > 0;
   to.drained = waited ? to.drained : now;
-  to.unreported += config_.link_window == 0 ? 0 : out.size();
+  to.unreported += config_.link_window == 0 ? 0 : octets.size();
   if (!waited)
     watch_doubt(to);
-  events_.push_back(to_link{to.id, std::move(out)});
-  return true;
+  events_.push_back(to_link{to.id, std::move(octets)});
 }
 
 } // namespace rubicon::peis

@@ -185,6 +185,26 @@ TEST_CASE("a dropped stream shows at the other side", "[io]") {
   CHECK(x.server.sent == 0);
 }
 
+TEST_CASE("a paced stream leaves in wholes, and tells what was acknowledged", "[io][P2P-05]") {
+  const std::size_t whole = 1000;
+  two_ends x(false);
+  x.client.stream.pace();
+  for (int i = 0; i < 4000; ++i)
+    x.client.stream.send(pattern(whole));
+  run(x.loop, [&] { return x.client.sent >= 40 * whole; }); // the other side has room for some
+  CHECK(x.client.sent < 4000 * whole);
+  CHECK(x.client.stream.unsent() % whole == 0);
+  CHECK(x.client.stream.unsent() + x.client.sent <= 4000 * whole); // the rest is on its way
+  CHECK(x.client.stream.unsent() > 0);
+  x.server.start();
+  run(x.loop, [&] { return x.client.sent == 4000 * whole; });
+  CHECK(x.server.received.size() == 4000 * whole);
+  x.client.stream.send(pattern(whole));
+  x.client.stream.close();
+  run(x.loop, [&] { return x.server.closed.has_value(); });
+  CHECK(x.server.received.size() == 4001 * whole);
+}
+
 TEST_CASE("a reset ends a connection at once that nobody reads", "[io]") {
   two_ends x(false);
   x.client.stream.send(pattern(64 << 20));

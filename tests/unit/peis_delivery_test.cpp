@@ -174,4 +174,70 @@ TEST_CASE("nothing leaves that is too far ahead of what is not acknowledged", "[
   CHECK(reliable.next(there, numbers));
 }
 
+TEST_CASE("a long message of which only a part was taken is sent anew, under new numbers",
+          "[peis][ACK-07]") {
+  const bool begun_in_full = GENERATE(false, true);
+  random_stream rng(5);
+  id_source numbers(rng);
+  delivery_config config;
+  config.tries_max = 2;
+  config.window = {4, 100};
+  delivery reliable{config};
+  REQUIRE(reliable.add(message_of(begun_in_full ? 3000 : 9000, priority::bulk), numbers));
+  REQUIRE(reliable.add(message_of(10, priority::high, 2), numbers));
+  std::vector<package_header> first;
+  while (const auto x = reliable.next(there, numbers))
+    first.push_back(x->second.header);
+  REQUIRE(first.size() == 4);                            // the short one, and three fragments
+  CHECK(reliable.begin_anew(there, numbers).begun == 0); // nothing was taken
+  reliable.on_transmitted(first[1].ack_id, instant{});
+  CHECK(!reliable.acknowledge(first[2].ack_id)->finished);
+  CHECK(reliable.destination_of(first[3].ack_id) == there);
+  CHECK(reliable.begin_anew(there, numbers).begun == 1);
+  CHECK(!reliable.destination_of(first[3].ack_id));
+  CHECK(!reliable.acknowledge(first[3].ack_id)); // of the first try
+  CHECK(reliable.wanted(first[0].ack_id));       // the short message is as it was
+  std::vector<package_header> second;
+  while (const auto x = reliable.next(there, numbers))
+    second.push_back(x->second.header);
+  REQUIRE(second.size() == 3);
+  CHECK(second[0].seqnum == 0);
+  CHECK(second[0].seqid != first[1].seqid);
+  if (begun_in_full) {
+    CHECK(!reliable.acknowledge(second[0].ack_id)->finished);
+    CHECK(!reliable.acknowledge(second[1].ack_id)->finished);
+    SECTION("it succeeds") {
+      CHECK(reliable.acknowledge(second[2].ack_id)->finished);
+    }
+  } else {
+    CHECK(!reliable.acknowledge(second[0].ack_id)->finished);
+  }
+  SECTION("or fails when it was tried too often") {
+    const auto ended = reliable.begin_anew(there, numbers);
+    CHECK(ended.begun == 0);
+    REQUIRE(ended.failed.size() == 1);
+    CHECK(ended.failed[0].request == request_id{1});
+    CHECK(reliable.in_flight() == 1);
+  }
+}
+
+TEST_CASE("a long message that has paused for longer than its receiver waits is sent anew",
+          "[peis][ACK-07]") {
+  random_stream rng(6);
+  id_source numbers(rng);
+  delivery reliable{delivery_config{}};
+  REQUIRE(reliable.add(message_of(3000, priority::bulk), numbers));
+  std::vector<std::int32_t> ids;
+  while (const auto x = reliable.next(there, numbers))
+    ids.push_back(x->second.header.ack_id);
+  reliable.on_transmitted(ids[0], instant{});
+  reliable.on_transmitted(ids[1], instant{7s});
+  CHECK(reliable.take_stale().empty());
+  reliable.on_transmitted(ids[2], instant{17s});
+  CHECK(reliable.take_stale() == std::set<peer_id>{there});
+  CHECK(reliable.take_stale().empty());
+  CHECK(reliable.begin_anew(there, numbers).begun == 1);
+  CHECK(!reliable.acknowledge(ids[2]));
+}
+
 } // namespace rubicon::peis

@@ -318,7 +318,7 @@ void world::arrive(link_id link, bool from_a, bytes octets, std::size_t written)
     return;
   }
   way.held.emplace_back(std::move(octets), written);
-  if (way.held.size() > 1)
+  if (way.held.size() > 1 || stuck.contains(link))
     return;
   way.wait = first_wait;
   if (joined(from, to))

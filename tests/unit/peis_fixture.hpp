@@ -76,6 +76,9 @@ public:
   /// behind it, as by TCP. A link that was closed meanwhile ends for the other side then.
   bool tcp = false;
 
+  /// Links over which nothing passes any more, though nobody has closed them.
+  std::set<link_id> stuck;
+
   /// A process that stands still: what comes for it waits.
   void pause(peer_id id);
   void resume(peer_id id);

@@ -83,7 +83,86 @@ struct chain {
   }
 };
 
+/// A peer of ours and a real one that it sends a long message to, over a link of 2 MB/s.
+struct pair_of_kinds {
+  static constexpr peer_id ours{1};
+  static constexpr peer_id original{2};
+  static constexpr std::size_t size = 900'000;
+  world w;
+
+  pair_of_kinds() {
+    w.tcp = true;
+    w.octets_per_second = 2e6;
+    auto config = lan_config_of(ours.value);
+    config.network.link_window = 512U * 1024;
+    w.add(config);
+    auto other = original_config_of(original.value);
+    other.network.link_window = 512U * 1024;
+    w.add(other);
+    w.unmarked.insert(original);
+    w.run_for(8s);
+    w.at(original).hook_port(30);
+    w.perform(ours, w.at(ours).send_message(original, 30, bytes(size, 'x'), true, priority::normal,
+                                            request_id{7}, w.now()));
+  }
+
+  [[nodiscard]] link_id link() { return w.at(ours).links().at(0).link; }
+};
+
 } // namespace
+
+TEST_CASE("no more is under way to a real kernel than it lets others send", "[peis][P2P-05]") {
+  pair_of_kinds x;
+  CHECK(x.w.all<pace_link>(x.ours).size() == 1);
+  CHECK(x.w.all<pace_link>(x.original).empty());
+  x.w.run_for(100ms);
+  std::size_t sent = 0;
+  for (const auto& y : x.w.packages)
+    sent += y.at == x.w.now() - 100ms && y.header.port == 30 ? header_size + y.header.length : 0;
+  CHECK(sent > 19'000 - header_size - data_max);
+  CHECK(sent <= 20'000);
+  x.w.run_for(5s);
+  REQUIRE(x.w.all<message>(x.original).size() == 1);
+  CHECK(x.w.at(x.ours).counters().network.retransmissions == 0);
+}
+
+TEST_CASE("a link in which a long message is stuck is replaced, and the message sent anew",
+          "[peis][ACK-05][ACK-07]") {
+  pair_of_kinds x;
+  x.w.run_for(200ms);
+  const auto old = x.link();
+  x.w.stuck.insert(old);
+  x.w.run_for(5s);
+  REQUIRE(x.w.at(x.ours).links().size() == 1);
+  CHECK(x.link() != old);
+  const auto closed = x.w.all<close_link>(x.ours);
+  REQUIRE(closed.size() == 1);
+  CHECK(closed[0].why == close_cause::replaced);
+  const auto arrived = x.w.all<message>(x.original);
+  REQUIRE(arrived.size() == 1);
+  CHECK(arrived[0].octets == payload(bytes(x.size, 'x')));
+  const auto outcomes = x.w.all<outcome>(x.ours);
+  REQUIRE(outcomes.size() == 1);
+  CHECK(outcomes[0].success);
+  CHECK(x.w.at(x.ours).counters().network.messages_begun_anew == 1);
+}
+
+TEST_CASE("a message whose first part the receiver has dropped is no success before all has come",
+          "[peis][ACK-07]") {
+  pair_of_kinds x;
+  const bool long_cut = GENERATE(false, true);
+  x.w.run_for(200ms);
+  x.w.separated = [](peer_id, peer_id) { return true; };
+  x.w.cut(x.link());
+  x.w.run_for(long_cut ? 15s : 3s);
+  x.w.separated = {};
+  x.w.run_for(6s);
+  const auto outcomes = x.w.all<outcome>(x.ours);
+  REQUIRE(outcomes.size() == 1);
+  CHECK(outcomes[0].success);
+  REQUIRE(x.w.all<message>(x.original).size() == 1);
+  CHECK(x.w.all<message>(x.original)[0].octets.size() == x.size);
+}
 
 TEST_CASE("after a cut beside or between real kernels values flow again within five seconds",
           "[peis][AUT-01][TUP-10][A-76]") {
