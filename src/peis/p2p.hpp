@@ -170,12 +170,12 @@ struct p2p_counters {
 RUBICON_FIELDS(p2p_counters, links_opened, links_refused, links_broken, octets_received,
                octets_sent, packages_received, packages_sent, packages_forwarded, intercepted,
                retransmissions, acks_sent, ack_packages_sent, acks_received, messages_delivered,
-               messages_failed, routing_sendings, attempts, attempts_failed, announcements_sent,
-               announcements_received, heartbeats_sent, ways_disproved, illegal, malformed, seen,
-               repeated, own, hops, no_route, fragments_refused, messages_incomplete, duplicate_id,
-               ids_yielded, rivals_refused, claims_refused, work, held, rests, hosts_refused,
-               routes_refused, tables_put_off, questions_refused, greetings_evicted,
-               newcomers_referred, queue_full, early_drop, queued_lost);
+               messages_failed, messages_begun_anew, routing_sendings, attempts, attempts_failed,
+               announcements_sent, announcements_received, heartbeats_sent, ways_disproved, illegal,
+               malformed, seen, repeated, own, hops, no_route, fragments_refused,
+               messages_incomplete, duplicate_id, ids_yielded, rivals_refused, claims_refused, work,
+               held, rests, hosts_refused, routes_refused, tables_put_off, questions_refused,
+               greetings_evicted, newcomers_referred, queue_full, early_drop, queued_lost);
 
 /// What is known of a link, for kernel.connections, the tools and the report.
 struct link_view {
