@@ -253,7 +253,7 @@ def main():
     for reader in range(options.readers):
         process = os.fork()
         if process == 0:
-            random.seed(reader)
+            random.seed(f"{reader} {options.key}")
             os._exit(run(Original(options, reader), options))
         processes.append(process)
     codes = [os.waitstatus_to_exitcode(os.waitpid(x, 0)[1]) for x in processes]
