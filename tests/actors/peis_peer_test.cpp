@@ -301,6 +301,7 @@ struct network_fixture {
     x.config.network.connections.announces = false;
     x.config.network.link_window = network.bandwidth_bps > 0 ? 8192 : 0;
     x.name = name;
+    x.incarnation = lives[id]++; // of one that is started again another magic number follows
     x.station = ++stations;
     x.network = network;
     x.discovery = false;
@@ -308,6 +309,8 @@ struct network_fixture {
     x.ecology = ecology.handle();
     return world.spawn_at("peis_peer/" + name, peis_peer, std::move(x));
   }
+
+  std::map<peer_id, std::uint32_t> lives;
 
   void set_lamp(std::string_view to) {
     world.send(pc_peer, set_tuple{"kitchen.lamp", text(to), true});
