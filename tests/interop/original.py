@@ -9,7 +9,7 @@ end of a link by an error, or by 30 s of silence; it tells its routes every 10 s
     original.py --connect PORT --owner ID --key KEY [--id N] [--readers N] [--values N]
                 [--receive-buffer N] [--loop-ms N] [--rounds N] [--seconds N]
 
-Prints `subscribed ID` when its subscription was acknowledged, `value ID NUMBER OCTETS SECONDS` for each value `NUMBER MONOTONIC_TIME ...` that has come whole,
+Prints `subscribed ID` when its subscription was acknowledged, `value ID OCTETS SECONDS` for each value `NUMBER MONOTONIC_TIME ...` that has come whole,
 `links ID N` at the end, and succeeds if each reader has got as many values as asked for.
 """
 import argparse
@@ -231,8 +231,9 @@ class Original:
         if value[-1:] != b"\0" or len(words) < 2:
             print("broken", self.id, len(value), flush=True)
             return
-        self.values[int(words[0])] = now - float(words[1])
-        print("value", self.id, int(words[0]), len(value), "%.3f" % self.values[int(words[0])], flush=True)
+        delay = now - float(words[1])
+        self.values[words[1]] = delay
+        print("value", self.id, len(value), "%.3f" % delay, flush=True)
 
 
 def main():
