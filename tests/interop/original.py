@@ -33,6 +33,12 @@ def number():
     return random.randrange(4096, 0x7FFFFFFF)
 
 
+def report(*words):
+    """One write, since readers share the output."""
+    sys.stdout.write(" ".join(str(x) for x in words) + "\n")
+    sys.stdout.flush()
+
+
 class Link:
     def __init__(self, connection, accepted):
         self.connection = connection
@@ -200,7 +206,7 @@ class Original:
             return
         if to == self.id and port == ACKNOWLEDGEMENTS and not self.ready:
             self.ready = True  # its first acknowledgement is that of the subscription
-            print("subscribed", self.id, flush=True)
+            report("subscribed", self.id)
         if port == TRACE and to == self.id:
             hops = struct.unpack(">i", data[:4])[0]
             data = struct.pack(">i", hops + 1) + data[4:4 + 4 * hops] + struct.pack(">i", self.id) + data[8 + 4 * hops:]
@@ -229,11 +235,11 @@ class Original:
         value = message[224 + message[36]:]
         words = value[:60].split()
         if value[-1:] != b"\0" or len(words) < 2:
-            print("broken", self.id, len(value), flush=True)
+            report("broken", self.id, len(value))
             return
         delay = now - float(words[1])
         self.values[words[1]] = delay
-        print("value", self.id, len(value), "%.3f" % delay, flush=True)
+        report("value", self.id, len(value), "%.3f" % delay)
 
 
 def main():
@@ -269,7 +275,7 @@ def run(original, options):
     for _ in range(30):  # acknowledgements
         original.step()
         time.sleep(0.01)
-    print("links", original.id, original.links_had, flush=True)
+    report("links", original.id, original.links_had)
     return 0 if len(original.values) >= options.values else 1
 
 
