@@ -172,7 +172,7 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
   auto& x = connections_.at(from);
   if (!message->cached && header.type != package_type::broadcast)
     tell_rivals(from, record);
-  if (header.hops == 1 && !message->cached && refuse_rival(x, record, now))
+  if (is_own_word && refuse_rival(x, record, now))
     return;
   for (auto& address : standing_) {
     if (address.link == from && (!message->cached || !x.neighbour)) {
@@ -180,8 +180,7 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
       address.wait = message->cached ? address.wait : config_.connections.always_retry;
     }
   }
-  const bool is_neighbour =
-      header.hops == 1 && !message->cached && x.neighbour.value_or(record.id) == record.id;
+  const bool is_neighbour = is_own_word && x.neighbour.value_or(record.id) == record.id;
   const bool same_host = is_here(record);
   const bool asked_for =
       std::ranges::any_of(standing_, [from](const auto& address) { return address.link == from; });
