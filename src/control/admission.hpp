@@ -15,7 +15,7 @@ namespace rubicon::control {
 struct admission_limits {
   std::size_t all_max = 64;
   std::size_t of_address_max = 16;
-  std::uint32_t per_second = 50; ///< from one address, on average
+  std::uint32_t per_second = 25; ///< from one address, on average
   std::uint32_t at_once = 100;   ///< from one address
 };
 

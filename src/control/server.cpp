@@ -27,6 +27,10 @@ using steady = std::chrono::steady_clock;
 constexpr std::size_t descriptors_per_unknown = 16;
 constexpr std::size_t unknown_least = 4;
 
+/// To refuse a connection costs some 40 us: of those that come by the thousand, so many wait.
+constexpr std::uint64_t refusals_at_once = 8;
+constexpr duration refusals_rest = 2ms;
+
 admission_limits limits_here() {
   admission_limits out;
   const auto share = io::descriptors_max() / descriptors_per_unknown;
@@ -83,7 +87,8 @@ struct server::state {
   const steady::time_point begun = steady::now();
   id last_id = 0;
   std::map<id, connection> all;
-  std::deque<id> with_files; ///< they take turns, the first one is read
+  std::uint64_t too_often = 0; ///< connections so refused
+  std::deque<id> with_files;   ///< they take turns, the first one is read
   std::optional<io::tcp_listener> listener;
 
   [[nodiscard]] instant now() const { return instant(steady::now() - begun); }
@@ -106,8 +111,11 @@ struct server::state {
   void on_connection(io::tcp_stream stream, const ipv4_address& address) {
     const auto who = ++last_id;
     const auto entry = doors.arrive(who, address, now());
-    if (!entry.enters)
+    if (!entry.enters) {
+      if (++too_often % refusals_at_once == 0)
+        listener->rest(refusals_rest);
       return refuse(text_of(address), "connects too often");
+    }
     if (entry.leaves) {
       refuse(all.at(*entry.leaves).from,
              "holds more connections than it may without saying who it is");

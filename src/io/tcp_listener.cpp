@@ -1,6 +1,5 @@
 #include "io/tcp_listener.hpp"
 
-#include <chrono>
 #include <utility>
 
 #include <boost/asio/error.hpp>
@@ -18,7 +17,7 @@ using boost::system::error_code;
 
 namespace {
 
-constexpr auto pause_after_error = std::chrono::milliseconds(100);
+constexpr duration pause_after_error = 100ms;
 
 } // namespace
 
@@ -46,6 +45,7 @@ struct tcp_listener::state : std::enable_shared_from_this<state> {
   asio::steady_timer pause;
   callback on_connection;
   std::uint16_t port = 0;
+  duration wanted_rest{};
   bool over = false;
 
   void accept() {
@@ -65,11 +65,13 @@ struct tcp_listener::state : std::enable_shared_from_this<state> {
     }
     if (over)
       return;
-    if (!error || error == asio::error::connection_aborted) {
+    const bool may_go_on = !error || error == asio::error::connection_aborted;
+    const auto length = std::exchange(wanted_rest, {}) + (may_go_on ? 0ms : pause_after_error);
+    if (length == 0ms) {
       accept();
       return;
     }
-    pause.expires_after(pause_after_error);
+    pause.expires_after(length);
     pause.async_wait([x = shared_from_this()](const error_code&) {
       if (!x->over)
         x->accept();
@@ -120,6 +122,10 @@ tcp_listener& tcp_listener::operator=(tcp_listener&& other) noexcept {
 
 std::uint16_t tcp_listener::port() const {
   return state_->port;
+}
+
+void tcp_listener::rest(duration length) {
+  state_->wanted_rest = length;
 }
 
 std::string why_taken(loop& where, const std::string& address, std::uint16_t port) {

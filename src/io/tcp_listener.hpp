@@ -36,6 +36,9 @@ public:
 
   [[nodiscard]] std::uint16_t port() const;
 
+  /// Accepts nobody for so long; who connects meanwhile waits in the system's queue.
+  void rest(duration length);
+
 private:
   struct state;
   explicit tcp_listener(std::shared_ptr<state> x);

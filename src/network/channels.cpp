@@ -90,7 +90,7 @@ channels_outputs channels::connect(channel_id channel, mote_id destination,
 /// one yet. Then one that is about as far from it as we are, a good one first. Who does not know
 /// where it is itself leaves it to the mote above it in the tree.
 std::optional<mote_id> channels::nearer(const entry& x, const surroundings& around) {
-  const bool is_untried = x.second_try != x.wish.destination;
+  const bool is_untried = !x.has_tried(x.wish.destination);
   const auto is_destination = [&](const nearby_mote& y) { return y.mote == x.wish.destination; };
   for (const auto* among : {&around.motes, &around.heard}) {
     if (std::ranges::any_of(*among, is_destination) && is_untried)
@@ -103,7 +103,7 @@ std::optional<mote_id> channels::nearer(const entry& x, const surroundings& arou
       return next;
   }
   const bool may_ascend = x.wish.place && !around.own_place && around.parent != no_mote &&
-                          around.parent != x.previous && around.parent != x.second_try;
+                          around.parent != x.previous && !x.has_tried(around.parent);
   return may_ascend ? std::optional(around.parent) : std::nullopt;
 }
 
@@ -117,7 +117,7 @@ std::optional<mote_id> channels::nearest(const entry& x, const std::vector<nearb
   auto least = around.own_place ? squared_distance(*around.own_place, *x.wish.place) + slack
                                 : std::numeric_limits<std::uint32_t>::max();
   for (const auto& y : among) {
-    if (!y.place || y.mote == x.second_try || y.mote == x.previous)
+    if (!y.place || x.has_tried(y.mote) || y.mote == x.previous)
       continue;
     const auto distance = squared_distance(*y.place, *x.wish.place);
     if (distance < least) {
@@ -129,15 +129,15 @@ std::optional<mote_id> channels::nearest(const entry& x, const std::vector<nearb
 }
 
 bool channels::may_be_near(const entry& x, const surroundings& around) {
-  if (!x.wish.place || !around.own_place || x.previous || x.second_try)
+  if (!x.wish.place || !around.own_place || x.previous || !x.tried.empty())
     return false;
   return hops_between(*x.wish.place, *around.own_place) <= 1;
 }
 
-/// Whether the connect message is to wait for a neighbour: before it goes to everybody, and where
-/// we have started lately, once.
+/// Whether the connect message is to wait for a neighbour, which it does once: at the source before
+/// it goes to everybody, and where we have started lately.
 bool channels::waits(entry& x, const surroundings& around, instant now) {
-  const bool may_help = x.wish.place && (around.is_new || x.second_try || !x.previous);
+  const bool may_help = x.wish.place && (around.is_new || !x.previous);
   if (!x.look_end && may_help)
     x.look_end = now + around.beacon_wait;
   return x.look_end && now < *x.look_end;
@@ -149,7 +149,7 @@ bool channels::waits(entry& x, const surroundings& around, instant now) {
 void channels::go_on(channel_id id, entry& x, const surroundings& around, channels_outputs& out,
                      instant now) {
   reserve(id, x, out);
-  auto next = nearer(x, around);
+  auto next = x.tried.size() < config_.tries_max ? nearer(x, around) : std::nullopt;
   if ((!next || around.is_crowd) && may_be_near(x, around))
     next = x.wish.destination;
   if (next) {
@@ -160,15 +160,24 @@ void channels::go_on(channel_id id, entry& x, const surroundings& around, channe
   x.next.reset();
   if (waits(x, around, now))
     return;
-  if (x.previous && !x.second_try && x.wish.place && around.own_place) {
+  if (x.previous && x.wish.place) {
     ++counters_.backtracks;
     const auto previous = *x.previous;
     entries_.erase(id);
+    note_dead_end(id, now + around.beacon_wait);
     out.emplace_back(channel_reserved{id, {}});
     queue(previous, {id, dead_end_message{}}, now);
     return;
   }
   flood(id, x, around, now);
+}
+
+/// Where there are too many the oldest is forgotten: its message may pass here again.
+void channels::note_dead_end(channel_id id, instant until) {
+  if (dead_ends_.size() >= config_.dead_ends_max)
+    dead_ends_.erase(
+        std::ranges::min_element(dead_ends_, {}, [](const auto& x) { return x.second; }));
+  dead_ends_[id] = until;
 }
 
 void channels::flood(channel_id id, entry& x, const surroundings& around, instant now) {
@@ -242,6 +251,10 @@ void channels::take(mote_id from, channel_id id, connect_message& x, const surro
       queue(from, {id, dead_end_message{}}, now);
     else if (known->second.open)
       queue(from, {id, connect_ack_message{known->second.wish.hops}}, now);
+    return;
+  }
+  if (dead_ends_.contains(id)) {
+    queue(from, {id, dead_end_message{}}, now);
     return;
   }
   if (entries_.size() >= config_.entries_max || x.hops > config_.hops_max) {
@@ -372,13 +385,7 @@ void channels::take(mote_id from, channel_id id, dead_end_message&, const surrou
     return;
   }
   auto& x = found->second;
-  if (x.second_try) { // its other neighbour led nowhere either
-    x.next.reset();
-    if (!waits(x, around, now))
-      flood(id, x, around, now);
-    return;
-  }
-  x.second_try = from;
+  x.tried.push_back(from);
   go_on(id, x, around, out, now);
 }
 
@@ -529,13 +536,9 @@ void channels::on_lost(const waiting& x, const surroundings& around, channels_ou
     return;
   auto& path = found->second;
   const bool asks = std::holds_alternative<connect_message>(x.message.content);
-  if (asks && path.next == x.next && !path.second_try) {
-    path.second_try = std::exchange(path.next, std::nullopt);
+  if (asks && path.next == x.next) {
+    path.tried.push_back(*std::exchange(path.next, std::nullopt));
     go_on(x.message.channel, path, around, out, now);
-    return;
-  }
-  if (asks && path.next == x.next && waits(path, around, now)) {
-    path.next.reset();
     return;
   }
   ++counters_.broken;
@@ -579,8 +582,10 @@ channels_outputs channels::look(std::optional<mote_id> heard, const surroundings
   }
   for (const auto& id : looking) {
     auto& x = entries_.at(id);
-    if (heard && x.second_try == heard)
-      x.second_try.reset();
+    if (!heard)
+      x.tried.clear(); // its only wait is over: once more from the beginning
+    else
+      std::erase(x.tried, *heard);
     go_on(id, x, around, out, now);
   }
   pump(out, now);
@@ -601,6 +606,7 @@ channels_outputs channels::on_time(instant now) {
     free(id, why, std::nullopt, out, now);
   }
   std::erase_if(offers_, [now](const auto& x) { return x.second.end <= now; });
+  std::erase_if(dead_ends_, [now](const auto& x) { return x.second <= now; });
   pump(out, now);
   return out;
 }
@@ -615,6 +621,8 @@ std::optional<instant> channels::deadline() const {
   }
   for (const auto& [id, x] : offers_)
     next = earliest(next, x.end);
+  for (const auto& [id, end] : dead_ends_)
+    next = earliest(next, end);
   if (!in_flight_) {
     for (const auto& x : queue_)
       next = earliest(next, due(x));

@@ -2,6 +2,7 @@
 // (D1.1 3.3.3.1; NET-01..10, NET-12, NRG-01).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -38,6 +39,8 @@ struct channels_config {
   duration flood_spread = 60ms;   ///< a flood is passed on within this time,
   unsigned flood_copies = 3;      ///< in a crowd unless it has been heard so often until then
   std::uint8_t hops_max = 32;
+  std::size_t tries_max = 3;     ///< neighbours, at each mote, before a set-up goes back
+  std::size_t dead_ends_max = 3; ///< set-ups that are refused when they come again
 };
 
 struct channels_counters {
@@ -137,10 +140,11 @@ using channels_output = std::variant<channel_hop, channel_connected, channel_acc
                                      channel_received, channel_ended, channel_reserved>;
 using channels_outputs = std::vector<channels_output>;
 
-/// The connect message goes greedily towards the destination's coordinates, back one mote at a dead
-/// end, and from there to everybody. Before that it waits for a neighbour that has just
-/// started, or that we do not know yet because we have: most dead ends in a settled island are
-/// such. Each mote on the path keeps previous and next hop.
+/// The connect message goes greedily towards the destination's coordinates. At a dead end it goes
+/// back one mote, which sends it to another neighbour, and after `tries_max` of them back in turn;
+/// the source then waits once for a neighbour that has just started and tries again, and at last
+/// floods. Each mote on the path keeps previous and next hop, and refuses for a while what
+/// it has sent back.
 ///
 ///   source: connecting --connect-ack--> open --disconnect--> gone
 ///              |                          |
@@ -212,8 +216,8 @@ public:
   [[nodiscard]] const channels_counters& counters() const { return counters_; }
   [[nodiscard]] std::size_t footprint() const {
     // one that waits: next hop, kind, channel, sequence, rounds, when it is due
-    return config_.entries_max * 38 + config_.offers_max * 12 + config_.octets_max +
-           (2 * config_.queue_max + 1) * 12 + 16;
+    return config_.entries_max * (36 + 2 * config_.tries_max) + config_.offers_max * 12 +
+           config_.dead_ends_max * 6 + config_.octets_max + (2 * config_.queue_max + 1) * 12 + 16;
   }
 
 private:
@@ -227,10 +231,10 @@ private:
     std::optional<mote_id> previous; ///< nothing at the source
     std::optional<mote_id> next;     ///< nothing at the destination, and while it is looked for
     bool open = false;
-    connect_message wish;              ///< as it came to us; once open, with the hops of the path
-    std::optional<mote_id> second_try; ///< who was tried with before, and was a dead end or mute
-    unsigned losses = 0;               ///< packets in a row that `next` has not acknowledged
-    std::uint8_t sent = 0;             ///< sequence number of our last packet, at an end
+    connect_message wish;       ///< as it came to us; once open, with the hops of the path
+    std::vector<mote_id> tried; ///< no more than `tries_max`: were a dead end, or did not answer
+    unsigned losses = 0;        ///< packets in a row that `next` has not acknowledged
+    std::uint8_t sent = 0;      ///< sequence number of our last packet, at an end
     std::optional<std::uint8_t> from_previous; ///< sequence number of the last packet from there
     std::optional<std::uint8_t> from_next;
     instant last_packet;
@@ -239,6 +243,9 @@ private:
     bool flooded = false;            ///< by us
     flood_copies heard;
 
+    [[nodiscard]] bool has_tried(mote_id x) const {
+      return std::ranges::find(tried, x) != tried.end();
+    }
     [[nodiscard]] bool is_looking() const { return look_end && !next && !open && !flooded; }
   };
 
@@ -273,6 +280,7 @@ private:
                                                       std::uint32_t slack);
   [[nodiscard]] static bool waits(entry& x, const surroundings& around, instant now);
   [[nodiscard]] static bool may_be_near(const entry& x, const surroundings& around);
+  void note_dead_end(channel_id id, instant until);
   void flood(channel_id id, entry& x, const surroundings& around, instant now);
   static void note_copy(flood_copies& x, std::uint8_t hops, std::uint8_t own_hops);
   void end_flood(channel_id id);
@@ -300,6 +308,7 @@ private:
   std::uint16_t next_number_ = 0;
   std::map<channel_id, entry> entries_;
   std::map<channel_id, offer> offers_;
+  std::map<channel_id, instant> dead_ends_; ///< refused until then
   std::vector<waiting> queue_;
   std::optional<waiting> in_flight_;
   instant held_until_;

@@ -35,11 +35,12 @@ std::optional<virtual_coordinates> place_cache::find_old(mote_id mote) const {
   return x != nullptr ? std::optional(x->place) : std::nullopt;
 }
 
-void place_cache::keep_epoch(std::uint16_t epoch) {
+bool place_cache::keep_epoch(std::uint16_t epoch) {
   if (epoch == epoch_)
-    return;
+    return false;
   epoch_ = epoch;
   entries_.clear();
+  return true;
 }
 
 } // namespace rubicon::network

@@ -26,8 +26,8 @@ public:
   /// However long ago: for who cannot learn it again.
   [[nodiscard]] std::optional<virtual_coordinates> find_old(mote_id mote) const;
 
-  /// Forgets all that is not of this epoch.
-  void keep_epoch(std::uint16_t epoch);
+  /// Forgets all that is not of this epoch. @returns whether it is another one
+  bool keep_epoch(std::uint16_t epoch);
 
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
   [[nodiscard]] std::size_t footprint() const { return motes_max_ * (2 + 3 + 1) + 2; }

@@ -336,7 +336,7 @@ std::pair<channel_id, router_outputs> router::connect(mote_id destination,
 }
 
 bool router::may_ask_again(const question& x) const {
-  return links_.is_full() && x.asks > 0 && x.asks < config_.asks_max;
+  return x.asks > 0 && x.asks < (links_.is_full() ? config_.asks_in_crowd_max : config_.asks_max);
 }
 
 duration router::answer_wait(instant now) const {
@@ -657,7 +657,8 @@ void router::settle(router_outputs& out, instant now) {
   }
   if (place_.update(links_, now))
     timer_.shorten(now, change_beacon());
-  places_.keep_epoch(place_.place_epoch());
+  if (places_.keep_epoch(place_.place_epoch())) // the sink has forgotten our place, too
+    report_gap_ = config_.report_gap + rng_.between(0s, config_.report_gap);
   take(packets_.on_route(tree_.parent(), tree_.cost(), now), out, now);
   if (has_route()) {
     for (auto& x : questions_) {

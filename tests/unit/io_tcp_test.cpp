@@ -247,6 +247,23 @@ TEST_CASE("a listener counts up to a free port", "[io][TCP-01]") {
   CHECK(third.port() > second.port());
 }
 
+TEST_CASE("a listener that rests accepts nobody, and then all who wait", "[io]") {
+  io::loop loop;
+  std::vector<io::tcp_stream> accepted;
+  std::optional<io::tcp_listener> listener;
+  listener.emplace(std::get<io::tcp_listener>(
+      io::tcp_listener::open(loop, "127.0.0.1", 0, [&](io::tcp_stream x, const ipv4_address&) {
+        accepted.push_back(std::move(x));
+        listener->rest(accepted.size() == 1 ? duration(300ms) : duration{});
+      })));
+  const auto begun = std::chrono::steady_clock::now();
+  CHECK(outcome_of(loop, "127.0.0.1", listener->port()) == "connected");
+  CHECK(outcome_of(loop, "127.0.0.1", listener->port()) == "connected");
+  CHECK(outcome_of(loop, "127.0.0.1", listener->port()) == "connected");
+  run(loop, [&] { return accepted.size() == 3; });
+  CHECK(std::chrono::steady_clock::now() - begun >= 300ms);
+}
+
 TEST_CASE("a listener gets its port back at once", "[io][TCP-01]") {
   io::loop loop;
   std::vector<io::tcp_stream> accepted;

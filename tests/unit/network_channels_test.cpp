@@ -556,8 +556,8 @@ TEST_CASE(
       todo = x.look(std::nullopt, around, now);
   }
   tried.erase(std::unique(tried.begin(), tried.end()), tried.end());
-  CHECK(tried == (is_crowd ? std::vector{destination, nearer}
-                           : std::vector{nearer, broadcast_mote})); // a flood
+  CHECK(tried == (is_crowd ? std::vector{destination, nearer, destination, nearer, broadcast_mote}
+                           : std::vector{nearer, broadcast_mote})); // each twice, then a flood
 }
 
 TEST_CASE("a set-up floods only where nobody is left who may be nearer, and says why",
@@ -623,17 +623,18 @@ TEST_CASE("a set-up floods only where nobody is left who may be nearer, and says
   }
 }
 
-TEST_CASE("a set-up waits for a neighbour that does not answer, and tries it again when it beacons",
+TEST_CASE("a mote that has just started waits for one that does not answer, until it beacons",
           "[network][NET-09][NET-12]") {
   relay_fixture here;
+  here.around.is_new = true;
   CHECK(here.connect(instant{}) == std::vector{here.a});
   CHECK(here.lose(instant{1s}).empty());
   CHECK(here.x.is_looking());
   CHECK(next_of(here.x.look(here.source, here.around, instant{1500ms})).empty()); // not that one
   CHECK(next_of(here.x.look(here.a, here.around, instant{1600ms})) == std::vector{here.a});
   CHECK_FALSE(here.x.is_looking());
-  CHECK(here.lose(instant{2500ms}) == std::vector{broadcast_mote}); // it has waited long enough
-  CHECK(here.x.counters().floods_dead_end == 1);
+  CHECK(here.lose(instant{2500ms}) == std::vector{here.source}); // it has waited long enough
+  CHECK(here.x.counters().backtracks == 1);
 }
 
 TEST_CASE("a dead end turns a set-up back at once, but not at a mote that has just started",
@@ -659,7 +660,8 @@ TEST_CASE("a dead end turns a set-up back at once, but not at a mote that has ju
   CHECK(here.x.counters().floods == 0);
 }
 
-TEST_CASE("two dead ends do not send a set-up to and fro while it waits", "[network][NET-12]") {
+TEST_CASE("after all its neighbours a mote sends a set-up back, and refuses it when it comes again",
+          "[network][NET-12]") {
   relay_fixture here;
   constexpr mote_id b{6};
   here.around.motes.push_back({b, virtual_coordinates{2, 2, 3}});
@@ -668,9 +670,30 @@ TEST_CASE("two dead ends do not send a set-up to and fro while it waits", "[netw
   static_cast<void>(here.x.on_sent(true, here.around, instant{}));
   CHECK(here.hear(here.a, dead_end, instant{10ms}) == std::vector{b});
   static_cast<void>(here.x.on_sent(true, here.around, instant{}));
-  CHECK(here.hear(b, dead_end, instant{20ms}).empty());
-  CHECK(here.x.is_looking());
+  CHECK(here.hear(b, dead_end, instant{20ms}) == std::vector{here.source});
+  static_cast<void>(here.x.on_sent(true, here.around, instant{}));
+  CHECK(here.connect(instant{30ms}) == std::vector{here.source}); // a dead end
+  static_cast<void>(here.x.on_sent(true, here.around, instant{}));
+  static_cast<void>(here.x.on_time(instant{20ms} + here.around.beacon_wait));
+  CHECK(here.connect(instant{2s}) == std::vector{here.a});
   CHECK(here.x.counters().floods == 0);
+}
+
+TEST_CASE("in an open grid each set-up finds its destination, and few flood",
+          "[network][NET-10][NET-12]") {
+  grid x(6, 6, 0.95, 3);
+  for (const auto from : x.motes()) {
+    for (const auto to : x.motes()) {
+      if (from == to)
+        continue;
+      const auto id = x.connect(from, to);
+      CHECK(x.connected.contains(id));
+      x.perform(from, x.at(from).disconnect(id, x.now()));
+      x.run_for(5s);
+    }
+  }
+  CHECK(x.entries() == 0);
+  CHECK(x.sum(&channels_counters::floods) <= 12); // of 1 260
 }
 
 TEST_CASE("a set-up that a neighbour has forgotten goes there again", "[network][NET-09]") {
