@@ -261,7 +261,7 @@ void router::on_content(collected x, router_outputs& out, instant now) {
         ++q;
         continue;
       }
-      if (may_ask_again(*q) && (!answer.place || !place_.place())) {
+      if (links_.is_full() && may_ask_again(*q) && (!answer.place || !place_.place())) {
         q->due = now + config_.question_gap;
         ++q;
         continue;

@@ -38,10 +38,10 @@ struct own_router_config {
   duration report_period = 8min;   ///< a mote tells the sink where it is, at least so often;
   duration report_gap = 5s;        ///< when that has changed, so long after it said anything; twice
                                    ///< as long with each time that it goes on changing
-  duration question_timeout = 3s;  ///< for the sink's answer where a mote is. It is asked again
-  duration question_gap = 5s;      ///< while it does not know, or we do not know where we are,
-  unsigned asks_max = 2;           ///< so often at most,
-  unsigned asks_in_crowd_max = 3;  ///< and where floods cost more
+  duration question_timeout = 3s;  ///< for the sink's answer where a mote is
+  unsigned asks_max = 2;           ///< until it has answered. In a crowd, where floods cost much,
+  unsigned asks_in_crowd_max = 3;  ///< it is asked again, too, while it does not know, or we do not
+  duration question_gap = 5s;      ///< know where we are
   std::size_t questions_max = 2;   ///< in flight
   std::size_t places_max = 1000;   ///< of motes, that the sink remembers,
   std::size_t places_kept = 6;     ///< and a mote, which learns them from what passes by,
