@@ -172,12 +172,15 @@ void channels::go_on(channel_id id, entry& x, const surroundings& around, channe
   flood(id, x, around, now);
 }
 
+bool channels::is_dead_end(channel_id id) const {
+  return std::ranges::find(dead_ends_, id, &dead_end::channel) != dead_ends_.end();
+}
+
 /// Where there are too many the oldest is forgotten: its message may pass here again.
 void channels::note_dead_end(channel_id id, instant until) {
   if (dead_ends_.size() >= config_.dead_ends_max)
-    dead_ends_.erase(
-        std::ranges::min_element(dead_ends_, {}, [](const auto& x) { return x.second; }));
-  dead_ends_[id] = until;
+    dead_ends_.erase(dead_ends_.begin());
+  dead_ends_.push_back({id, until});
 }
 
 void channels::flood(channel_id id, entry& x, const surroundings& around, instant now) {
@@ -253,7 +256,7 @@ void channels::take(mote_id from, channel_id id, connect_message& x, const surro
       queue(from, {id, connect_ack_message{known->second.wish.hops}}, now);
     return;
   }
-  if (dead_ends_.contains(id)) {
+  if (is_dead_end(id)) {
     queue(from, {id, dead_end_message{}}, now);
     return;
   }
@@ -606,7 +609,7 @@ channels_outputs channels::on_time(instant now) {
     free(id, why, std::nullopt, out, now);
   }
   std::erase_if(offers_, [now](const auto& x) { return x.second.end <= now; });
-  std::erase_if(dead_ends_, [now](const auto& x) { return x.second <= now; });
+  std::erase_if(dead_ends_, [now](const dead_end& x) { return x.until <= now; });
   pump(out, now);
   return out;
 }
@@ -621,8 +624,8 @@ std::optional<instant> channels::deadline() const {
   }
   for (const auto& [id, x] : offers_)
     next = earliest(next, x.end);
-  for (const auto& [id, end] : dead_ends_)
-    next = earliest(next, end);
+  for (const auto& x : dead_ends_)
+    next = earliest(next, x.until);
   if (!in_flight_) {
     for (const auto& x : queue_)
       next = earliest(next, due(x));

@@ -257,6 +257,12 @@ private:
     flood_copies heard;
   };
 
+  /// A set-up that we have sent back, and refuse.
+  struct dead_end {
+    channel_id channel;
+    instant until;
+  };
+
   struct waiting {
     mote_id next;
     channel_message message;
@@ -280,6 +286,7 @@ private:
                                                       std::uint32_t slack);
   [[nodiscard]] static bool waits(entry& x, const surroundings& around, instant now);
   [[nodiscard]] static bool may_be_near(const entry& x, const surroundings& around);
+  [[nodiscard]] bool is_dead_end(channel_id id) const;
   void note_dead_end(channel_id id, instant until);
   void flood(channel_id id, entry& x, const surroundings& around, instant now);
   static void note_copy(flood_copies& x, std::uint8_t hops, std::uint8_t own_hops);
@@ -308,7 +315,7 @@ private:
   std::uint16_t next_number_ = 0;
   std::map<channel_id, entry> entries_;
   std::map<channel_id, offer> offers_;
-  std::map<channel_id, instant> dead_ends_; ///< refused until then
+  std::vector<dead_end> dead_ends_; ///< the oldest first
   std::vector<waiting> queue_;
   std::optional<waiting> in_flight_;
   instant held_until_;
