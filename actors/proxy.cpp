@@ -80,7 +80,7 @@ void perform(proxy_pointer self, std::optional<communication::remote::commands_b
                program_commands{number_of_streams(self), *std::move(commands)});
   streams.programs.tell(self, state.arguments.ecology);
   for (const auto& x : streams.tap->take_values())
-    perform(self, state.arguments.core.on_record(x.stream, x.count, now(self)));
+    perform(self, state.arguments.core.on_record(x.stream, x.count, x.time_ms, now(self)));
   perform(self, proxy::proxy::outputs{}); // its deadline may be another
 }
 
@@ -160,6 +160,8 @@ void send_status(proxy_pointer self, bool ends) {
   r.proxy_class = core.what().name;
   r.status = proxy::to_string(core.status());
   r.values = core.values();
+  r.latency = core.reading_latency().value_or(0s);
+  r.late = counted.late;
   r.actuations.requested = counted.requested;
   r.actuations.acknowledged = counted.acknowledged;
   r.actuations.sent = counted.sent;

@@ -27,7 +27,7 @@ inline auto keys_of(const sampler_config*) {
                      "it sends only while somebody in the PEIS network subscribes to its output "
                      "tuple, by its key or a pattern that begins with `devices`"),
       keys::optional("stamped", &sampler_config::stamped, keys::flag{},
-                     "after the counts, say when that was: 4 octets, big-endian, the low 32 bits "
+                     "after the counts, say when that was (D1.1 2.1): 4 octets, big-endian, the low 32 bits "
                      "of the [network time](gateway.md#time) in milliseconds; a "
                      "[field](#proxyfield) with `encoding = \"stamp\"` has the whole time"));
 }

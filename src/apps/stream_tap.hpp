@@ -14,6 +14,7 @@ public:
   struct value {
     std::uint16_t stream = 0;
     std::int16_t count = 0;
+    std::uint32_t time_ms = 0; ///< as in the record
   };
 
   using stream_application::read_stream;
@@ -33,7 +34,7 @@ public:
 private:
   void on_record(std::size_t input, const stream::sensor_record& x) override {
     ++records_;
-    values_.push_back({name_of(input), x.value});
+    values_.push_back({name_of(input), x.value, x.time_ms});
   }
 
   std::vector<value> values_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -21,6 +20,7 @@
 #include "cli/ecology_file.hpp"
 #include "cli/event_lines.hpp"
 #include "cli/live_page.hpp"
+#include "cli/local_time.hpp"
 #include "cli/logging.hpp"
 #include "cli/option_text.hpp"
 #include "cli/part_file.hpp"
@@ -390,13 +390,14 @@ exit_status run_part(run_command x, ecology_file file) {
                              : run_for_deployment(x, std::move(file));
 }
 
-/// What the computer's clock shows.
-duration time_of_day_now() {
+/// For `start = "now"`: what the computer's clock shows, and will show for two years.
+void take_clock(run_command& x) {
+  constexpr duration day = 24h;
   const auto now = std::chrono::system_clock::now();
-  const auto whole = std::chrono::system_clock::to_time_t(now);
-  std::tm parts{};
-  localtime_r(&whole, &parts);
-  return parts.tm_hour * 1h + parts.tm_min * 1min + parts.tm_sec * 1s;
+  x.instead.time_of_day = (time_of_day(now) + day - x.elapsed % day) % day;
+  x.instead.clock_changes = clock_changes(now, 730 * day);
+  for (auto& change : x.instead.clock_changes)
+    change.at += x.elapsed;
 }
 
 /// Why nobody can do anything to a run; nullptr: somebody can.
@@ -412,7 +413,7 @@ const char* why_untouchable(const run_command& x, const ecology_file& file) {
 
 exit_status perform(const run_command& wanted) {
   auto x = wanted;
-  x.instead.time_of_day = (time_of_day_now() + 24h - x.elapsed % duration(24h)) % duration(24h);
+  take_clock(x);
   set_up_logging(x.log_level, console_of(stderr));
   auto file = load_or_complain(x.file, x.instead, x.known, x.is_bundled);
   if (!file)

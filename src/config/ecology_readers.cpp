@@ -26,13 +26,17 @@ struct day_start {
   }
 };
 
-/// What the clock shows is another time in each run.
-void check_start(const table_reader& in, const ecology_description& x) {
+/// What the clock shows is another time in each run, and it may change.
+void take_clock(table_reader& in, const ecology_description& x) {
   const auto* given = in.value("start");
   const auto* word = given == nullptr ? nullptr : given->as<std::string>();
   const auto* files = in.shared().files;
   const auto mode = files == nullptr ? x.mode : files->instead.mode.value_or(x.mode);
-  if (word != nullptr && *word == "now" && mode == run_mode::virtual_time)
+  if (word == nullptr || *word != "now")
+    return;
+  if (files != nullptr)
+    in.shared().clock_changes = files->instead.clock_changes;
+  if (mode == run_mode::virtual_time)
     in.problems().add(in.at("start"), "`start` = \"now\" needs mode = \"wall\": a run in virtual "
                                       "time is the same whenever it is run");
 }
@@ -52,11 +56,11 @@ void read_ecology(table_reader& root, ecology_description& out) {
         in.optional("start", day_start{}, out.day_begins,
                     {"time of day at the start of the run, for [rules](#rules) with `at`; in wall "
                      "time also "
-                     "`\"now\"`: that of the computer's clock and zone. A change to or from "
-                     "daylight saving "
-                     "during the run is not followed",
+                     "`\"now\"`: that of the computer's clock and zone, through daylight saving: "
+                     "a time that a change leaves out comes at the change, one that it repeats "
+                     "comes once",
                      "`\"00:00\"`"});
-        check_start(in, out);
+        take_clock(in, out);
         in.optional("date", calendar_day{}, out.date,
                     {"day on which a run in virtual time starts, at `start`: the [network "
                      "time](gateway.md#time) goes on from there. In wall time it is the computer's",

@@ -34,6 +34,7 @@ struct overrides {
   std::optional<std::uint64_t> seed;           ///< it decides where the motes of a disk are
   std::optional<run_mode> mode = std::nullopt; ///< it decides what may be real
   std::optional<duration> time_of_day{};       ///< that `start = "now"` stands for; unset: midnight
+  std::vector<proxy::clock_change> clock_changes{}; ///< of that clock, during the run
 };
 
 /// What files may name beside what every binary has.

@@ -342,7 +342,20 @@ const peer_description* host_peer(const ecology_description& part) {
   return found == part.peers.end() ? nullptr : &*found;
 }
 
+/// Times of day are told since the start.
+void begin_later(proxy::rules_config& x, duration elapsed) {
+  for (auto& rule : x.rules)
+    if (rule.daily)
+      rule.daily = ((*rule.daily - elapsed) % duration(24h) + 24h) % duration(24h);
+  for (auto& each : x.clock_changes)
+    each.at -= elapsed;
+}
+
 void begin_later(ecology_description& part, duration elapsed) {
+  for (auto& peer : part.peers)
+    for (auto& app : peer.apps)
+      if (auto* const rules = std::get_if<proxy::rules_config>(&app))
+        begin_later(*rules, elapsed);
   let_world_go_on(part, elapsed);
   part.length -= elapsed;
   part.day_begins = (part.day_begins + elapsed) % duration(24h);

@@ -15,7 +15,8 @@ namespace rubicon::config {
 
 namespace {
 
-/// Octets of the longest message that a mote's programs send on each channel.
+/// Octets of the longest message that a mote's programs send on each channel, without the time that
+/// a sampler adds.
 std::map<std::uint16_t, std::size_t> messages_of(const mote_description& mote) {
   std::map<std::uint16_t, std::size_t> found;
   const auto add = [&found](std::uint16_t channel, std::size_t octets) {
@@ -23,7 +24,7 @@ std::map<std::uint16_t, std::size_t> messages_of(const mote_description& mote) {
   };
   for (const auto& app : mote.apps) {
     if (const auto* x = std::get_if<sampler_app>(&app))
-      add(x->channel, 2 * x->transducers.size() + (x->stamped ? 4 : 0));
+      add(x->channel, 2 * x->transducers.size());
     else if (const auto* y = std::get_if<actuator_app>(&app))
       add(y->channel, 1);
   }
@@ -179,11 +180,11 @@ private:
       if (sent == messages.end())
         doubt(place_of(what, field), who + ": no program of " + of_kind(island, mote) +
                                          " sends on channel " + std::to_string(field.channel));
-      else if (end > sent->second)
+      else if (field.layout != proxy::encoding::stamp && end > sent->second)
         doubt(place_of(what, field), who + " ends at octet " + std::to_string(end) +
                                          ", but messages of " + of_kind(island, mote) +
                                          " on channel " + std::to_string(field.channel) + " have " +
-                                         std::to_string(sent->second));
+                                         std::to_string(sent->second) + " of counts");
     }
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <string_view>
 
@@ -302,10 +303,32 @@ void place_computations(const std::vector<placed_computation>& all,
   }
 }
 
+/// Channels of the class's fields on which all its motes have samplers that stamp.
+std::vector<std::uint16_t> stamped_channels_of(const proxy::proxy_class& of,
+                                               const proxy::class_table& table,
+                                               const std::vector<island_description>& islands) {
+  std::map<std::uint16_t, bool> stamped; // and by all
+  each_mote_of(of.name, table, islands, [&](const auto&, const mote_description& mote) {
+    for (const auto& field : of.fields) {
+      if (field.stream)
+        continue;
+      const auto* const sampler = sampler_on(mote, field.channel);
+      auto& by_all = stamped.try_emplace(field.channel, true).first->second;
+      by_all = by_all && sampler != nullptr && sampler->stamped;
+    }
+  });
+  std::erase_if(stamped, [](const auto& x) { return !x.second; });
+  std::vector<std::uint16_t> all;
+  for (const auto& [channel, by_all] : stamped)
+    all.push_back(channel);
+  return all;
+}
+
 void place_stamps(std::vector<proxy::proxy_class>& classes,
                   const std::vector<island_description>& islands) {
   const proxy::class_table table(classes);
-  for (auto& of : classes)
+  for (auto& of : classes) {
+    of.stamped_channels = stamped_channels_of(of, table, islands);
     for (auto& field : of.fields) {
       if (field.stream || field.layout != proxy::encoding::u32 || !field.words.empty())
         continue;
@@ -320,6 +343,7 @@ void place_stamps(std::vector<proxy::proxy_class>& classes,
       if (stamps > 0 && others == 0)
         field.layout = proxy::encoding::stamp;
     }
+  }
 }
 
 void place_transducers(const std::vector<placed_transducer>& all,

@@ -72,7 +72,8 @@ void check_streams(const std::vector<placed_stream>& all,
                    const std::vector<island_description>& islands,
                    const std::vector<peer_description>& peers, complaints& problems);
 
-/// Fields of four octets where all motes of their class send a sampler's stamp are stamps.
+/// Channels on which all motes of a class send a sampler's stamp are stamped, and fields of four
+/// octets where it stands are stamps.
 void place_stamps(std::vector<proxy::proxy_class>& classes,
                   const std::vector<island_description>& islands);
 

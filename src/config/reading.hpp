@@ -8,6 +8,7 @@
 #include "config/problem.hpp"
 #include "config/quantities.hpp"
 #include "core/time.hpp"
+#include "proxy/rules_config.hpp"
 
 namespace rubicon::config {
 
@@ -26,6 +27,8 @@ struct reading {
   config::quantities quantities;
   file_places seen;
   duration end = duration::max(); ///< of the run, as far as the file says it well
+  /// Of the clock by which `at` of rules counts.
+  std::vector<proxy::clock_change> clock_changes{};
 };
 
 } // namespace rubicon::config

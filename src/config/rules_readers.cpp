@@ -156,6 +156,7 @@ proxy::rules_config read_rules(table_reader& in, const surroundings& with) {
       "rules", "rules", "see below; also as `[[peer.apps.rules]]`",
       [&](table_reader& x) { out.rules.push_back(read_rule(x, with)); }, 1);
   in.all(out);
+  out.clock_changes = in.shared().clock_changes;
   check_points(in, out);
   return out;
 }

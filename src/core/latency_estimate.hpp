@@ -28,6 +28,12 @@ public:
     return *mean_ + 4 * deviation_;
   }
 
+  /// Whether a bound is to be published in the place of another: where it has grown, or has fallen
+  /// to less than half.
+  [[nodiscard]] static bool replaces(duration bound, std::optional<duration> published) {
+    return !published || bound > *published || 2 * bound < *published;
+  }
+
 private:
   std::optional<duration> mean_;
   duration deviation_{};

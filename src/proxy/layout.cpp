@@ -123,6 +123,20 @@ result<field_counts> counts_in(const proxy_class& what, std::uint16_t channel, b
   return counts;
 }
 
+std::optional<std::uint32_t> stamp_in(const proxy_class& what, std::uint16_t channel,
+                                      byte_view payload) {
+  if (std::ranges::find(what.stamped_channels, channel) == what.stamped_channels.end())
+    return std::nullopt;
+  std::size_t needed = octets_of(encoding::stamp);
+  for (const auto& x : what.fields)
+    if (!x.stream && x.channel == channel && x.layout != encoding::stamp)
+      needed = std::max(needed, x.offset + octets_of(x.layout) + octets_of(encoding::stamp));
+  if (payload.size() < needed)
+    return std::nullopt;
+  byte_reader in(payload.last(octets_of(encoding::stamp)));
+  return in.big<std::uint32_t>();
+}
+
 reading reading_of(const field& what, std::int64_t count) {
   return {what.name, text_of(what, count), what.unit};
 }

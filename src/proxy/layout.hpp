@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -39,6 +40,11 @@ using field_counts = std::vector<std::pair<const field*, std::int64_t>>;
 /// @returns errc::truncated as decode(); the pointers are valid as long as the class
 [[nodiscard]] result<field_counts> counts_in(const proxy_class& what, std::uint16_t channel,
                                              byte_view payload);
+
+/// The time at the end of a message on one of the class's stamped channels, in milliseconds; nothing
+/// if it does not go beyond the fields.
+[[nodiscard]] std::optional<std::uint32_t> stamp_in(const proxy_class& what, std::uint16_t channel,
+                                                    byte_view payload);
 
 /// What a field's count means.
 [[nodiscard]] reading reading_of(const field& what, std::int64_t count);

@@ -114,7 +114,7 @@ proxy::outputs proxy::on_class_changed(const class_change& x) {
       const auto deadline = to_text(instant(deadline_of(input.channel)));
       say(key_of(input.name + ".deadline"), deadline, out);
       const auto known = latencies_.find(input.channel);
-      if (known == latencies_.end() || !known->second.told)
+      if (known == latencies_.end() || !known->second.published)
         say(key_of(input.name + ".latency"), deadline, out);
     }
   }
@@ -388,14 +388,13 @@ duration proxy::deadline_of(std::uint16_t channel) const {
   return (before + 1) * (class_.settings.answer_timeout + class_.settings.retry_for);
 }
 
-/// Told again where it has grown, or has fallen to less than half.
 void proxy::note_latency(std::uint16_t channel, duration taken, outputs& out) {
   auto& x = latencies_[channel];
   x.estimate.add(taken);
   const auto bound = std::min(*x.estimate.bound(), deadline_of(channel));
-  if (x.told && bound <= *x.told && 2 * bound >= *x.told)
+  if (!latency_estimate::replaces(bound, x.published))
     return;
-  x.told = bound;
+  x.published = bound;
   for (const auto& input : class_.inputs)
     if (input.channel == channel)
       say(key_of(input.name + ".latency"), to_text(instant(bound)), out);

@@ -90,6 +90,8 @@ struct proxy_counters {
   std::map<std::string, std::uint64_t>
       failed;                        ///< failed, unreachable, refused, superseded, timeout
   std::uint64_t messages = 0;        ///< from the mote, decoded
+  std::uint64_t late = 0;            ///< messages and records older than the latency published
+  std::uint64_t other_times = 0;     ///< the same, whose time cannot be one of the network's
   std::uint64_t short_messages = 0;  ///< too short for the class: dropped
   std::uint64_t unread_messages = 0; ///< on a channel without fields: dropped
   std::uint64_t bad_statuses = 0;    ///< input status tuples that are none: dropped
@@ -98,8 +100,8 @@ struct proxy_counters {
   std::uint64_t foreign_names = 0;   ///< what a program says that is not in its names(): dropped
 };
 RUBICON_FIELDS(proxy_counters, requested, acknowledged, sent, slowest, latency, failed, messages,
-               short_messages, unread_messages, bad_statuses, foreign_tuples, bad_keys,
-               foreign_names);
+               late, other_times, short_messages, unread_messages, bad_statuses, foreign_tuples,
+               bad_keys, foreign_names);
 
 /// One mote's face. It speaks tuples alone: raw ones with the mote's gateway, readable ones with
 /// the ecology (PXY-04, 05, 06, 12, 14).
@@ -116,6 +118,10 @@ RUBICON_FIELDS(proxy_counters, requested, acknowledged, sent, slowest, latency, 
 ///                            perceives the mote, and where the mote is: where the class's table of
 ///                            objects says (`prior`), else where that interface is (`interface`)
 ///   FIELD, FIELD.unit        newest reading, set at each reading even if equal (CB-01)
+///   FIELD.latency            in seconds: how old a reading is expected to be at most when it
+///   comes,
+///                            from those before it, if its messages or records hold their time
+///                            (IF-05)
 ///   FIELD.freshness          of a class with `stale_after`: `fresh` or `stale`, once there was a
 ///                            reading
 ///   what its program says    beside the fields
@@ -162,7 +168,7 @@ public:
 
   /// The time that peers share is so much ahead of `now`, since 1970: stamps are told by it.
   void on_clock(duration ahead) { network_ahead_ = ahead; }
-  /// Whether a field is a stamp.
+  /// Whether anything that it reads holds a time.
   [[nodiscard]] bool wants_clock() const;
 
   /// The mote has sent a message on an output channel.
@@ -171,8 +177,9 @@ public:
   /// What its fields read of streams; whoever runs it opens their read ends, at its peer.
   [[nodiscard]] std::vector<stream_input> streams() const;
 
-  /// A record of one of them.
-  [[nodiscard]] outputs on_record(std::uint16_t stream, std::int16_t value, instant now);
+  /// A record of one of them. @param time_ms the record's own
+  [[nodiscard]] outputs on_record(std::uint16_t stream, std::int16_t value, std::uint32_t time_ms,
+                                  instant now);
 
   /// The gateway tells what became of a write on an input channel.
   [[nodiscard]] outputs on_input_status(std::uint16_t channel, std::string_view text, instant now);
@@ -200,6 +207,9 @@ public:
   [[nodiscard]] std::size_t open_requests() const;
   [[nodiscard]] std::uint64_t retries() const; ///< writes of requests after their first
 
+  /// The greatest latency of readings that it publishes at present; nothing if there is none.
+  [[nodiscard]] std::optional<duration> reading_latency() const;
+
   /// Newest reading of each field, by name: `22.3 C`.
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> values() const;
 
@@ -216,6 +226,7 @@ private:
   void ask_for_period(outputs& out) const;
   [[nodiscard]] std::int64_t whole_stamp(std::int64_t count, instant now) const;
   void say_counts(reading_source from, const field_counts& counts, instant now, outputs& out);
+  void judge_age(reading_source from, std::uint32_t stamp, instant now, outputs& out);
   void refresh(reading_source from, instant now, outputs& out);
   void mark_stale(instant now, outputs& out);
   void say_freshness(reading_source from, std::string_view word, outputs& out);
@@ -243,11 +254,12 @@ private:
   instant lost_since_{};
   bool retired_ = false;
   std::map<std::uint16_t, input_channel> channels_;
-  struct input_latency {
+  struct published_latency {
     latency_estimate estimate;
-    std::optional<duration> told{};
+    std::optional<duration> published{};
   };
-  std::map<std::uint16_t, input_latency> latencies_; ///< of channels that have acknowledged
+  std::map<std::uint16_t, published_latency> latencies_; ///< of channels that have acknowledged
+  std::map<reading_source, published_latency> ages_;     ///< of what has come with its time
   std::map<std::string, reading> newest_;
   proxy_counters counters_;
 };

@@ -138,6 +138,9 @@ struct proxy_class {
   std::string prefix = "{island}.{name}";
   std::vector<std::pair<std::string, std::string>> properties; ///< prior information, key and text
   std::vector<field> fields;
+  /// Channels whose messages end with the time of their counts, as an encoding::stamp, on all motes
+  /// of the class: behind what its fields cover.
+  std::vector<std::uint16_t> stamped_channels;
   std::vector<input> inputs;
   instant known_from; ///< when proxy managers learn of it (PXY-10)
   std::vector<tuple_template> tuples;

@@ -9,6 +9,15 @@
 
 namespace rubicon::proxy {
 
+namespace {
+
+/// Clocks that are one may differ so much (CLK-01 and a stamp's millisecond); a mote that does not
+/// know the network's time yet stamps with its own, which is older than any reading by far.
+constexpr duration age_error_max = 10ms;
+constexpr duration age_max = 1h;
+
+} // namespace
+
 proxy::outputs proxy::on_output(std::uint16_t channel, byte_view payload, instant now) {
   outputs out;
   sensed(now, out);
@@ -25,11 +34,15 @@ proxy::outputs proxy::on_output(std::uint16_t channel, byte_view payload, instan
   for (auto& [field, count] : *counts)
     count = field->layout == encoding::stamp ? whole_stamp(count, now) : count;
   say_counts(channel, *counts, now, out);
+  if (const auto stamp = stamp_in(class_, channel, payload))
+    judge_age(channel, *stamp, now, out);
   return out;
 }
 
 bool proxy::wants_clock() const {
-  return std::ranges::find(class_.fields, encoding::stamp, &field::layout) != class_.fields.end();
+  return !class_.stamped_channels.empty() || std::ranges::any_of(class_.fields, [](const field& x) {
+    return x.layout == encoding::stamp || x.stream.has_value();
+  });
 }
 
 /// While the time is not known, the 32 bits are all there is.
@@ -40,7 +53,8 @@ std::int64_t proxy::whole_stamp(std::int64_t count, instant now) const {
                    (now.time_since_epoch() + *network_ahead_) / 1ms);
 }
 
-proxy::outputs proxy::on_record(std::uint16_t stream, std::int16_t value, instant now) {
+proxy::outputs proxy::on_record(std::uint16_t stream, std::int16_t value, std::uint32_t time_ms,
+                                instant now) {
   outputs out;
   const reading_source from(stream_input{stream});
   field_counts counts;
@@ -48,6 +62,7 @@ proxy::outputs proxy::on_record(std::uint16_t stream, std::int16_t value, instan
     if (field.source() == from)
       counts.emplace_back(&field, value);
   say_counts(from, counts, now, out);
+  judge_age(from, time_ms, now, out);
   return out;
 }
 
@@ -97,6 +112,35 @@ void proxy::tell_program_the_time(instant now, outputs& out) {
 void proxy::ask_for_period(outputs& out) const {
   for (const auto channel : output_channels())
     out.emplace_back(write_period{who_.mote, channel, class_.settings.period});
+}
+
+/// A quarter is added to what is published, so that most readings change nothing.
+void proxy::judge_age(reading_source from, std::uint32_t stamp, instant now, outputs& out) {
+  if (!network_ahead_)
+    return;
+  const auto network_now = now.time_since_epoch() + *network_ahead_;
+  const auto age = network_now - whole_stamp(stamp, now) * 1ms;
+  if (age < -age_error_max || age > age_max) {
+    ++counters_.other_times;
+    return;
+  }
+  auto& x = ages_[from];
+  counters_.late += x.published && age > *x.published ? 1 : 0;
+  x.estimate.add(std::max<duration>(age, 0s));
+  const auto bound = *x.estimate.bound() * 5 / 4;
+  if (!latency_estimate::replaces(bound, x.published))
+    return;
+  x.published = bound;
+  for (const auto& field : class_.fields)
+    if (field.source() == from)
+      say(key_of(field.name + ".latency"), to_text(instant(bound)), out);
+}
+
+std::optional<duration> proxy::reading_latency() const {
+  std::optional<duration> greatest;
+  for (const auto& [source, x] : ages_)
+    greatest = std::max(greatest, x.published);
+  return greatest;
 }
 
 void proxy::refresh(reading_source from, instant now, outputs& out) {

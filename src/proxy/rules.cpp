@@ -21,7 +21,27 @@ constexpr duration day = 24h;
 
 } // namespace
 
-rules::rules(std::vector<rule> list, duration retry) : retry_(retry) {
+instant next_daily(duration daily, const std::vector<clock_change>& changes, instant from) {
+  const auto time_of = [&changes](duration shown) { // by a clock that nobody changes
+    auto begin = instant::min();
+    duration ahead{};
+    for (const auto& x : changes) {
+      const auto at = std::max(begin, instant{} + shown - ahead);
+      if (at < x.at)
+        return at;
+      begin = x.at;
+      ahead = x.ahead;
+    }
+    return std::max(begin, instant{} + shown - ahead);
+  };
+  auto shown = daily + (from - instant{} - daily) / day * day - 2 * day;
+  while (time_of(shown) < from)
+    shown += day;
+  return time_of(shown);
+}
+
+rules::rules(std::vector<rule> list, duration retry, std::vector<clock_change> changes)
+    : retry_(retry), clock_changes_(std::move(changes)) {
   for (auto& x : list) {
     if (!x.above)
       x.above = x.below;
@@ -59,11 +79,8 @@ void rules::start(instant now, std::optional<instant> away_since) {
   for (auto& x : rules_) {
     if (!x.what.daily)
       continue;
-    auto next = instant{} + *x.what.daily;
-    while (next < now)
-      next += day;
-    x.due = next;
-    const auto previous = next - day;
+    x.due = next_daily(*x.what.daily, clock_changes_, now);
+    const auto previous = next_daily(*x.what.daily, clock_changes_, *x.due - 3 * day / 2);
     if (away_since && previous >= *away_since && previous >= instant{})
       make_up(x, previous, now);
   }
@@ -223,7 +240,7 @@ void rules::on_time_of(const std::string& key, standing& x, instant now,
 void rules::on_time_of(state& x, instant now, std::vector<write_tuple>& out) {
   if (x.due && *x.due <= now) {
     if (x.what.daily) {
-      *x.due += day;
+      x.due = next_daily(*x.what.daily, clock_changes_, *x.due + duration(1));
       enter(x, x.what.when.empty() ? level::high : x.is, now, out);
     } else {
       x.due.reset();

@@ -88,7 +88,8 @@ public:
   static constexpr duration lateness_max = 1h; ///< of a time of day
 
   /// @param retry 0: nothing is written again
-  explicit rules(std::vector<rule> list = {}, duration retry = 5s);
+  explicit rules(std::vector<rule> list = {}, duration retry = 5s,
+                 std::vector<clock_change> changes = {});
 
   /// Keys to subscribe to with any owner, and keys whose owners must be found: each once, in order
   /// of the rules.
@@ -187,6 +188,7 @@ private:
 
   std::vector<state> rules_;
   duration retry_{};
+  std::vector<clock_change> clock_changes_;
   std::vector<std::string> watched_;
   std::vector<std::string> written_;
   std::vector<std::string> meta_;            ///< of them those of meta tuples

@@ -38,9 +38,23 @@ struct rule {
   bool retry = true; ///< what has not reached its owner is written again
 };
 
+/// Local time leaps, to or from daylight saving.
+struct clock_change {
+  instant at;
+  duration ahead{}; ///< of what it would be without any change since the start, from then on
+
+  friend bool operator==(const clock_change&, const clock_change&) = default;
+};
+
 struct rules_config {
   std::vector<rule> rules; ///< at least one
   duration retry = 5s;     ///< after an actuation has failed; 0: never
+  std::vector<clock_change> clock_changes = {}; ///< in order
 };
+
+/// The first moment, `from` or later, at which a rule's time of day comes. It comes once a day: what
+/// a change leaves out comes at the change, what it repeats comes the first time.
+[[nodiscard]] instant next_daily(duration daily, const std::vector<clock_change>& changes,
+                                 instant from);
 
 } // namespace rubicon::proxy

@@ -352,8 +352,12 @@ struct proxy_report {
   std::string status;                                      ///< active or lost
   std::vector<std::pair<std::string, std::string>> values; ///< name and `22.3 C`, by name
   actuation_report actuations;
+  /// how old its readings are expected to be when they come, of its [fields](gateway.md#of-a-proxy)
+  /// the greatest; `null` if nothing that it reads holds a time
+  duration latency{};
+  std::uint64_t late = 0; ///< [readings] that were older than was published at that moment
 };
-RUBICON_FIELDS(proxy_report, name, proxy_class, status, values, actuations);
+RUBICON_FIELDS(proxy_report, name, proxy_class, status, values, actuations, latency, late);
 
 struct peer_report {
   // Compiled once: they are large.

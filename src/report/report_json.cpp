@@ -195,6 +195,8 @@ json to_json(const proxy_report& x) {
           {"class", x.proxy_class},
           {"status", x.status},
           {"values", std::move(values)},
+          {"latency_s", x.latency > 0s ? json(seconds(x.latency)) : json()},
+          {"late", x.late},
           {"actuations", to_json(x.actuations)}};
 }
 

@@ -166,7 +166,9 @@ TEST_CASE("a sampler's jitter delays readings and never adds up", "[apps]") {
 
 TEST_CASE("a sampler sends its counts in network byte order to the gateway", "[apps]") {
   const bool reliable = GENERATE(false, true);
-  fixture x(sampler({{quantity::temperature}, 10s, 0s, 6, reliable}));
+  apps::sampler_config config{{quantity::temperature}, 10s, 0s, 6, reliable};
+  config.stamped = false;
+  fixture x(sampler(config));
   x.counts = {0x0102, -2};
   x.join();
   x.run_for(20s);
@@ -178,9 +180,8 @@ TEST_CASE("a sampler sends its counts in network byte order to the gateway", "[a
   CHECK(x.sent[0].when == x.readings[0]);
 }
 
-TEST_CASE("a sampler says when it has measured, if it is to", "[apps][IF-06]") {
+TEST_CASE("a sampler says when it has measured, unless it is not to", "[apps][IF-06]") {
   apps::sampler_config config{{quantity::temperature}, 10s};
-  config.stamped = true;
   fixture x(sampler(config));
   x.counts = {0x0102};
   x.time_ms = 0x03040506;
@@ -188,11 +189,20 @@ TEST_CASE("a sampler says when it has measured, if it is to", "[apps][IF-06]") {
   x.run_for(10s);
   REQUIRE(x.sent.size() == 1);
   CHECK(x.sent[0].what.payload == bytes{0x01, 0x02, 0x03, 0x04, 0x05, 0x06});
+
+  config.stamped = false;
+  fixture other(sampler(config));
+  other.counts = {0x0102};
+  other.join();
+  other.run_for(10s);
+  REQUIRE(other.sent.size() == 1);
+  CHECK(other.sent[0].what.payload == bytes{0x01, 0x02});
 }
 
 TEST_CASE("a sampler averages the counts that it is to", "[apps][PXY-17]") {
   apps::sampler_config config{{quantity::temperature, quantity::light}, 10s};
   config.mean_of = {2, 1};
+  config.stamped = false;
   fixture x(sampler(config));
   x.join();
   for (const auto count : std::vector<std::int16_t>{10, 20, -41}) {
@@ -210,6 +220,7 @@ TEST_CASE(
     "[apps]") {
   apps::sampler_config config{{quantity::temperature, quantity::light}, 10s};
   config.dead_band = {5, 0}; // light decides nothing
+  config.stamped = false;
   config.silence_max = 1min;
   fixture x(sampler(config));
   x.join();

@@ -201,7 +201,8 @@ TEST_CASE("a field is a stamp where its motes' samplers send one", "[config][PXY
   };
   CHECK(layout("stamped = true\n", 2) == proxy::encoding::stamp);
   CHECK(layout("stamped = true\n", 0) == proxy::encoding::u32);
-  CHECK(layout("", 2) == proxy::encoding::u32);
+  CHECK(layout("", 2) == proxy::encoding::stamp);
+  CHECK(layout("stamped = false\n", 2) == proxy::encoding::u32);
   CHECK(layout("stamped = true\n", 2,
                "[[island.mote]]\nid = 3\ntype = \"c\"\nposition_m = [1, 3]\n") ==
         proxy::encoding::u32);

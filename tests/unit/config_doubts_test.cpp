@@ -164,7 +164,7 @@ TEST_CASE("a field needs a program that sends it, and enough octets", "[config]"
                                  "type c sends on channel 3"});
   CHECK(doubts_of(home("channel = 1\noffset = 1\n")) ==
         std::vector<std::string>{"field `temperature` of [[proxy]] `p` ends at octet 3, but "
-                                 "messages of motes of type c on channel 1 have 2"});
+                                 "messages of motes of type c on channel 1 have 2 of counts"});
   const auto input = doubts_of(home("channel = 1\n[[proxy.input]]\nname = 'switch'\nchannel = 2\n"
                                     "words = { on = '01' }\n"));
   CHECK(input == std::vector<std::string>{"input `switch` of [[proxy]] `p`: no program of motes "

@@ -210,6 +210,22 @@ TEST_CASE("a part that begins late ends with the others", "[config]") {
   CHECK(x.faults[1].at == 3min);
 }
 
+TEST_CASE("rules of a part that begins late keep their times of day", "[config][rules]") {
+  auto x = loaded_from(house);
+  proxy::rules_config rules;
+  rules.rules.resize(2);
+  rules.rules[0].daily = 7h;
+  rules.rules[1].daily = 5min;
+  rules.clock_changes = {{instant(20h), 1h}};
+  REQUIRE_FALSE(x.peers.empty());
+  x.peers.front().apps = {rules};
+  begin_later(x, 6min);
+  const auto& later = std::get<proxy::rules_config>(x.peers.front().apps.front());
+  CHECK(later.rules[0].daily == 7h - 6min);
+  CHECK(later.rules[1].daily == 24h - 1min);
+  CHECK(later.clock_changes == std::vector<proxy::clock_change>{{instant(20h - 6min), 1h}});
+}
+
 TEST_CASE("readings and places of a part that begins anew are those of the whole",
           "[config][NFR-08]") {
   auto x = part_of(loaded_from(house + R"(

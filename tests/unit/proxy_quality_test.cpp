@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/codec.hpp"
 #include "core/device_keys.hpp"
 #include "proxy/proxy.hpp"
 #include "proxy_fixture.hpp"
@@ -45,12 +46,63 @@ TEST_CASE("a field is read from a stream", "[proxy][PXY-18]") {
   CHECK(aut.streams().front().number == 2);
   CHECK(aut.streams().front().every == 3s);
   CHECK(aut.watches().size() == face(climate(), identity()).watches().size());
-  CHECK(told(aut.on_record(2, -15, start)) ==
+  CHECK(told(aut.on_record(2, -15, 0, start)) ==
         lines{base + "outside = -1.5", base + "outside.freshness = fresh"});
-  CHECK(aut.on_record(7, 1, start).empty());            // of no field
+  CHECK(aut.on_record(7, 1, 0, start).empty());            // of no field
   CHECK(told(aut.on_output(2, bytes{1}, start + 5s)) == // channel 2 is not stream 2
         lines{base + "state = on", base + "state.freshness = fresh"});
   CHECK(told(aut.on_time(start + 10s)) == lines{base + "outside.freshness = stale"});
+}
+
+TEST_CASE("readings have a latency, learned from the times that they hold", "[proxy][IF-05]") {
+  auto what = climate();
+  what.stamped_channels = {1};
+  face aut(what, identity());
+  static_cast<void>(aut.start(start));
+  CHECK(aut.wants_clock());
+  constexpr duration ahead = 24h * 20000 + 7ms;
+  const auto message = [&](instant at) {
+    byte_writer out;
+    out.append(bytes{0x00, 0xdf, 45});
+    out.big(static_cast<std::uint32_t>((at.time_since_epoch() + ahead) / 1ms));
+    return out.finish();
+  };
+  const lines readings{base + "temperature = 22.3", base + "humidity = 45"};
+  auto now = start + 1min;
+  CHECK(told(aut.on_output(1, message(now - 1s), now)) == readings); // the time is not known yet
+  CHECK_FALSE(aut.reading_latency());
+  aut.on_clock(ahead);
+  auto first = readings; // 100 ms and four deviations of half of it, and a quarter more
+  first.push_back(base + "temperature.latency = 0.375000");
+  first.push_back(base + "humidity.latency = 0.375000");
+  CHECK(told(aut.on_output(1, message(now - 100ms), now)) == first);
+  CHECK(aut.reading_latency() == 375ms);
+
+  SECTION("it is published again when it has halved") {
+    std::size_t published = 0;
+    for (int i = 0; i < 100; ++i)
+      published += told(aut.on_output(1, message(now - 100ms), now += 10s)).size() > 2 ? 1 : 0;
+    CHECK(published == 1);
+    CHECK(*aut.reading_latency() > 125ms);
+    CHECK(*aut.reading_latency() <= 188ms);
+    CHECK(aut.counters().late == 0);
+  }
+  SECTION("what is older than it is counted, and widens it") {
+    const auto late = told(aut.on_output(1, message(now - 400ms), now));
+    CHECK(late.size() == 4);
+    CHECK(*aut.reading_latency() > 400ms);
+    CHECK(aut.counters().late == 1);
+  }
+  SECTION("a time that is not the network's says nothing") {
+    for (const duration wrong : {duration(-1h - 1ms), duration(12ms), duration(-24h * 20)})
+      CHECK(told(aut.on_output(1, message(now + wrong), now)) == readings);
+    CHECK(aut.counters().other_times == 3);
+    CHECK(aut.reading_latency() == 375ms);
+  }
+  SECTION("a message without a time behind its fields is one without") {
+    CHECK(told(aut.on_output(1, bytes{0x00, 0xdf, 45}, now)) == readings);
+    CHECK(aut.counters().other_times == 0);
+  }
 }
 
 TEST_CASE("a period is asked for whenever the mote is listed", "[proxy][GW-10][IF-04]") {

@@ -313,6 +313,35 @@ TEST_CASE("a rule with a time of day writes each day at that time", "[proxy][rul
   CHECK(early.deadline() == at(90min));
 }
 
+TEST_CASE("a time of day comes once a day through daylight saving", "[proxy][rules]") {
+  const auto daily = [](duration time, const std::vector<proxy::clock_change>& changes) {
+    std::vector<duration> all;
+    for (auto from = instant{}; all.size() < 4; from = instant{} + all.back() + 1ns)
+      all.push_back(proxy::next_daily(time, changes, from) - instant{});
+    return all;
+  };
+  using times = std::vector<duration>;
+  const std::vector<proxy::clock_change> spring{{at(26h), 1h}};
+  CHECK(daily(1h, spring) == times{1h, 25h, 48h, 72h});
+  CHECK(daily(2h + 30min, spring) == times{2h + 30min, 26h, 49h + 30min, 73h + 30min}); // left out
+  CHECK(daily(7h, spring) == times{7h, 30h, 54h, 78h});
+  const std::vector<proxy::clock_change> autumn{{at(27h), -1h}};
+  CHECK(daily(1h, autumn) == times{1h, 25h, 50h, 74h});
+  CHECK(daily(2h + 30min, autumn) == times{2h + 30min, 26h + 30min, 51h + 30min, 75h + 30min});
+  CHECK(daily(7h, autumn) == times{7h, 32h, 56h, 80h});
+  const std::vector<proxy::clock_change> both{{at(26h), 1h}, {at(60h), 0h}};
+  CHECK(daily(7h, both) == times{7h, 30h, 54h, 79h});
+
+  rule x;
+  x.daily = 7h;
+  x.writes = {{"hall.blind.position", "up", ""}};
+  rules aut({x}, 5s, spring);
+  aut.start(at(8h));
+  CHECK(aut.deadline() == at(30h));
+  CHECK(aut.on_time(at(30h)) == writes{{"hall.blind.position", "up"}});
+  CHECK(aut.deadline() == at(54h));
+}
+
 TEST_CASE("with a condition a time of day decides by what holds then", "[proxy][rules]") {
   auto x = heat();
   x.daily = 7h;

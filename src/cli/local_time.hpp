@@ -1,0 +1,19 @@
+// What the computer's clock shows, in its zone.
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include "core/time.hpp"
+#include "proxy/rules_config.hpp"
+
+namespace rubicon::cli {
+
+/// Since midnight, to the second.
+[[nodiscard]] duration time_of_day(std::chrono::system_clock::time_point at);
+
+/// When the clock will leap within `length`, told since `begin`, to the second.
+[[nodiscard]] std::vector<proxy::clock_change>
+clock_changes(std::chrono::system_clock::time_point begin, duration length);
+
+} // namespace rubicon::cli
