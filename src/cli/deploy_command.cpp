@@ -91,8 +91,7 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
                  view::run_facts{.file = x.file, .controls = x.control}, "wall", "",
                  hands ? hands->controls("tuples of a deployment are set by `rubicon tuples set`")
                        : nullptr);
-  deployment all(loop, actors, x.attach ? "" : random_id(), std::move(file.what),
-                 *std::move(file.loaded.ecology), hosts, options);
+  deployment all(loop, actors, x.attach ? "" : random_id(), std::move(file), hosts, options);
   std::optional<io::signal_watch> signals(std::in_place, loop,
                                           [&all](int) { all.stop(/*interrupted=*/true); });
   std::optional<deployed> told;
@@ -141,7 +140,7 @@ exit_status ask_whether(const deploy_command& x, const deploy::packed& file) {
   control::system actors(x.tls);
   const auto hosts = hosts_of(*file.loaded.ecology);
   const auto answers = ask_hosts(actors, hosts, [&](const deployed_host& host) {
-    return deploy::offer{{}, host.name, file.what, x.log_level, /*only_asks=*/true};
+    return deploy::offer{{}, host.name, part_of(file, host.name), x.log_level, /*only_asks=*/true};
   });
   std::string text;
   bool all_could = true;

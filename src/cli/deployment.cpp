@@ -22,11 +22,10 @@ constexpr duration restart_least = 1s; ///< so much must be left for a part to b
 
 } // namespace
 
-deployment::deployment(io::loop& loop, control::system& actors, std::string id, deploy::bundle what,
-                       config::ecology_description ecology, const std::vector<deployed_host>& hosts,
-                       deployment_options options)
-    : id_(std::move(id)), what_(std::move(what)), ecology_(std::move(ecology)),
-      options_(std::move(options)) {
+deployment::deployment(io::loop& loop, control::system& actors, std::string id, deploy::packed file,
+                       const std::vector<deployed_host>& hosts, deployment_options options)
+    : id_(std::move(id)), what_(std::move(file.what)), secrets_(file.loaded.seen.secrets),
+      ecology_(*std::move(file.loaded.ecology)), options_(std::move(options)) {
   for (const auto& host : hosts) {
     auto& x = hosts_.emplace_back();
     x.name = host.name;
@@ -84,6 +83,10 @@ void deployment::cause(const std::string& sentence) {
   }
 }
 
+deploy::bundle deployment::part_for(const followed& x) const {
+  return deploy::part_of(what_, ecology_, secrets_, x.name);
+}
+
 void deployment::ask(followed& x) {
   switch (x.at) {
   case phase::greeting:
@@ -91,7 +94,7 @@ void deployment::ask(followed& x) {
   case phase::facts:
     return ask(x, deploy::ask_facts{}, &deployment::on_facts);
   case phase::offer:
-    return ask(x, deploy::offer{id_, x.name, what_, options_.log_level, false},
+    return ask(x, deploy::offer{id_, x.name, part_for(x), options_.log_level, false},
                &deployment::on_offer);
   case phase::ready:
     if (began_)
@@ -175,7 +178,7 @@ bool deployment::take_over(followed& x) {
       fail(x, "runs nothing: deploy the file without --attach");
     return false;
   }
-  if (facts.files_hash != hash_of(what_)) {
+  if (facts.files_hash != hash_of(part_for(x))) {
     fail(x, "runs `" + facts.ecology + "` from another file, or of before it was changed");
     return false;
   }

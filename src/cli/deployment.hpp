@@ -35,9 +35,8 @@ class deployment {
 public:
   /// @param loop must outlive it
   /// @param id no other deployment has it; not used to attach
-  deployment(io::loop& loop, control::system& actors, std::string id, deploy::bundle what,
-             config::ecology_description ecology, const std::vector<deployed_host>& hosts,
-             deployment_options options);
+  deployment(io::loop& loop, control::system& actors, std::string id, deploy::packed file,
+             const std::vector<deployed_host>& hosts, deployment_options options);
   ~deployment();
   deployment(const deployment&) = delete;
   deployment& operator=(const deployment&) = delete;
@@ -81,6 +80,8 @@ private:
   };
 
   [[nodiscard]] bool is_late() const;
+  /// What the host is sent.
+  [[nodiscard]] deploy::bundle part_for(const followed& x) const;
   void ask(followed& x);
   void ask(followed& x, deploy::question what,
            void (deployment::*then)(followed&, deploy::answer&));
@@ -102,6 +103,7 @@ private:
 
   std::string id_;
   deploy::bundle what_;
+  std::vector<config::secret_place> secrets_; ///< of it
   config::ecology_description ecology_;
   deployment_options options_;
   const steady::time_point made_ = steady::now();

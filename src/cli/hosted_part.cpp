@@ -268,9 +268,12 @@ deploy::verdict hosted_part::cause(const deploy::cause_fault& x) {
   const auto found = deploy::fault_of(part_->what, x.sentence, with_.known);
   if (const auto* why = std::get_if<std::string>(&found))
     return refuse(*why);
-  const auto hosts = config::hosts_of(part_->ecology, std::get<config::fault>(found));
+  const auto& fault = std::get<config::fault>(found);
+  const auto hosts = config::hosts_of(part_->ecology, fault);
   if (std::ranges::find(hosts, with_.host) == hosts.end())
     return {{}, false};
+  if (auto why = lacks(part_->what, part_->ecology, fault); !why.empty())
+    return refuse(std::move(why));
   if (!process_->feed("fault " + x.sentence + '\n'))
     return refuse("its process takes nothing now");
   return {};

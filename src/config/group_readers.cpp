@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "config/file_readers.hpp"
+#include "config/secrets.hpp"
 #include "core/random.hpp"
 #include "smepp/member_keys.hpp"
 
@@ -15,15 +16,21 @@ constexpr duration period_max = 65s;
 
 /// 128 bits as 32 hexadecimal digits. What is wrong is told without what was found.
 struct secret_key {
-  [[nodiscard]] static std::optional<smepp::key> read(const node& x, const asker& who) {
+  std::string name; ///< as secrets_of() calls it
+
+  [[nodiscard]] std::optional<smepp::key> read(const node& x, const asker& who) const {
     const auto* found = x.as<std::string>();
     auto out = found == nullptr ? std::nullopt : smepp::key::from_hex(*found);
     if (!out)
       who.complain(x, '`' + std::string(who.key) + "` must be a key of 32 hexadecimal digits");
+    else
+      who.in.seen.secrets.push_back({name, x.at});
     return out;
   }
+  /// `writeOnly` is how a schema says that a value is secret.
   [[nodiscard]] static form takes() {
-    return {"key of 32 hexadecimal digits", pattern_schema("[0-9A-Fa-f]{32}")};
+    return {"key of 32 hexadecimal digits",
+            with_member(pattern_schema("[0-9A-Fa-f]{32}"), "writeOnly", "true")};
   }
 };
 
@@ -48,7 +55,7 @@ smepp::group_description read_group(table_reader& in, std::uint64_t seed, name_c
   in.optional("closed", flag{}, out.is_closed, "only who has the master key may enter");
   in.optional("private", flag{}, out.is_private, "only who has the master key may find it");
   std::optional<smepp::key> master;
-  in.optional("master_key", secret_key{}, master,
+  in.optional("master_key", secret_key{master_key_name(out.name)}, master,
               {"what opens a closed group and shows a private one; the motes with a `member` of it "
                "have it",
                "drawn from the seed, which is no secret"});
@@ -77,9 +84,9 @@ smepp::group_settings read_smepp(table_reader& root, std::uint64_t seed) {
   root.table(
       "smepp", "[smepp]", {"groups of motes, as SMEPP Light has them", "none"},
       [&](table_reader& in) {
-        in.optional("network_key", secret_key{}, out.network_key,
+        in.optional("network_key", secret_key{"smepp.network_key"}, out.network_key,
                     {"encrypts all frames", "drawn from the seed, which is no secret"});
-        in.optional("network_mac", secret_key{}, out.network_mac,
+        in.optional("network_mac", secret_key{"smepp.network_mac"}, out.network_mac,
                     {"authenticates them", "drawn from the seed, which is no secret"});
         in.all(out.energy);
         in.all(out);
@@ -91,7 +98,7 @@ smepp::group_settings read_smepp(table_reader& root, std::uint64_t seed) {
                     "what an event proves: that a member has raised it, or which one, by "
                     "a key that it shares with the subscriber");
         out.authenticates_sender = proven == authenticated::sender;
-        in.optional("pairwise_key", secret_key{}, out.pairwise_root,
+        in.optional("pairwise_key", secret_key{"smepp.pairwise_key"}, out.pairwise_root,
                     {"what keys of two motes are made from; no mote has it",
                      "drawn from the seed, which is no secret"});
         name_claims names;

@@ -57,6 +57,12 @@ struct trace_place {
   device::trace_time start;
 };
 
+/// A secret that the file has written: secrets.hpp.
+struct secret_place {
+  std::string name; ///< `smepp.group.NAME.master_key`
+  mark at;          ///< of its value
+};
+
 struct file_places {
   std::string peer; ///< whose apps are read
   std::vector<tuple_use> uses;
@@ -65,6 +71,7 @@ struct file_places {
   std::map<std::string, class_places, std::less<>> classes;
   std::map<mote_address, mote_places> motes;
   std::map<std::shared_ptr<const device::trace_table>, trace_place> traces;
+  std::vector<secret_place> secrets; ///< in the order in which they are read
 };
 
 } // namespace rubicon::config

@@ -1,11 +1,14 @@
 #include "deploy/bundle.hpp"
 
 #include <algorithm>
+#include <cassert>
+#include <iterator>
 #include <set>
 #include <utility>
 
 #include "config/document.hpp"
 #include "config/placement.hpp"
+#include "config/secrets.hpp"
 #include "core/hash.hpp"
 
 namespace rubicon::deploy {
@@ -80,6 +83,9 @@ packed pack(const std::string& path, const config::overrides& instead,
                                    "it names files of more than " +
                                        std::to_string(bundle_octets_max >> 20) +
                                        " MiB together, which is too much to send to hosts"});
+  if (out.loaded.ecology && !config::without(out.loaded.seen.secrets, out.what.toml))
+    out.loaded.problems.push_back(
+        {path, 0, 0, "its keys cannot be told from the rest: write them as plain texts"});
   if (!out.loaded.problems.empty() || !out.loaded.ecology)
     return out;
   auto& ecology = *out.loaded.ecology;
@@ -113,6 +119,31 @@ config::loaded load(const bundle& x, config::overrides instead, const config::ex
     place(*out.ecology, x.places);
   }
   return out;
+}
+
+bundle part_of(const bundle& what, const config::ecology_description& all,
+               const std::vector<config::secret_place>& secrets, const std::string& host) {
+  const auto needed = config::secrets_of(config::part_of(all, host));
+  std::vector<config::secret_place> withheld;
+  std::ranges::copy_if(secrets, std::back_inserter(withheld),
+                       [&needed](const auto& x) { return !needed.contains(x.name); });
+  auto out = what;
+  for (const auto& each : withheld)
+    out.withheld.push_back(each.name);
+  std::ranges::sort(out.withheld);
+  auto text = config::without(withheld, what.toml);
+  assert(text); // pack() has seen to it
+  out.toml = *std::move(text);
+  return out;
+}
+
+std::string lacks(const bundle& part, const config::ecology_description& all,
+                  const config::fault& x) {
+  for (const auto& each : config::secrets_of(all, x))
+    if (std::ranges::binary_search(part.withheld, each))
+      return "it takes `" + each + "`, which was not sent to this host: no mote of it had needed " +
+             "it; plan the fault in the file";
+  return {};
 }
 
 std::vector<host_place>

@@ -29,10 +29,11 @@ struct bundle {
   std::map<std::string, std::string> files; ///< content, by the path under which it is asked for
   std::map<std::string, std::vector<std::string>> folders; ///< names in them, likewise
   std::vector<host_place> places;                          ///< of hosts that are elsewhere
+  std::vector<std::string> withheld; ///< names of the secrets that are zeros here, sorted
   std::uint64_t seed = 1;
   duration length{};
 };
-RUBICON_FIELDS(bundle, name, toml, files, folders, places, seed, length);
+RUBICON_FIELDS(bundle, name, toml, files, folders, places, withheld, seed, length);
 
 /// All files together, in octets.
 inline constexpr std::size_t bundle_octets_max = std::size_t{256} << 20;
@@ -54,6 +55,22 @@ struct packed {
 /// @param instead its seed, if there is one, comes before the bundle's
 [[nodiscard]] config::loaded load(const bundle& x, config::overrides instead,
                                   const config::extensions& known);
+
+/// What a host is sent: of the secrets of the file those only that its part cannot be without.
+/// @param what as pack() makes it
+/// @param secrets that it has written
+[[nodiscard]] bundle part_of(const bundle& what, const config::ecology_description& all,
+                             const std::vector<config::secret_place>& secrets,
+                             const std::string& host);
+
+/// The same. @pre the file has no problems
+[[nodiscard]] inline bundle part_of(const packed& x, const std::string& host) {
+  return part_of(x.what, *x.loaded.ecology, x.loaded.seen.secrets, host);
+}
+
+/// Why a fault cannot happen to a part: it needs secrets that were not sent; empty: it can.
+[[nodiscard]] std::string lacks(const bundle& part, const config::ecology_description& all,
+                                const config::fault& x);
 
 /// Lets hosts be where `places` says.
 void place(config::ecology_description& out, const std::vector<host_place>& places);

@@ -30,7 +30,7 @@ peer = "robot"
 [[fault]]
 every = "1min"
 kind = "pause"
-peer = "robot")", {}, {}, {}, 1, 10min};
+peer = "robot")", {}, {}, {}, {}, 1, 10min};
 
 template <class Fault>
 Fault fault_in(const std::string& sentence) {
