@@ -12,6 +12,7 @@
 #include "cli/network_text.hpp"
 #include "core/printable.hpp"
 #include "io/certificates.hpp"
+#include "report/figures.hpp"
 #include "report/text_layout.hpp"
 
 namespace rubicon::cli {
@@ -55,6 +56,8 @@ report::cell judged(std::string text, bool good) {
 }
 
 report::cell time_left(const io::listed_certificate& x, sys_seconds now) {
+  if (x.revoked)
+    return judged("revoked", false);
   if (x.valid_until <= now)
     return judged("expired", false);
   if (x.valid_from > now)
@@ -101,6 +104,7 @@ std::string json_of(const certificates& all, sys_seconds now) {
       row["days_left"] = days_left(x, now);
       row["signed_by_ca"] = x.signed_by_authority;
       row["use"] = to_string(x.use);
+      row["revoked"] = x.revoked.has_value();
     } else {
       row["problem"] = x.problem;
     }
@@ -145,10 +149,38 @@ exit_status perform_in(const std::string& folder, const io::new_authority& x) {
 }
 
 exit_status perform_in(const std::string& folder, const io::new_certificate& x) {
+  if (x.use == io::certificate_use::any)
+    return refuse("say what `" + x.host +
+                  "` is: --host, which answers who deploys, or "
+                  "--coordinator, who deploys");
   const auto made = io::make_certificate(folder, x, io::system_time());
   if (const auto* why = std::get_if<std::string>(&made))
     return refuse_in(folder, *why);
   return tell(std::get<io::made_certificate>(made), "for " + x.host + " only, beside ca.crt");
+}
+
+exit_status perform_in(const std::string& folder, const io::renewal& x) {
+  const auto made = io::renew_certificate(folder, x, io::system_time());
+  if (const auto* why = std::get_if<std::string>(&made))
+    return refuse_in(folder, *why);
+  const auto& found = std::get<io::made_certificate>(made);
+  if (!found.key_file.empty())
+    return tell(found, "for " + x.host + " only, beside ca.crt");
+  const auto text = printable(found.file) + ", valid until " + date_text(found.valid_until) +
+                    "; its key is as before\n";
+  return print(stdout, text) ? exit_status::good : exit_status::refused;
+}
+
+exit_status perform_in(const std::string& folder, const revoke_host& x) {
+  const auto made = io::revoke_certificate(folder, x.host, io::system_time());
+  if (const auto* why = std::get_if<std::string>(&made))
+    return refuse_in(folder, *why);
+  const auto& found = std::get<io::made_revocation>(made);
+  const auto text = printable(found.file) + ", number " + std::to_string(found.number) + ": " +
+                    report::counted(found.added, "certificate") + " of " + x.host +
+                    " more; keep it beside ca.crt: `rubicon deploy`, `status` and `doctor` take it "
+                    "to hosts\n";
+  return print(stdout, text) ? exit_status::good : exit_status::refused;
 }
 
 exit_status perform_in(const std::string& folder, const list_certificates& x) {

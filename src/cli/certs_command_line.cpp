@@ -16,13 +16,27 @@ void add_days(CLI::App& app, unsigned& days, const char* text) {
       ->type_name("N");
 }
 
+/// One of both at most.
+void add_use(CLI::App& app, io::certificate_use& use) {
+  auto* const as_host = app.add_flag_function(
+      "--host", [&use](auto) { use = io::certificate_use::host; },
+      "It answers who deploys, and may not deploy itself");
+  app.add_flag_function(
+         "--coordinator", [&use](auto) { use = io::certificate_use::coordinator; },
+         "It deploys, and is no host")
+      ->excludes(as_host);
+}
+
 } // namespace
 
 certs_command_line::certs_command_line(CLI::App& app)
-    : app_(*app.add_subcommand("certs", "Make and list the certificates of a deployment's hosts")) {
+    : app_(*app.add_subcommand(
+          "certs", "Make, renew, revoke and list the certificates of a deployment's hosts")) {
   app_.require_subcommand(1);
   add_init();
   add_host();
+  add_renew();
+  add_revoke();
   add_list();
 }
 
@@ -46,21 +60,34 @@ void certs_command_line::add_host() {
                  "An IP address or DNS name by which others reach it; may be given again")
       ->allow_extra_args(false) // else it would take HOST for another address
       ->type_name("ADDRESS");
-  auto* const as_host = app.add_flag_function(
-      "--host", [this](auto) { host_.use = io::certificate_use::host; },
-      "It answers who deploys, and may not deploy itself");
-  app.add_flag_function(
-         "--coordinator", [this](auto) { host_.use = io::certificate_use::coordinator; },
-         "It deploys, and is no host")
-      ->excludes(as_host);
+  add_use(app, host_.use);
   add_days(app, host_.days, "Days that it is valid; 825 if not given");
+}
+
+void certs_command_line::add_renew() {
+  auto& app = add("renew", "Make another certificate for a host, of the same use and addresses");
+  app.add_option("HOST", renewal_.host, "The host's name")->required()->type_name("");
+  app.add_flag("--new-key", renewal_.new_key,
+               "Make another key, too: the former one may be in other hands");
+  add_use(app, renewal_.use);
+  add_days(app, renewal_.days, "Days that it is valid; 825 if not given");
+  app.footer(
+      "The former files are kept in the folder `former`. Without --new-key HOST.crt alone is\n"
+      "new: its key, wherever that is, stays. A certificate for both uses gets one of them.");
+}
+
+void certs_command_line::add_revoke() {
+  auto& app = add("revoke", "Take back the certificates of a host, with its former ones");
+  app.add_option("HOST", revoked_.host, "The host's name")->required()->type_name("");
+  app.footer("Writes ca.crl. Whoever has it beside ca.crt takes it to the hosts that he asks.");
 }
 
 void certs_command_line::add_list() {
   auto& app = add("list", "Tell which certificates there are, and whether they are good");
   app.add_flag("--json", list_.json, "Print JSON");
-  app.footer("Exit status 1: one has expired, was not signed by the authority beside it, or has a\n"
-             "key that others can read or that is not its own.");
+  app.footer(
+      "Exit status 1: one has expired or was revoked, was not signed by the authority beside\n"
+      "it, or has a key that others can read or that is not its own.");
 }
 
 std::optional<certs_command> certs_command_line::parsed() const {
@@ -72,6 +99,10 @@ std::optional<certs_command> certs_command_line::parsed() const {
     x.what = authority_;
   else if (is("add"))
     x.what = host_;
+  else if (is("renew"))
+    x.what = renewal_;
+  else if (is("revoke"))
+    x.what = revoked_;
   return x;
 }
 

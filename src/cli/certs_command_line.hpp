@@ -26,12 +26,16 @@ private:
   CLI::App& add(const char* name, const char* text);
   void add_init();
   void add_host();
+  void add_renew();
+  void add_revoke();
   void add_list();
 
   CLI::App& app_;
   std::string folder_ = certs_command().folder;
   io::new_authority authority_;
   io::new_certificate host_;
+  io::renewal renewal_;
+  revoke_host revoked_;
   list_certificates list_;
 };
 

@@ -151,10 +151,16 @@ struct list_certificates {
   bool json = false;
 };
 
-/// `rubicon certs init`, `rubicon certs add HOST` and `rubicon certs list`
+/// `rubicon certs revoke`
+struct revoke_host {
+  std::string host;
+};
+
+/// `rubicon certs init`, `add HOST`, `renew HOST`, `revoke HOST` and `list`
 struct certs_command {
   std::string folder = "certs";
-  std::variant<io::new_authority, io::new_certificate, list_certificates> what;
+  std::variant<io::new_authority, io::new_certificate, io::renewal, revoke_host, list_certificates>
+      what;
 };
 
 /// `--help` and `--version`: text for standard output.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -30,7 +31,7 @@
 #include "io/loop.hpp"
 #include "io/machine.hpp"
 #include "io/serial_devices.hpp"
-#include "io/tls_identity.hpp"
+#include "io/tls_keeper.hpp"
 #include "io/udp_group.hpp"
 #include "report/figures.hpp"
 #include "report/text_layout.hpp"
@@ -50,6 +51,9 @@ using findings = std::vector<finding>;
 
 /// Time enough to make another.
 constexpr std::chrono::days certificate_left_least(14);
+
+constexpr const char* any_use_advice =
+    "give it one use, where ca.key is: rubicon certs renew --host, or --coordinator";
 
 std::string address_text(const io::network_interface& x) {
   std::string text;
@@ -135,19 +139,47 @@ void look_at_serial(findings& out) {
 bool look_at_certificates(const control::tls_files& tls, findings& out) {
   if (tls.empty())
     return true;
-  const auto loaded = io::tls_identity::load(tls, io::system_time());
-  if (const auto* why = std::get_if<std::string>(&loaded)) {
-    out.push_back({"certificate", *why,
-                   "rubicon certs list tells more; rubicon certs init and certs add make others"});
+  std::optional<io::tls_keeper> found;
+  try {
+    found.emplace(tls);
+  } catch (const std::runtime_error& why) {
+    out.push_back({"certificate", why.what(),
+                   "rubicon certs list tells more; certs renew, add and init make others"});
     return false;
   }
-  const auto& own = std::get<io::tls_identity>(loaded);
+  const auto& own = *found->identity();
   const auto left = own.valid_until() - io::system_time();
   out.push_back(
       {"certificate",
        tls.certificate + " of `" + own.name() + "` until " + io::time_text(own.valid_until()),
-       left < certificate_left_least ? "it ends soon: rubicon certs add makes another" : ""});
+       left < certificate_left_least ? "it ends soon: rubicon certs renew makes another" : ""});
+  if (own.use() == io::certificate_use::any)
+    out.push_back(
+        {"certificate", tls.certificate + " is for a host and for who deploys", any_use_advice});
+  const auto& list = found->revoked();
+  out.push_back({"revoked",
+                 list ? "list " + std::to_string(list->number()) + " has " +
+                            report::counted(list->size(), "certificate")
+                      : "no list",
+                 ""});
   return true;
+}
+
+/// What a host knows of revoked certificates, and whether it could deploy itself.
+void look_at_use(const deploy::host_facts& theirs, const io::tls_keeper& own,
+                 const std::string& name, findings& out) {
+  const auto ours = own.revoked() ? own.revoked()->number() : 0;
+  if (theirs.revocations > ours)
+    out.push_back(
+        {name,
+         "has list " + std::to_string(theirs.revocations) + " of revoked certificates" +
+             (ours == 0 ? ", here is none" : ", here is " + std::to_string(ours)),
+         "copy ca.crl from the folder of the authority to beside " + own.files().authority});
+  if (theirs.revocations < ours)
+    out.push_back({name, "does not take list " + std::to_string(ours) + " of revoked certificates",
+                   "its log says why"});
+  if (theirs.may_deploy)
+    out.push_back({name, "its certificate is for a host and for who deploys", any_use_advice});
 }
 
 /// @param why a host does not answer
@@ -155,8 +187,11 @@ std::string advice_for(const std::string& why, const std::string& host) {
   const auto has = [&why](std::string_view part) { return why.find(part) != std::string::npos; };
   if (has("clock there is wrong") || has("one of the two clocks"))
     return "set the clock that is wrong (timedatectl set-ntp true), here or there";
+  if (has("revoked"))
+    return "make another certificate with another key, where ca.key is: rubicon certs renew "
+           "--new-key; whose name was revoked by mistake, too";
   if (has("expired"))
-    return "make another certificate: rubicon certs add, with the same ca.crt and ca.key";
+    return "make another certificate where ca.key is: rubicon certs renew";
   if (has("another authority"))
     return "make both certificates with one ca.key";
   if (has("shows the certificate of"))
@@ -176,7 +211,7 @@ void look_at_hosts(const doctor_command& x, const deploy::packed& file, findings
       ask_hosts(actors, hosts, [](const auto&) { return deploy::greeting{version}; });
   const auto facts = ask_facts_of(actors, hosts);
   const auto offered = ask_hosts(actors, hosts, [&](const auto& host) {
-    return deploy::offer{{}, host.name, file.what, "off", /*only_asks=*/true};
+    return deploy::offer{{}, host.name, part_of(file, host.name), "off", /*only_asks=*/true};
   });
   for (std::size_t i = 0; i < hosts.size(); ++i) {
     const auto name = "host " + hosts[i].name;
@@ -199,6 +234,7 @@ void look_at_hosts(const doctor_command& x, const deploy::packed& file, findings
                    std::abs(heard->clock_ahead_s) > clock_off_max_s
                        ? "set it (timedatectl set-ntp true): certificates and logs go by it"
                        : ""});
+    look_at_use(heard->facts, actors.own(), name, out);
     const auto problems = problems_of(offered[i]);
     for (const auto& each : problems)
       out.push_back({name, "could not run its part", each});

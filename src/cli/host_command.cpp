@@ -39,7 +39,7 @@ public:
       : command_(x), with_{x.name, std::move(folder), std::move(files), x.access, x.known},
         signals_(
             loop_, [this](int) { end(); }, /*hangup_too=*/!renews()),
-        identity_(x.tls, x.name),
+        identity_(x.tls, x.name, (with_.folder / x.name).string()),
         part_(loop_, with_, [this](const std::string& text) { say(text); }), seeds_(loop_, with_) {}
 
   exit_status run() {
@@ -59,6 +59,8 @@ public:
     say("listens on " + command_.address + ':' + std::to_string(server_->port()) +
         (command_.tls.empty() ? ", for this computer only"
                               : ", for certificates of " + command_.tls.authority));
+    for (const auto& each : identity_.own().doubts())
+      say(each);
     while (!ending_ || (part_.is_running() && steady::now() < *ending_ + goodbye_max)) {
       loop_.wait_until(steady::now() + look_every);
       part_.on_time();
@@ -105,11 +107,19 @@ private:
     loop_.wake();
   }
 
+  deploy::host_facts facts() {
+    auto out = part_.facts();
+    const auto& own = identity_.own();
+    out.revocations = own.revoked() ? own.revoked()->number() : 0;
+    out.may_deploy = own.identity() && own.identity()->use() == io::certificate_use::any;
+    return out;
+  }
+
   deploy::answer answer(deploy::question question) {
     return std::visit(
         overloads{
             [](const deploy::greeting&) -> deploy::answer { return deploy::greeting{version}; },
-            [this](const deploy::ask_facts&) -> deploy::answer { return part_.facts(); },
+            [this](const deploy::ask_facts&) -> deploy::answer { return facts(); },
             [this](deploy::offer& x) -> deploy::answer { return part_.offer(std::move(x)); },
             [this](const deploy::begin_part& x) -> deploy::answer { return part_.begin(x); },
             [this](const deploy::end_part& x) -> deploy::answer { return part_.end(x); },
@@ -117,6 +127,8 @@ private:
             [this](const deploy::ask_news& x) -> deploy::answer { return part_.news_after(x); },
             [this](const deploy::offer_seeds& x) -> deploy::answer { return seeds_.offer(x); },
             [this](const deploy::run_seeds& x) -> deploy::answer { return seeds_.run(x); },
+            // The server's own.
+            [](const deploy::tell_revoked&) -> deploy::answer { return deploy::verdict{}; },
         },
         question);
   }

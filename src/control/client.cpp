@@ -36,8 +36,10 @@ struct client::state {
   const std::string host;
 
   phase now = phase::away;
-  callback done; ///< empty: no question is open
-  frame asked;   ///< as long as it has not been sent
+  callback done;               ///< empty: no question is open
+  frame asked;                 ///< as long as it has not been sent
+  bool tells_list = false;     ///< the answer that comes first is to that
+  std::uint64_t told_list = 0; ///< number of the list that this connection has brought
   std::uint8_t answer_kind = 0;
   std::uint32_t number = 0;
   bool has_answered = false; ///< somebody, at some time
@@ -53,6 +55,7 @@ struct client::state {
     if (asked.content.size() > question_limits()[asked.kind])
       return patience.start({}, [this] { fail("is asked more than a question may hold"); });
     patience.start(timeout, [this] { fail(why_late()); });
+    static_cast<void>(own.look()); // who cannot be believed any more is told so by the other side
     if (now == phase::open)
       return send();
     now = phase::connecting;
@@ -67,7 +70,6 @@ struct client::state {
   }
 
   void connected(io::tcp_stream x) {
-    static_cast<void>(own.look()); // who cannot be believed any more is told so by the other side
     now = phase::shaking;
     reader = frame_reader{answer_limits()};
     stream.emplace(
@@ -81,13 +83,25 @@ struct client::state {
 
   void ready() {
     now = phase::open;
+    told_list = 0;
     send();
   }
 
+  /// A greeting comes before the list: other versions may not know what that is.
   void send() {
-    stream->send(encode_header(asked));
-    stream->send(std::move(asked.content));
-    asked.content.clear();
+    const auto& list = own.revoked();
+    tells_list = list && list->number() != told_list &&
+                 asked.kind != deploy::question(deploy::greeting{}).index();
+    if (!tells_list)
+      return send(std::exchange(asked, {asked.kind, asked.number, {}}));
+    told_list = list->number();
+    const deploy::question x = deploy::tell_revoked{list->text()};
+    send({static_cast<std::uint8_t>(x.index()), 0, octets_of(x)});
+  }
+
+  void send(frame x) {
+    stream->send(encode_header(x));
+    stream->send(std::move(x.content));
   }
 
   void on_octets(byte_view octets) {
@@ -103,6 +117,12 @@ struct client::state {
   }
 
   void on_answer(const frame& x, bool is_followed) {
+    if (tells_list) { // what the host makes of it is told by its log, and by its facts
+      if (is_followed || x.number != 0)
+        return fail("answers what was not asked");
+      tells_list = false;
+      return send();
+    }
     if (!done || is_followed || x.number != number || x.kind != answer_kind)
       return fail("answers what was not asked");
     auto found = answer_of(x.kind, x.content);

@@ -19,7 +19,7 @@ constexpr std::uint8_t layout = 1;
 /// Files and reports, and what stands around them.
 constexpr std::size_t large_octets_max = deploy::bundle_octets_max + (std::size_t{16} << 20);
 constexpr std::size_t tiny_octets_max = 16 * 1024;
-constexpr std::size_t seeds_octets_max = 128 * 1024;
+constexpr std::size_t list_octets_max = 128 * 1024;
 
 template <class T>
 constexpr std::size_t limit_of() {
@@ -29,8 +29,8 @@ constexpr std::size_t limit_of() {
     return large_octets_max;
   else if constexpr (std::is_same_v<T, verdict>)
     return small_octets_max;
-  else if constexpr (std::is_same_v<T, run_seeds>)
-    return seeds_octets_max;
+  else if constexpr (std::is_same_v<T, run_seeds> || std::is_same_v<T, tell_revoked>)
+    return list_octets_max;
   else
     return tiny_octets_max;
 }

@@ -139,7 +139,10 @@ struct server::state {
 
   void look_for_certificate(bool again = false) {
     const auto before = own.changes();
+    const auto list = number_of_list();
     say(own.look(again));
+    if (number_of_list() != list)
+      shut_out_revoked();
     if (own.changes() == before)
       return;
     std::vector<id> old; // whoever they were: they come again, and show what they have now
@@ -150,12 +153,42 @@ struct server::state {
       end(who);
   }
 
+  [[nodiscard]] std::uint64_t number_of_list() const {
+    return own.revoked() ? own.revoked()->number() : 0;
+  }
+
+  /// Whoever is on a list that has come goes.
+  void shut_out_revoked() {
+    std::map<id, std::string> gone;
+    for (const auto& [who, x] : all)
+      if (auto why = why_revoked(x); !why.empty())
+        gone.emplace(who, std::move(why));
+    for (const auto& [who, why] : gone)
+      close(who, why);
+  }
+
+  /// Empty as long as nobody knows who it is.
+  [[nodiscard]] std::string why_revoked(const connection& x) const {
+    return x.at == phase::unknown || !own.revoked() ? "" : x.stream->why_revoked(*own.revoked());
+  }
+
+  deploy::answer learn(const deploy::tell_revoked& x) {
+    const auto found = own.take(x.list);
+    say(found.told.empty() || found.is_taken
+            ? found.told
+            : "is told a list of revoked certificates that " + found.told);
+    return found.is_taken || found.told.empty() ? deploy::verdict{}
+                                                : deploy::verdict{{found.told}, true};
+  }
+
   void on_known(id who) {
     auto& x = all.at(who);
     doors.leave(who);
     if (!make_room())
       return close(who, "comes when " + std::to_string(known_max) + " others ask");
     x.at = phase::idle;
+    if (const auto why = why_revoked(x); !why.empty()) // a list has come since it began
+      return close(who, why);
     be_idle(who, x);
   }
 
@@ -241,14 +274,23 @@ struct server::state {
     if (!question)
       return close(who, "sends a question of kind " + std::to_string(asked.kind) +
                             " that cannot be read");
-    const auto found = answer(*std::move(question));
+    const auto* list = std::get_if<deploy::tell_revoked>(&*question);
+    const auto found = list != nullptr ? learn(*list) : answer(*std::move(question));
     next_with_files(who);
-    frame reply{answer_kind(asked.kind), asked.number, octets_of(found)};
-    if (reply.kind != found.index() || reply.content.size() > answer_limits()[reply.kind])
+    if (list != nullptr)
+      shut_out_revoked();
+    if (all.contains(who))
+      reply(who, asked, found);
+  }
+
+  void reply(id who, const frame& to, const deploy::answer& found) {
+    auto& x = all.at(who);
+    frame out{answer_kind(to.kind), to.number, octets_of(found)};
+    if (out.kind != found.index() || out.content.size() > answer_limits()[out.kind])
       return close(who, "asks for more than an answer may hold");
     x.patience.start(unread_max, [this, who] { close(who, "does not read its answer"); });
-    x.stream->send(encode_header(reply));
-    x.stream->send(std::move(reply.content));
+    x.stream->send(encode_header(out));
+    x.stream->send(std::move(out.content));
   }
 
   void on_answered(id who) {

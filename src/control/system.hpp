@@ -11,8 +11,10 @@ namespace rubicon::control {
 class system {
 public:
   /// @param host whose name the certificate must have; empty: any
+  /// @param kept where lists of revoked certificates outlive the process, as tls_keeper has it
   /// @throws std::runtime_error if the files of `tls` cannot be used
-  explicit system(const tls_files& tls, const std::string& host = {}) : own_(tls, host) {}
+  explicit system(const tls_files& tls, const std::string& host = {}, const std::string& kept = {})
+      : own_(tls, host, kept) {}
   system(const system&) = delete;
   system& operator=(const system&) = delete;
 

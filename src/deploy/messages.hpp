@@ -48,14 +48,16 @@ struct host_facts {
   std::string files_hash; ///< of its bundle
   std::uint64_t seed = 0;
   duration length{};
-  duration elapsed{};        ///< since it began on all hosts
-  bool refused = false;      ///< its process would not begin, and has said why
-  std::uint32_t lives = 0;   ///< processes of the part so far
-  std::uint64_t memory = 0;  ///< octets of its process
-  std::int64_t clock_us = 0; ///< of the system, since 1970, UTC
+  duration elapsed{};            ///< since it began on all hosts
+  bool refused = false;          ///< its process would not begin, and has said why
+  std::uint32_t lives = 0;       ///< processes of the part so far
+  std::uint64_t memory = 0;      ///< octets of its process
+  std::int64_t clock_us = 0;     ///< of the system, since 1970, UTC
+  std::uint64_t revocations = 0; ///< number of its list of revoked certificates; 0: it has none
+  bool may_deploy = false;       ///< its certificate is a coordinator's, too
 };
 RUBICON_FIELDS(host_facts, host, state, deployment, ecology, files_hash, seed, length, elapsed,
-               refused, lives, memory, clock_us);
+               refused, lives, memory, clock_us, revocations, may_deploy);
 
 struct ask_facts {
   using answer = host_facts;
@@ -165,8 +167,16 @@ struct run_seeds {
 };
 RUBICON_FIELDS(run_seeds, experiment, seeds, after, ends);
 
+/// The authority's list of certificates that are not to be believed any more. Who asks has one
+/// tells it on each new connection.
+struct tell_revoked {
+  std::string list; ///< in PEM
+  using answer = verdict;
+};
+RUBICON_FIELDS(tell_revoked, list);
+
 using question = std::variant<greeting, ask_facts, offer, begin_part, end_part, cause_fault,
-                              ask_news, offer_seeds, run_seeds>;
+                              ask_news, offer_seeds, run_seeds, tell_revoked>;
 /// Who takes longer does not answer; files take their time on their way.
 [[nodiscard]] inline duration patience_for(const question& x) {
   const bool has_files = std::holds_alternative<offer>(x) || std::holds_alternative<offer_seeds>(x);

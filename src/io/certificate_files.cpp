@@ -37,11 +37,6 @@ struct descriptor {
   int number;
 };
 
-/// A place in memory that OpenSSL wipes when it is given back.
-owned<BIO> memory() {
-  return owned<BIO>(BIO_new(BIO_s_mem()));
-}
-
 std::string_view octets_of(BIO& x) {
   const char* data = nullptr;
   const auto size = BIO_get_mem_data(&x, &data);
@@ -131,7 +126,91 @@ std::optional<std::string> create_file(const std::string& path, mode_t mode,
   return why_not;
 }
 
+/// At once.
+std::optional<std::string> replace(const std::string& path, mode_t mode, BIO& octets) {
+  const auto beside = path + ".new";
+  ::unlink(beside.c_str()); // of a command that was ended
+  if (auto why_not = create_file(beside, mode, octets_of(octets)))
+    return why_not;
+  if (::rename(beside.c_str(), path.c_str()) == 0)
+    return std::nullopt;
+  auto why_not = failed(path);
+  ::unlink(beside.c_str());
+  return why_not;
+}
+
+/// Hexadecimal.
+std::string serial_of(const X509& x) {
+  const owned<BIGNUM> number(ASN1_INTEGER_to_BN(X509_get0_serialNumber(&x), nullptr));
+  char* const text = number ? BN_bn2hex(number.get()) : nullptr;
+  std::string serial = text == nullptr ? "unknown" : text;
+  OPENSSL_free(text);
+  return serial;
+}
+
+/// Keeps what stands at `path` under another name, too.
+std::optional<std::string> keep(const std::string& path, const std::string& as) {
+  return ::link(path.c_str(), as.c_str()) == 0 || errno == EEXIST || errno == ENOENT
+             ? std::nullopt
+             : std::optional(failed(as));
+}
+
+owned<BIO> pem_of(EVP_PKEY& x) {
+  auto out = memory();
+  const bool is_good =
+      out && PEM_write_bio_PrivateKey(out.get(), &x, nullptr, nullptr, 0, nullptr, nullptr) == 1;
+  return is_good ? std::move(out) : nullptr;
+}
+
+owned<BIO> pem_of(X509& x) {
+  auto out = memory();
+  return out && PEM_write_bio_X509(out.get(), &x) == 1 ? std::move(out) : nullptr;
+}
+
 } // namespace
+
+owned<BIO> memory() {
+  return owned<BIO>(BIO_new(BIO_s_mem()));
+}
+
+std::string path_in(const std::string& folder, std::string_view name, std::string_view ending) {
+  return folder + '/' + std::string(name) + std::string(ending);
+}
+
+std::string former_in(const std::string& folder) {
+  return folder + "/former";
+}
+
+std::variant<file_lock, std::string> lock_of(const std::string& folder) {
+  return file_lock::take(folder + "/.lock");
+}
+
+std::optional<std::string> replace_with(const std::string& path, BIO& octets) {
+  return replace(path, certificate_mode, octets);
+}
+
+std::optional<std::string> replace_files(const certificate_pair& x, const X509& old,
+                                         const std::string& folder, const std::string& host) {
+  constexpr mode_t folder_mode = 0700;
+  const auto certificate_path = path_in(folder, host, ".crt");
+  const auto key_path = path_in(folder, host, ".key");
+  const auto certificate = pem_of(*x.certificate);
+  const auto key = x.key ? pem_of(*x.key) : nullptr;
+  if (!certificate || (x.key && !key))
+    return certificate_path + ": " + openssl_reason();
+  if (::mkdir(former_in(folder).c_str(), folder_mode) != 0 && errno != EEXIST)
+    return failed(former_in(folder));
+  const auto former = path_in(former_in(folder), host + '-' + serial_of(old), "");
+  if (auto why_not = keep(certificate_path, former + ".crt"))
+    return why_not;
+  if (key) {
+    if (auto why_not = keep(key_path, former + ".key"))
+      return why_not;
+    if (auto why_not = replace(key_path, key_mode, *key))
+      return why_not;
+  }
+  return replace(certificate_path, certificate_mode, *certificate);
+}
 
 std::string openssl_reason() {
   const auto* const reason = ERR_reason_error_string(ERR_peek_last_error());
@@ -185,12 +264,11 @@ std::optional<std::string> create_files(const certificate_pair& x,
                                         const std::string& certificate_path,
                                         const std::string& key_path) {
   ERR_clear_error();
-  const auto key = memory();
-  if (!key ||
-      PEM_write_bio_PrivateKey(key.get(), x.key.get(), nullptr, nullptr, 0, nullptr, nullptr) != 1)
+  const auto key = pem_of(*x.key);
+  if (!key)
     return key_path + ": " + openssl_reason();
-  const auto certificate = memory();
-  if (!certificate || PEM_write_bio_X509(certificate.get(), x.certificate.get()) != 1)
+  const auto certificate = pem_of(*x.certificate);
+  if (!certificate)
     return certificate_path + ": " + openssl_reason();
   if (auto why_not = create_file(key_path, key_mode, octets_of(*key)))
     return why_not;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include <openssl/bio.h>
@@ -14,6 +15,7 @@
 #include <openssl/x509v3.h>
 
 #include "io/certificates.hpp"
+#include "io/file_lock.hpp"
 
 namespace rubicon::io {
 
@@ -22,12 +24,14 @@ struct openssl_free {
   void operator()(BIGNUM* x) const { BN_free(x); }
   void operator()(EVP_PKEY* x) const { EVP_PKEY_free(x); }
   void operator()(X509* x) const { X509_free(x); }
+  void operator()(X509_CRL* x) const { X509_CRL_free(x); }
+  void operator()(X509_REVOKED* x) const { X509_REVOKED_free(x); }
   void operator()(X509_EXTENSION* x) const { X509_EXTENSION_free(x); }
   void operator()(X509_STORE* x) const { X509_STORE_free(x); }
   void operator()(X509_STORE_CTX* x) const { X509_STORE_CTX_free(x); }
   void operator()(GENERAL_NAME* x) const { GENERAL_NAME_free(x); }
   void operator()(GENERAL_NAMES* x) const { GENERAL_NAMES_free(x); }
-  void operator()(ASN1_STRING* x) const { ASN1_STRING_free(x); } ///< ASN1_TIME is the same type
+  void operator()(ASN1_STRING* x) const { ASN1_STRING_free(x); } ///< ASN1_TIME, _INTEGER: the same
 };
 
 /// An object of OpenSSL that ends with its owner.
@@ -64,6 +68,33 @@ struct certificate_pair {
   owned<X509> certificate;
   owned<EVP_PKEY> key;
 };
+
+/// Writes a file for everybody to read in the place of the one that is there, at once.
+/// @returns why not
+[[nodiscard]] std::optional<std::string> replace_with(const std::string& path, BIO& octets);
+
+/// A place in memory that OpenSSL wipes when it is given back.
+[[nodiscard]] owned<BIO> memory();
+
+/// `folder/NAME.crt`
+[[nodiscard]] std::string path_in(const std::string& folder, std::string_view name,
+                                  std::string_view ending);
+
+/// The authority of a folder, with its key; or why it cannot sign at that time.
+[[nodiscard]] std::variant<certificate_pair, std::string>
+read_authority(const std::string& folder, std::chrono::sys_seconds now);
+
+/// Where a folder has the certificates that others have taken the place of: HOST-SERIAL.crt
+[[nodiscard]] std::string former_in(const std::string& folder);
+
+/// Puts a pair, or a certificate without key, in the place of that of a host, which is kept there.
+/// @returns why not
+[[nodiscard]] std::optional<std::string> replace_files(const certificate_pair& x, const X509& old,
+                                                       const std::string& folder,
+                                                       const std::string& host);
+
+/// Keeps two commands from changing one folder. Makes the file there.
+[[nodiscard]] std::variant<file_lock, std::string> lock_of(const std::string& folder);
 
 /// Makes both files, neither of which may be there: the key for its owner only, before it has any
 /// content. Leaves none of them if it cannot make both.

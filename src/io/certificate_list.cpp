@@ -13,6 +13,7 @@
 
 #include "io/certificate_files.hpp"
 #include "io/certificates.hpp"
+#include "io/revocation_content.hpp"
 
 namespace rubicon::io {
 
@@ -89,7 +90,8 @@ bool describe(listed_certificate& to, const X509& x) {
   return true;
 }
 
-listed_certificate look_at(const std::string& folder, const std::string& stem, X509& authority) {
+listed_certificate look_at(const std::string& folder, const std::string& stem, X509& authority,
+                           const std::optional<revocation_list>& revoked) {
   const auto path = folder + '/' + stem;
   listed_certificate x;
   x.file = stem + std::string(ending);
@@ -102,6 +104,7 @@ listed_certificate look_at(const std::string& folder, const std::string& stem, X
     x.problem = path + std::string(ending) + ": no valid times";
   } else {
     x.signed_by_authority = is_signed_by(authority, **certificate);
+    x.revoked = revoked ? revoked_at(*revoked, **certificate) : std::nullopt;
   }
   x.key = state_of_key(path + ".key", certificate == nullptr ? nullptr : certificate->get());
   ERR_clear_error();
@@ -156,8 +159,8 @@ std::string_view to_string(certificate_use x) {
 }
 
 bool is_good(const listed_certificate& x, std::chrono::sys_seconds now) {
-  return x.problem.empty() && x.signed_by_authority && x.valid_from <= now && now < x.valid_until &&
-         (x.key == key_state::safe || x.key == key_state::missing);
+  return x.problem.empty() && x.signed_by_authority && !x.revoked && x.valid_from <= now &&
+         now < x.valid_until && (x.key == key_state::safe || x.key == key_state::missing);
 }
 
 std::variant<std::vector<listed_certificate>, std::string>
@@ -170,10 +173,21 @@ list_certificates(const std::string& folder) {
   const auto stems = stems_in(folder, error);
   if (error)
     return folder + ": " + error.message();
+  const auto path = path_in(folder, authority_name, ending);
+  const auto list = revocations_beside(path);
+  const auto revoked = read_revocations(list, path, system_time());
+  const auto* const why = std::get_if<std::string>(&revoked);
   std::vector<listed_certificate> all;
-  all.reserve(stems.size());
+  all.reserve(stems.size() + 1);
   for (const auto& stem : stems)
-    all.push_back(look_at(folder, stem, *std::get<owned<X509>>(authority)));
+    all.push_back(look_at(folder, stem, *std::get<owned<X509>>(authority),
+                          why == nullptr ? std::get<0>(revoked) : std::nullopt));
+  if (why != nullptr) {
+    auto& x = all.emplace_back();
+    x.file = std::filesystem::path(list).filename().string();
+    x.name = x.file;
+    x.problem = *why;
+  }
   return all;
 }
 

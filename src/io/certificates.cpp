@@ -15,6 +15,7 @@
 
 #include "core/name.hpp"
 #include "io/certificate_files.hpp"
+#include "io/revocation_content.hpp"
 
 namespace rubicon::io {
 
@@ -26,10 +27,6 @@ using std::chrono::sys_seconds;
 constexpr int serial_bits = 128;
 constexpr mode_t folder_mode = 0700;
 constexpr days clock_error_max{1};
-
-std::string path_of(const std::string& folder, std::string_view name, const char* ending) {
-  return folder + '/' + std::string(name) + ending;
-}
 
 /// From a day before now, as many days as asked for.
 struct validity {
@@ -177,15 +174,21 @@ bool sign(X509& x, EVP_PKEY& key) {
   return X509_sign(&x, &key, EVP_sha256()) > 0;
 }
 
-/// A certificate that lacks issuer, extensions and signature. @returns nulls if OpenSSL fails
-certificate_pair draft(const std::string& name, const validity& valid) {
+/// A certificate that lacks issuer, extensions and signature. @returns nothing if OpenSSL fails
+owned<X509> draft(const std::string& name, const validity& valid, EVP_PKEY& key) {
   ERR_clear_error();
-  certificate_pair x{owned<X509>(X509_new()), owned<EVP_PKEY>(EVP_EC_gen("P-256"))};
-  if (x.certificate && x.key && X509_set_version(x.certificate.get(), X509_VERSION_3) == 1 &&
-      set_serial(*x.certificate) && set_validity(*x.certificate, valid) &&
-      set_subject(*x.certificate, name) && X509_set_pubkey(x.certificate.get(), x.key.get()) == 1)
+  owned<X509> x(X509_new());
+  if (x && X509_set_version(x.get(), X509_VERSION_3) == 1 && set_serial(*x) &&
+      set_validity(*x, valid) && set_subject(*x, name) && X509_set_pubkey(x.get(), &key) == 1)
     return x;
   return {};
+}
+
+/// The same with a key of its own. @returns nulls if OpenSSL fails
+certificate_pair draft(const std::string& name, const validity& valid) {
+  owned<EVP_PKEY> key(EVP_EC_gen("P-256"));
+  auto x = key ? draft(name, valid, *key) : nullptr;
+  return x ? certificate_pair{std::move(x), std::move(key)} : certificate_pair{};
 }
 
 /// @returns nulls if OpenSSL fails
@@ -213,26 +216,41 @@ certificate_pair build_certificate(const new_certificate& wanted, const validity
   return {};
 }
 
-std::variant<certificate_pair, std::string> read_authority(const std::string& folder,
-                                                           sys_seconds now) {
-  const auto path = path_of(folder, authority_name, ".crt");
-  const auto key_path = path_of(folder, authority_name, ".key");
-  auto certificate = read_certificate(path);
-  if (auto* why = std::get_if<std::string>(&certificate))
-    return std::move(*why);
-  auto key = read_key(key_path);
-  if (auto* why = std::get_if<std::string>(&key))
-    return std::move(*why);
-  certificate_pair x{std::move(std::get<owned<X509>>(certificate)),
-                     std::move(std::get<owned<EVP_PKEY>>(key))};
-  if (X509_check_ca(x.certificate.get()) != 1)
-    return path + ": the certificate of a host, not of an authority";
-  if (X509_check_private_key(x.certificate.get(), x.key.get()) != 1)
-    return key_path + ": not the key of " + path;
-  const auto until = end_of(*x.certificate);
-  if (!until || *until <= now)
-    return path + ": the authority has expired; make another one in a new folder";
-  return x;
+/// Another one for the same name and addresses. @returns nulls if OpenSSL fails
+/// @param key nothing: the one that it has
+certificate_pair build_renewal(const X509& former, certificate_use use, const validity& valid,
+                               owned<EVP_PKEY> key, const certificate_pair& authority) {
+  auto& issuer = *authority.certificate;
+  auto* const kept = X509_get0_pubkey(&former);
+  certificate_pair x{draft(common_name_of(former), valid, key ? *key : *kept), std::move(key)};
+  const auto names = X509_get_ext_by_NID(&former, NID_subject_alt_name, -1);
+  if (x.certificate && names >= 0 &&
+      X509_set_issuer_name(x.certificate.get(), X509_get_subject_name(&issuer)) == 1 &&
+      X509_add_ext(x.certificate.get(), X509_get_ext(&former, names), -1) == 1 &&
+      set_extensions(*x.certificate, issuer, host_extensions(use)) &&
+      sign(*x.certificate, *authority.key))
+    return x;
+  return {};
+}
+
+/// Why a certificate cannot be renewed so; empty: it can.
+std::string refusal(const renewal& x, const std::string& path, const X509& former,
+                    const certificate_pair& authority,
+                    const std::optional<revocation_list>& revoked) {
+  if (X509_verify(const_cast<X509*>(&former), authority.key.get()) != 1 ||
+      X509_get0_pubkey(&former) == nullptr)
+    return path + ": of another authority, so it is not renewed here";
+  if (common_name_of(former) != x.host)
+    return path + ": the certificate of `" + common_name_of(former) + '`';
+  if (revoked && revoked_at(*revoked, former) && !x.new_key)
+    return path + ": it was revoked, so its key may be in other hands: --new-key makes another one";
+  const auto use = use_of(former);
+  if (use == certificate_use::any && x.use == certificate_use::any)
+    return path + ": it is for a host and for who deploys: say --host or --coordinator";
+  if (use != certificate_use::any && x.use != certificate_use::any && x.use != use)
+    return path + ": its use is " + std::string(to_string(use)) +
+           ", and stays so; `rubicon certs add` makes one for another use under another name";
+  return {};
 }
 
 /// Why this is no certificate to make; empty: it is one.
@@ -254,7 +272,7 @@ std::string refusal(const new_certificate& x) {
 std::variant<made_certificate, std::string> write_pair(const certificate_pair& x,
                                                        const std::string& folder,
                                                        std::string_view name, sys_seconds until) {
-  const made_certificate made{path_of(folder, name, ".crt"), path_of(folder, name, ".key"), until};
+  const made_certificate made{path_in(folder, name, ".crt"), path_in(folder, name, ".key"), until};
   if (!x.certificate)
     return made.file + ": " + openssl_reason();
   if (auto why_not = create_files(x, made.file, made.key_file))
@@ -263,6 +281,28 @@ std::variant<made_certificate, std::string> write_pair(const certificate_pair& x
 }
 
 } // namespace
+
+std::variant<certificate_pair, std::string> read_authority(const std::string& folder,
+                                                           sys_seconds now) {
+  const auto path = path_in(folder, authority_name, ".crt");
+  const auto key_path = path_in(folder, authority_name, ".key");
+  auto certificate = read_certificate(path);
+  if (auto* why = std::get_if<std::string>(&certificate))
+    return std::move(*why);
+  auto key = read_key(key_path);
+  if (auto* why = std::get_if<std::string>(&key))
+    return std::move(*why);
+  certificate_pair x{std::move(std::get<owned<X509>>(certificate)),
+                     std::move(std::get<owned<EVP_PKEY>>(key))};
+  if (X509_check_ca(x.certificate.get()) != 1)
+    return path + ": the certificate of a host, not of an authority";
+  if (X509_check_private_key(x.certificate.get(), x.key.get()) != 1)
+    return key_path + ": not the key of " + path;
+  const auto until = end_of(*x.certificate);
+  if (!until || *until <= now)
+    return path + ": the authority has expired; make another one in a new folder";
+  return x;
+}
 
 sys_seconds system_time() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
@@ -289,6 +329,43 @@ make_certificate(const std::string& folder, const new_certificate& x, sys_second
   auto valid = validity_of(x.days, now);
   valid.until = std::min(valid.until, *end_of(*signer.certificate)); // nobody believes it longer
   return write_pair(build_certificate(x, valid, signer), folder, x.host, valid.until);
+}
+
+std::variant<made_certificate, std::string> renew_certificate(const std::string& folder,
+                                                              const renewal& x, sys_seconds now) {
+  if (auto why_not = refusal(new_certificate{.host = x.host}); !why_not.empty())
+    return why_not;
+  const auto authority = read_authority(folder, now);
+  if (const auto* why = std::get_if<std::string>(&authority))
+    return *why;
+  const auto& signer = std::get<certificate_pair>(authority);
+  const auto lock = lock_of(folder);
+  if (const auto* why = std::get_if<std::string>(&lock))
+    return *why;
+  made_certificate made{path_in(folder, x.host, ".crt"),
+                        x.new_key ? path_in(folder, x.host, ".key") : std::string(),
+                        {}};
+  const auto former = read_certificate(made.file);
+  if (const auto* why = std::get_if<std::string>(&former))
+    return *why;
+  const auto& old = *std::get<owned<X509>>(former);
+  const auto ca = path_in(folder, authority_name, ".crt");
+  const auto revoked = read_revocations(revocations_beside(ca), ca, now);
+  if (const auto* why = std::get_if<std::string>(&revoked))
+    return *why;
+  if (auto why_not = refusal(x, made.file, old, signer, std::get<0>(revoked)); !why_not.empty())
+    return why_not;
+  auto valid = validity_of(x.days, now);
+  valid.until = std::min(valid.until, *end_of(*signer.certificate));
+  made.valid_until = valid.until;
+  const auto use = use_of(old) == certificate_use::any ? x.use : use_of(old);
+  const auto renewed = build_renewal(
+      old, use, valid, owned<EVP_PKEY>(x.new_key ? EVP_EC_gen("P-256") : nullptr), signer);
+  if (!renewed.certificate || (x.new_key && !renewed.key))
+    return made.file + ": " + openssl_reason();
+  if (auto why_not = replace_files(renewed, old, folder, x.host))
+    return *std::move(why_not);
+  return made;
 }
 
 } // namespace rubicon::io

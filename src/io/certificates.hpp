@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -37,10 +38,10 @@ enum class certificate_use : std::uint8_t {
 [[nodiscard]] std::string_view to_string(certificate_use x);
 
 struct new_certificate {
-  std::string host;                        ///< as `name` of `[[host]]`
-  std::vector<std::string> addresses = {}; ///< by which others reach it: IP, DNS
-  unsigned days = 825;                     ///< 1 to certificate_days_max
-  certificate_use use = certificate_use::any;
+  std::string host;                           ///< as `name` of `[[host]]`
+  std::vector<std::string> addresses = {};    ///< by which others reach it: IP, DNS
+  unsigned days = 825;                        ///< 1 to certificate_days_max
+  certificate_use use = certificate_use::any; ///< one for both roles is for tests of old ones
 };
 
 struct made_certificate {
@@ -59,6 +60,33 @@ make_authority(const std::string& folder, const new_authority& x, std::chrono::s
 /// @returns what was made, or why nothing was: also an authority that has expired, or is none
 [[nodiscard]] std::variant<made_certificate, std::string>
 make_certificate(const std::string& folder, const new_certificate& x, std::chrono::sys_seconds now);
+
+struct renewal {
+  std::string host;
+  unsigned days = 825;
+  bool new_key = false;                       ///< else HOST.key, wherever it is, stays as it is
+  certificate_use use = certificate_use::any; ///< of a certificate that is for both; else its own
+};
+
+/// Makes another HOST.crt for the same name, addresses and use, and a HOST.key if it is asked for.
+/// The former ones go to the folder `former`.
+/// @returns what was made, or why nothing was: also a certificate that was revoked, if its key is
+///          to stay, and one for both roles that is to be for none of them
+[[nodiscard]] std::variant<made_certificate, std::string>
+renew_certificate(const std::string& folder, const renewal& x, std::chrono::sys_seconds now);
+
+struct made_revocation {
+  std::string file;
+  std::uint64_t number = 0;
+  std::size_t added = 0; ///< certificates: HOST.crt and its former ones
+};
+
+/// Writes ca.crl anew, with all that it has listed and those of HOST. It is signed with ca.key, has
+/// a number above the last one's and holds as long as the authority.
+/// @returns what was done, or why nothing was: all of them are listed already
+[[nodiscard]] std::variant<made_revocation, std::string>
+revoke_certificate(const std::string& folder, const std::string& host,
+                   std::chrono::sys_seconds now);
 
 /// What has become of the private key beside a certificate.
 enum class key_state : std::uint8_t {
@@ -80,14 +108,16 @@ struct listed_certificate {
   std::chrono::sys_seconds valid_until;
   bool signed_by_authority = false;
   certificate_use use = certificate_use::any;
+  std::optional<std::chrono::sys_seconds> revoked; ///< when; nothing: it was not
   key_state key = key_state::missing;
 };
 
 /// Whether a host can show it to others at this time, as far as its file and its key tell.
 [[nodiscard]] bool is_good(const listed_certificate& x, std::chrono::sys_seconds now);
 
-/// All files *.crt of the folder, the authority's first, then in the order of their names; or why
-/// nothing can be said, if there is no authority. Names may be anything: see printable().
+/// All files *.crt of the folder, the authority's first, then in the order of their names, and a
+/// list of revoked certificates if that cannot be read; or why nothing can be said, if there is no
+/// authority. Names may be anything: see printable().
 [[nodiscard]] std::variant<std::vector<listed_certificate>, std::string>
 list_certificates(const std::string& folder);
 

@@ -147,6 +147,10 @@ void secure_stream::send(payload octets) {
   x.pump();
 }
 
+std::string secure_stream::why_revoked(const revocation_list& x) const {
+  return state_->session ? state_->session->why_revoked(x) : "";
+}
+
 std::size_t secure_stream::unsent() const {
   return state_->waiting + state_->stream.unsent();
 }

@@ -42,6 +42,9 @@ public:
   /// leave. @pre it is ready
   void send(payload octets);
 
+  /// As tls_session has it; empty for a plain one. @pre it is ready
+  [[nodiscard]] std::string why_revoked(const revocation_list& x) const;
+
   /// Octets that have not been handed to the system.
   [[nodiscard]] std::size_t unsent() const;
 

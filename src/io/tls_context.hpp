@@ -17,11 +17,20 @@ struct tls_free {
   void operator()(SSL* x) const { SSL_free(x); }
 };
 
+/// What is read of the files.
+struct tls_parts {
+  owned<X509> certificate;
+  owned<EVP_PKEY> key;
+  owned<X509> authority;
+};
+
 struct tls_identity::content {
+  std::shared_ptr<const tls_parts> parts;
   std::unique_ptr<SSL_CTX, tls_free> context;
   std::string name;
   std::chrono::sys_seconds from;
   std::chrono::sys_seconds until;
+  certificate_use use = certificate_use::any;
 };
 
 } // namespace rubicon::io

@@ -2,12 +2,14 @@
 
 #include <array>
 #include <cstdio>
+#include <string_view>
 #include <utility>
 
 #include <openssl/err.h>
 #include <openssl/x509_vfy.h>
 #include <sys/stat.h>
 
+#include "io/revocation_content.hpp"
 #include "io/tls_context.hpp"
 
 namespace rubicon::io {
@@ -18,13 +20,6 @@ using std::chrono::sys_seconds;
 
 constexpr long chain_octets_max = 32 * 1024; ///< of certificates that somebody shows
 constexpr const char* ciphers_of_tls_1_2 = "ECDHE+AESGCM:ECDHE+CHACHA20";
-
-/// What is read of the files.
-struct parts {
-  owned<X509> certificate;
-  owned<EVP_PKEY> key;
-  owned<X509> authority;
-};
 
 std::string why_exposed(const std::string& path) {
   struct stat about {};
@@ -47,7 +42,7 @@ std::string why_not_now(const std::string& path, const X509& x, sys_seconds now)
     return path + ": valid from " + time_text(*from) + " only" + clock;
   if (now >= *until)
     return path + ": expired on " + time_text(*until) + clock +
-           "; `rubicon certs add` makes another";
+           "; `rubicon certs renew` makes another";
   return {};
 }
 
@@ -66,7 +61,7 @@ std::string why_not_signed(const tls_files& files, X509& certificate, X509& auth
 }
 
 /// Why it is unfit; empty: it is good.
-std::string read(parts& to, const tls_files& files, sys_seconds now, const std::string& name) {
+std::string read(tls_parts& to, const tls_files& files, sys_seconds now, const std::string& name) {
   auto certificate = read_certificate(files.certificate);
   if (auto* why = std::get_if<std::string>(&certificate))
     return std::move(*why);
@@ -102,7 +97,7 @@ std::string read(parts& to, const tls_files& files, sys_seconds now, const std::
 }
 
 /// Nothing is resumed: whoever comes again shows its certificate again.
-bool configure(SSL_CTX& x, const parts& of) {
+bool configure(SSL_CTX& x, const tls_parts& of) {
   SSL_CTX_set_options(&x,
                       SSL_OP_NO_TICKET | SSL_OP_NO_RENEGOTIATION | SSL_OP_CIPHER_SERVER_PREFERENCE);
   SSL_CTX_set_session_cache_mode(&x, SSL_SESS_CACHE_OFF);
@@ -117,24 +112,74 @@ bool configure(SSL_CTX& x, const parts& of) {
          X509_STORE_add_cert(SSL_CTX_get_cert_store(&x), of.authority.get()) == 1;
 }
 
+/// Lets nobody in whom the list names.
+bool heed(SSL_CTX& x, const revocation_list& revoked) {
+  auto* const store = SSL_CTX_get_cert_store(&x);
+  return X509_STORE_add_crl(store, revoked.inside()->list.get()) == 1 &&
+         X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK) == 1;
+}
+
+std::shared_ptr<tls_identity::content> content_of(std::shared_ptr<const tls_parts> of,
+                                                  const revocation_list* revoked) {
+  auto made = std::make_shared<tls_identity::content>();
+  made->context.reset(SSL_CTX_new(TLS_method()));
+  if (!made->context || !configure(*made->context, *of))
+    return nullptr;
+  if (revoked != nullptr && !heed(*made->context, *revoked))
+    return nullptr;
+  made->name = common_name_of(*of->certificate);
+  made->from = *time_of(*X509_get0_notBefore(of->certificate.get()));
+  made->until = *end_of(*of->certificate);
+  made->use = use_of(*of->certificate);
+  made->parts = std::move(of);
+  return made;
+}
+
 } // namespace
 
 std::variant<tls_identity, std::string> tls_identity::load(const tls_files& files, sys_seconds now,
                                                            const std::string& name) {
   ERR_clear_error();
-  parts of;
-  auto why_not = read(of, files, now, name);
+  auto of = std::make_shared<tls_parts>();
+  auto why_not = read(*of, files, now, name);
   ERR_clear_error();
   if (!why_not.empty())
     return why_not;
-  auto made = std::make_shared<content>();
-  made->context.reset(SSL_CTX_new(TLS_method()));
-  if (!made->context || !configure(*made->context, of))
+  auto made = content_of(std::move(of), nullptr);
+  if (!made)
     return files.certificate + ": " + openssl_reason();
-  made->name = common_name_of(*of.certificate);
-  made->from = *time_of(*X509_get0_notBefore(of.certificate.get()));
-  made->until = *end_of(*of.certificate);
   return tls_identity(std::move(made));
+}
+
+std::variant<tls_identity, std::string> tls_identity::with(const revocation_list& revoked) const {
+  ERR_clear_error();
+  auto made = content_of(content_->parts, &revoked);
+  if (!made)
+    return openssl_reason();
+  return tls_identity(std::move(made));
+}
+
+std::optional<sys_seconds> tls_identity::revoked_by(const revocation_list& x) const {
+  return revoked_at(x, *content_->parts->certificate);
+}
+
+std::string tls_identity::authority_mark() const {
+  constexpr std::size_t octets = 8;
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned size = 0;
+  if (X509_pubkey_digest(content_->parts->authority.get(), EVP_sha256(), digest.data(), &size) != 1)
+    return {};
+  std::string text;
+  for (std::size_t i = 0; i < octets; ++i) {
+    constexpr std::string_view digits = "0123456789abcdef";
+    text += digits[digest[i] >> 4U];
+    text += digits[digest[i] & 15U];
+  }
+  return text;
+}
+
+certificate_use tls_identity::use() const {
+  return content_->use;
 }
 
 const std::string& tls_identity::name() const {

@@ -4,8 +4,13 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <variant>
+
+#include "io/certificates.hpp"
+#include "io/revocations.hpp"
 
 namespace rubicon::io {
 
@@ -34,6 +39,17 @@ public:
   [[nodiscard]] const std::string& name() const;
   [[nodiscard]] std::chrono::sys_seconds valid_from() const;
   [[nodiscard]] std::chrono::sys_seconds valid_until() const;
+  [[nodiscard]] certificate_use use() const;
+
+  /// Hexadecimal digits that tell the key of the authority from those of others.
+  [[nodiscard]] std::string authority_mark() const;
+
+  /// When the own certificate was taken back; nothing: it was not.
+  [[nodiscard]] std::optional<std::chrono::sys_seconds> revoked_by(const revocation_list& x) const;
+
+  /// The same, but it does not believe those that are on the list.
+  /// @param revoked of its authority
+  [[nodiscard]] std::variant<tls_identity, std::string> with(const revocation_list& revoked) const;
 
   /// For the other files of this room.
   struct content;

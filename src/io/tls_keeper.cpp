@@ -7,17 +7,53 @@
 #include <sys/stat.h>
 
 #include "io/certificates.hpp"
+#include "io/replace_file.hpp"
+#include "io/revocation_content.hpp"
 
 namespace rubicon::io {
 
-tls_keeper::tls_keeper(tls_files files, std::string name)
-    : files_(std::move(files)), name_(std::move(name)), seen_(stamps_now()) {
+namespace {
+
+constexpr const char* no_good = "keeps its certificate, for the new one is no good: ";
+
+template <class T>
+T need(std::variant<T, std::string> x) {
+  if (const auto* why = std::get_if<std::string>(&x))
+    throw std::runtime_error(*why);
+  return std::get<T>(std::move(x));
+}
+
+std::string list_text(const revocation_list& x) {
+  return "list " + std::to_string(x.number()) + " of revoked certificates, with " +
+         std::to_string(x.size());
+}
+
+/// Why it is not to be shown; empty: it may be.
+std::string why_revoked(const std::string& path, const tls_identity& own,
+                        const std::optional<revocation_list>& list) {
+  const auto at = list ? own.revoked_by(*list) : std::nullopt;
+  return at ? path + ": revoked on " + time_text(*at) +
+                  "; `rubicon certs renew --new-key` makes another"
+            : "";
+}
+
+} // namespace
+
+tls_keeper::tls_keeper(tls_files files, std::string name, std::string kept)
+    : files_(std::move(files)), name_(std::move(name)), kept_(std::move(kept)),
+      seen_(stamps_now()) {
   if (files_.empty())
     return;
-  auto loaded = tls_identity::load(files_, system_time(), name_);
-  if (const auto* why = std::get_if<std::string>(&loaded))
-    throw std::runtime_error(*why);
-  identity_ = std::get<tls_identity>(std::move(loaded));
+  auto own = need(tls_identity::load(files_, system_time(), name_));
+  if (auto why = adopt(std::move(own)); !why.empty())
+    throw std::runtime_error(why);
+  begin_with_list();
+  if (const auto why = why_revoked(files_.certificate, *identity_, revoked_); !why.empty())
+    throw std::runtime_error(why);
+  if (identity_->use() == certificate_use::any)
+    doubts_.push_back(files_.certificate + " is good for a host and for who deploys: `rubicon "
+                                           "certs renew --host` or `--coordinator` makes one for "
+                                           "one of them");
 }
 
 tls_keeper::stamp tls_keeper::stamp_of(const std::string& path) {
@@ -28,23 +64,129 @@ tls_keeper::stamp tls_keeper::stamp_of(const std::string& path) {
 }
 
 tls_keeper::stamps tls_keeper::stamps_now() const {
-  return {stamp_of(files_.certificate), stamp_of(files_.key), stamp_of(files_.authority)};
+  return {{stamp_of(files_.certificate), stamp_of(files_.key), stamp_of(files_.authority)},
+          stamp_of(list_path())};
+}
+
+std::string tls_keeper::list_path() const {
+  return revocations_beside(files_.authority);
+}
+
+/// A new authority has a list of its own.
+std::string tls_keeper::kept_path(const tls_identity& x) const {
+  return kept_.empty() ? "" : kept_ + '-' + x.authority_mark() + ".crl";
+}
+
+/// Shows it from now on, with what is known of revoked certificates of its authority.
+/// @returns why not; empty: it does
+std::string tls_keeper::adopt(tls_identity x) {
+  auto list = revoked_;
+  if (!identity_ || identity_->authority_mark() != x.authority_mark()) {
+    list.reset();
+    if (const auto path = kept_path(x); !path.empty()) {
+      auto found = read_revocations(path, files_.authority, system_time(), /*may_be_over=*/true);
+      if (auto* why = std::get_if<std::string>(&found))
+        return *why;
+      list = std::get<0>(std::move(found));
+    }
+  }
+  if (list) {
+    auto with_list = x.with(*list);
+    if (auto* why = std::get_if<std::string>(&with_list))
+      return *why;
+    x = std::get<tls_identity>(std::move(with_list));
+  }
+  identity_ = std::move(x);
+  revoked_ = std::move(list);
+  return {};
+}
+
+void tls_keeper::begin_with_list() {
+  auto beside = read_revocations(list_path(), files_.authority, system_time());
+  if (revoked_ && beside.index() == 1) {
+    auto old = read_revocations(list_path(), files_.authority, system_time(), /*may_be_over=*/true);
+    if (old.index() == 0 && is_same(*std::get<0>(old), *revoked_))
+      return; // the one in force holds on
+  }
+  auto list = need(std::move(beside));
+  if (!list)
+    return;
+  if (revoked_ && list->number() < revoked_->number())
+    return doubts_.push_back(list_path() + " is older than " + list_text(*revoked_) +
+                             ", which is in force");
+  const auto found = take(*std::move(list));
+  if (!found.is_taken && !found.told.empty())
+    throw std::runtime_error(list_path() + ' ' + found.told);
+}
+
+tls_keeper::outcome tls_keeper::take(const std::string& pem) {
+  if (files_.empty())
+    return {false, "means nothing without certificates"};
+  auto read = revocation_list::read(pem, files_.authority, system_time());
+  if (auto* why = std::get_if<std::string>(&read))
+    return {false, std::move(*why)};
+  return take(std::get<revocation_list>(std::move(read)));
+}
+
+tls_keeper::outcome tls_keeper::take(revocation_list x) {
+  if (revoked_ && x.number() == revoked_->number())
+    return {false, is_same(x, *revoked_) ? ""
+                                         : "is another one with the number of " +
+                                               list_text(*revoked_) + ", which is in force"};
+  if (revoked_ && x.number() < revoked_->number())
+    return {false, "has number " + std::to_string(x.number()) + ", and " + list_text(*revoked_) +
+                       ", is in force"};
+  auto own = identity_->with(x);
+  if (auto* why = std::get_if<std::string>(&own))
+    return {false, std::move(*why)};
+  identity_ = std::get<tls_identity>(std::move(own));
+  revoked_ = std::move(x);
+  std::string told = "takes " + list_text(*revoked_);
+  if (identity_->revoked_by(*revoked_))
+    told += "; the own one is among them";
+  if (const auto path = kept_path(*identity_); !path.empty())
+    if (const auto why = replace_file(path, revoked_->text(), durability::of_power); !why.empty())
+      told += "; it is lost when this process ends: " + why;
+  return {true, std::move(told)};
 }
 
 std::string tls_keeper::look(bool again) {
   if (files_.empty())
     return {};
   const auto now = stamps_now();
-  if (!again && now == seen_)
-    return {};
-  seen_ = now;
+  const auto before = std::exchange(seen_, now);
+  std::string told;
+  if (again || now.certificate != before.certificate)
+    told = look_at_certificate();
+  if (again || now.list != before.list)
+    if (const auto more = look_at_list(); !more.empty())
+      told += (told.empty() ? "" : "; ") + more;
+  return told;
+}
+
+std::string tls_keeper::look_at_certificate() {
   auto loaded = tls_identity::load(files_, system_time(), name_);
   if (const auto* why = std::get_if<std::string>(&loaded))
-    return "keeps its certificate, for the new one is no good: " + *why;
-  identity_ = std::get<tls_identity>(std::move(loaded));
+    return no_good + *why;
+  auto& found = std::get<tls_identity>(loaded);
+  if (auto why = why_revoked(files_.certificate, found, revoked_); !why.empty())
+    return no_good + why;
+  if (auto why = adopt(std::move(found)); !why.empty())
+    return no_good + why;
   ++changes_;
   return "takes the certificate that " + files_.certificate + " holds now, valid until " +
          time_text(identity_->valid_until());
+}
+
+std::string tls_keeper::look_at_list() {
+  auto found = read_revocations(list_path(), files_.authority, system_time());
+  if (const auto* why = std::get_if<std::string>(&found))
+    return "does not take a list of revoked certificates: " + *why;
+  auto& list = std::get<0>(found);
+  if (!list)
+    return {};
+  auto what = take(*std::move(list));
+  return what.is_taken || what.told.empty() ? what.told : list_path() + ' ' + what.told;
 }
 
 } // namespace rubicon::io

@@ -8,6 +8,7 @@
 #include <openssl/x509_vfy.h>
 
 #include "io/certificates.hpp"
+#include "io/revocation_content.hpp"
 #include "io/tls_context.hpp"
 
 namespace rubicon::io {
@@ -18,6 +19,11 @@ constexpr std::size_t record_octets = 16 * 1024;
 
 std::string in_quotes(const std::string& x) {
   return x.empty() ? x : " `" + x + '`';
+}
+
+/// @param name in quotes
+std::string words_of_revoked(const std::string& name) {
+  return "has a certificate" + name + " that was revoked";
 }
 
 std::string clock_here() {
@@ -42,6 +48,7 @@ struct tls_session::state {
   phase now = phase::shaking;
   std::size_t handshake_octets = 0;
   std::string peer_name;
+  owned<X509> shown; ///< by the other side, once it is believed
   std::string doubt; ///< why the other side's certificate is not believed
   std::string why;
 
@@ -67,15 +74,24 @@ struct tls_session::state {
   static int on_verify(int is_good, X509_STORE_CTX* about) {
     auto* const connection =
         static_cast<SSL*>(X509_STORE_CTX_get_ex_data(about, SSL_get_ex_data_X509_STORE_CTX_idx()));
+    if (is_good == 0 && is_old_list(X509_STORE_CTX_get_error(about))) {
+      X509_STORE_CTX_set_error(about, X509_V_OK);
+      return 1;
+    }
     if (is_good == 0)
       static_cast<state*>(SSL_get_app_data(connection))->note_doubt(*about);
     return is_good;
   }
 
+  /// A list of revoked certificates holds on until there is a newer one.
+  static bool is_old_list(int error) {
+    return error == X509_V_ERR_CRL_HAS_EXPIRED || error == X509_V_ERR_CRL_NOT_YET_VALID;
+  }
+
   void note_doubt(X509_STORE_CTX& about) {
     const auto* const x = X509_STORE_CTX_get_current_cert(&about);
-    const auto* const shown = X509_STORE_CTX_get0_cert(&about);
-    const auto name = shown == nullptr ? std::string() : in_quotes(common_name_of(*shown));
+    const auto* const leaf = X509_STORE_CTX_get0_cert(&about);
+    const auto name = leaf == nullptr ? std::string() : in_quotes(common_name_of(*leaf));
     switch (X509_STORE_CTX_get_error(&about)) {
     case X509_V_ERR_CERT_HAS_EXPIRED:
       doubt = "has a certificate" + name + " that expired on " + date_of(*X509_get0_notAfter(x)) +
@@ -95,7 +111,7 @@ struct tls_session::state {
           (is_server ? " that is not a coordinator's: it may not deploy" : " that is not a host's");
       break;
     case X509_V_ERR_CERT_REVOKED:
-      doubt = "has a certificate" + name + " that was revoked";
+      doubt = words_of_revoked(name);
       break;
     default: // it ends at an authority that is not ours
       doubt = "has a certificate" + name + " of another authority";
@@ -184,7 +200,7 @@ struct tls_session::state {
     if (done != 1)
       return judge(done);
     now = phase::open;
-    const owned<X509> shown(SSL_get1_peer_certificate(ssl.get()));
+    shown.reset(SSL_get1_peer_certificate(ssl.get()));
     if (shown)
       peer_name = common_name_of(*shown);
     else
@@ -276,6 +292,11 @@ tls_session::phase tls_session::now() const {
 
 const std::string& tls_session::peer_name() const {
   return state_->peer_name;
+}
+
+std::string tls_session::why_revoked(const revocation_list& x) const {
+  const auto& shown = state_->shown;
+  return shown && revoked_at(x, *shown) ? words_of_revoked(in_quotes(state_->peer_name)) : "";
 }
 
 const std::string& tls_session::why() const {

@@ -47,6 +47,9 @@ public:
   /// Of the other side's certificate. @pre open, or closed after that
   [[nodiscard]] const std::string& peer_name() const;
 
+  /// Why the list does not let the other side in any more; empty: it does. @pre as peer_name()
+  [[nodiscard]] std::string why_revoked(const revocation_list& x) const;
+
   /// What ended it, as a verb and more: `shows no certificate`. @pre closed
   [[nodiscard]] const std::string& why() const;
 

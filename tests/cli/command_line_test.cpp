@@ -249,15 +249,30 @@ TEST_CASE("each option of certs reaches its command", "[cli]") {
   CHECK(named.folder == "x");
   CHECK(std::get<io::new_authority>(named.what).name == "flat");
   CHECK(std::get<io::new_authority>(named.what).days == 36500);
-  const auto plain = std::get<io::new_certificate>(parse_certs({"add", "kitchen"}).what);
+  const auto plain = std::get<io::new_certificate>(parse_certs({"add", "kitchen", "--host"}).what);
+  CHECK(plain.use == io::certificate_use::host);
   CHECK(plain.host == "kitchen");
   CHECK(plain.addresses.empty());
   CHECK(plain.days == 825);
-  const auto added = std::get<io::new_certificate>(
-      parse_certs({"add", "--address", "a.b", "kitchen", "--address=::1", "--days", "1"}).what);
+  const auto added =
+      std::get<io::new_certificate>(parse_certs({"add", "--address", "a.b", "kitchen",
+                                                 "--address=::1", "--coordinator", "--days", "1"})
+                                        .what);
+  CHECK(added.use == io::certificate_use::coordinator);
   CHECK(added.host == "kitchen");
   CHECK(added.addresses == std::vector<std::string>{"a.b", "::1"});
   CHECK(added.days == 1);
+  const auto same = std::get<io::renewal>(parse_certs({"renew", "kitchen"}).what);
+  CHECK(same.host == "kitchen");
+  CHECK(same.days == 825);
+  CHECK(!same.new_key);
+  CHECK(same.use == io::certificate_use::any);
+  const auto other = std::get<io::renewal>(
+      parse_certs({"renew", "kitchen", "--new-key", "--host", "--days", "9"}).what);
+  CHECK(other.new_key);
+  CHECK(other.use == io::certificate_use::host);
+  CHECK(other.days == 9);
+  CHECK(std::get<revoke_host>(parse_certs({"revoke", "kitchen"}).what).host == "kitchen");
   CHECK(!std::get<list_certificates>(parse_certs({"list"}).what).json);
   CHECK(parse_certs({"list", "--dir", "x"}).folder == "x");
   CHECK(std::get<list_certificates>(parse_certs({"list", "--json"}).what).json);
@@ -265,13 +280,17 @@ TEST_CASE("each option of certs reaches its command", "[cli]") {
 
 TEST_CASE("a command of certs that makes no sense is refused", "[cli]") {
   CHECK(!refusal({"certs"}).empty());
-  CHECK(contains(refusal({"certs", "add"}), "HOST"));
-  CHECK(!refusal({"certs", "add", "kitchen", "attic"}).empty());
+  for (const auto* each : {"add", "renew", "revoke"}) {
+    CHECK(contains(refusal({"certs", each}), "HOST"));
+    CHECK(!refusal({"certs", each, "kitchen", "attic"}).empty());
+  }
+  CHECK(!refusal({"certs", "add", "kitchen", "--host", "--coordinator"}).empty());
+  CHECK(!refusal({"certs", "renew", "kitchen", "--host", "--coordinator"}).empty());
   CHECK(contains(refusal({"certs", "init", "--dir", ""}), "--dir"));
   const auto days = GENERATE(as<const char*>{}, "0", "-1", "36501", "1.5", "ten", "");
   CAPTURE(days);
   CHECK(contains(refusal({"certs", "init", "--days", days}), "--days"));
-  CHECK(contains(refusal({"certs", "add", "kitchen", "--days", days}), "--days"));
+  CHECK(contains(refusal({"certs", "add", "kitchen", "--host", "--days", days}), "--days"));
 }
 
 TEST_CASE("options may stand before the file", "[cli]") {

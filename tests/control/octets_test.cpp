@@ -56,7 +56,8 @@ TEST_CASE("each question and answer comes as what it was", "[control]") {
                                   deploy::cause_fault{"id", "kill"},
                                   deploy::ask_news{"id", 3, 4},
                                   deploy::offer_seeds{"x", {}, 1s},
-                                  deploy::run_seeds{"x", {1, 2}, 3, true}};
+                                  deploy::run_seeds{"x", {1, 2}, 3, true},
+                                  deploy::tell_revoked{"-----"}};
   static_assert(std::size(all) == std::variant_size_v<deploy::question>);
   for (std::uint8_t kind = 0; kind < std::size(all); ++kind) {
     INFO(int(kind));

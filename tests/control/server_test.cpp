@@ -63,9 +63,9 @@ public:
     return {path() + '/' + name + ".crt", path() + '/' + name + ".key", path() + "/ca.crt"};
   }
 
-private:
   [[nodiscard]] std::string path() const { return (folder_.path() / "certs").string(); }
 
+private:
   const io::temporary_folder folder_{"rubicon-control"};
 };
 
@@ -273,6 +273,43 @@ TEST_CASE("who is refused, and why, is told in words at both ends", "[control]")
   control::client client(me, loop, "127.0.0.1", std::get<control::server>(plain).port());
   CHECK(std::get<std::string>(ask(loop, client, deploy::greeting{"9"})) ==
         "does not speak TLS: it has no certificates");
+}
+
+TEST_CASE("a list of revoked certificates travels with whoever asks, and shuts out at once",
+          "[control]") {
+  const certified ours({"kitchen", "me", "thief"});
+  io::loop loop;
+  journal log;
+  control::system host{ours.of("kitchen"), "kitchen", ours.path() + "/state"};
+  auto opened = control::server::open(host, loop, "127.0.0.1", 0, echo,
+                                      [&](const std::string& line) { log.lines.push_back(line); });
+  const auto port = std::get<control::server>(opened).port();
+  control::system thief{ours.of("thief")};
+  control::client stolen(thief, loop, "127.0.0.1", port, "kitchen");
+  CHECK(std::holds_alternative<deploy::answer>(ask(loop, stolen, deploy::ask_news{})));
+
+  REQUIRE(io::revoke_certificate(ours.path(), "thief", io::system_time()).index() == 0);
+  const auto list = ours.path() + "/ca.crl";
+  std::filesystem::rename(list, list + ".kept"); // the host's folder is another one
+  control::system me{ours.of("me")};
+  control::client client(me, loop, "127.0.0.1", port, "kitchen");
+  CHECK(std::holds_alternative<deploy::answer>(ask(loop, client, deploy::ask_news{})));
+  CHECK_FALSE(host.own().revoked());
+  std::filesystem::rename(list + ".kept", list);
+  CHECK(std::holds_alternative<deploy::answer>(ask(loop, client, deploy::greeting{"9"})));
+  CHECK_FALSE(host.own().revoked()); // another version may not know what it is
+  CHECK(std::holds_alternative<deploy::answer>(ask(loop, client, deploy::ask_news{})));
+  REQUIRE(host.own().revoked());
+  CHECK(log.has("takes list 1 of revoked certificates, with 1"));
+  CHECK(log.has("127.0.0.1 is refused: it has a certificate `thief` that was revoked"));
+  CHECK(std::holds_alternative<deploy::answer>(ask(loop, client, deploy::ask_news{})));
+
+  std::filesystem::remove(list);
+  CHECK(std::holds_alternative<std::string>(ask(loop, stolen, deploy::ask_news{})));
+  control::system again{ours.of("thief")};
+  control::client other(again, loop, "127.0.0.1", port, "kitchen");
+  CHECK(std::get<std::string>(ask(loop, other, deploy::ask_news{})) ==
+        "does not take our certificate `thief`: it was revoked");
 }
 
 TEST_CASE("strangers who say nothing hold few connections, and nobody up", "[control]") {

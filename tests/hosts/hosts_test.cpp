@@ -55,7 +55,8 @@ public:
         "part() { rubicon run house.toml --host $1 --for $2 --json --starts $1.starts "
         "> $3.json 2> $3.err; echo $? > $3.status; }; "
         "certs() { rubicon certs init > certs.log; "
-        "for name in \"$@\"; do rubicon certs add $name >> certs.log; done; }; "
+        "for name in \"$@\"; do rubicon certs add $name "
+        "$([ $name = me ] && echo --coordinator || echo --host) >> certs.log; done; }; "
         "tls() { echo --tls-cert certs/$1.crt --tls-key certs/$1.key --tls-ca certs/ca.crt; }; "
         "host() { name=$1; port=$2; shift 2; exec '" +
         binary +
