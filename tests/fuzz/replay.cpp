@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -32,7 +33,7 @@ constexpr fuzz_target targets[] = {
 #undef FUZZ_TARGET
 };
 
-constexpr int mutations_per_input = 2000;
+constexpr unsigned long mutations_usually = 2000; ///< of each input
 
 bytes read_file(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -66,13 +67,14 @@ void mutate(bytes& input, rubicon::random_stream& rng) {
 
 int main(int argc, char* argv[]) {
   const auto* const target =
-      argc == 3 ? std::find_if(std::begin(targets), std::end(targets),
-                               [&](const fuzz_target& x) { return x.name == argv[1]; })
-                : std::end(targets);
+      argc == 3 || argc == 4 ? std::find_if(std::begin(targets), std::end(targets),
+                                            [&](const fuzz_target& x) { return x.name == argv[1]; })
+                             : std::end(targets);
   if (target == std::end(targets) || !std::filesystem::is_directory(argv[2])) {
-    std::fprintf(stderr, "usage: %s TARGET CORPUS_FOLDER\n", argv[0]);
+    std::fprintf(stderr, "usage: %s TARGET CORPUS_FOLDER [MUTATIONS_OF_EACH]\n", argv[0]);
     return 2;
   }
+  const auto mutations = argc == 4 ? std::strtoul(argv[3], nullptr, 10) : mutations_usually;
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(argv[2]))
     files.push_back(entry.path());
@@ -86,12 +88,12 @@ int main(int argc, char* argv[]) {
     const auto original = read_file(file);
     target->run(original.data(), original.size());
     auto input = original;
-    for (int i = 0; i < mutations_per_input; ++i) {
+    for (unsigned long i = 0; i < mutations; ++i) {
       if (i % 8 == 0)
         input = original;
       mutate(input, rng);
       target->run(input.data(), input.size());
     }
   }
-  std::printf("%zu inputs, %d mutations each\n", files.size(), mutations_per_input);
+  std::printf("%zu inputs, %lu mutations each\n", files.size(), mutations);
 }
