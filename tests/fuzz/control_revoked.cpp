@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/bytes.hpp"
 #include "io/certificates.hpp"
 #include "io/revocations.hpp"
 #include "io/temporary_folder.hpp"
