@@ -1,6 +1,8 @@
 #include "actors/assembly.hpp"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "actors/air.hpp"
 #include "actors/messages/air.hpp"
@@ -21,6 +23,7 @@
 #include "config/slot_check.hpp"
 #include "scheduler/coordinator.hpp"
 #include "scheduler/spawn.hpp"
+#include "smepp/randomness.hpp"
 
 namespace rubicon {
 
@@ -92,6 +95,7 @@ std::optional<smepp::node_config> groups_of(ecology_pointer self,
   if (x.members.empty())
     return std::nullopt;
   x.self = mote.id;
+  x.is_real = self->state.description.mode == config::run_mode::wall;
   x.settings = all;
   for (const auto& each : mote.transducers)
     x.transducers |= smepp::mask_of(each.kind);
@@ -105,11 +109,22 @@ std::optional<smepp::node_config> groups_of(ecology_pointer self,
   return x;
 }
 
-/// The store of a mote whose frames may have been counted by earlier processes: so many that no
-/// number is used twice.
-smepp::kept first_kept(std::uint32_t starts) {
-  constexpr unsigned frames_of_a_life = 20; // bits
-  return {starts << frames_of_a_life, {}};
+/// The store of a mote whose frames may have been counted by earlier processes: the high half of its
+/// counters is this process's alone. Nobody counts the starts of a run in wall time that is no part
+/// of a deployment: it draws it, from a half that starts do not reach.
+smepp::kept first_kept(std::uint32_t starts, bool is_real) {
+  constexpr unsigned frames_of_a_process = 32; // bits
+  if (is_real && starts == 0) {
+    std::array<std::uint8_t, 4> drawn{};
+    smepp::randomness().fill(drawn);
+    for (const auto each : drawn)
+      starts = starts << 8 | each;
+    starts |= 1U << 31U;
+  }
+  smepp::kept x;
+  x.counter_reserved = std::uint64_t{starts} << frames_of_a_process;
+  x.counter_end = x.counter_reserved | std::numeric_limits<std::uint32_t>::max();
+  return x;
 }
 
 /// @param programs of a mote
@@ -154,7 +169,8 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.apps = mote.apps;
   x.smepp = groups_of(self, island, mote);
   if (x.smepp)
-    x.smepp_kept = std::make_shared<smepp::kept>(first_kept(self->state.process.starts));
+    x.smepp_kept = std::make_shared<smepp::kept>(first_kept(
+        self->state.process.starts, x.smepp->is_real));
   x.node.tables = tables_of(self, island.id, configs_of(programs_among(mote.apps)), traffic);
   x.node.access = config::access_of(self->state.description.radio, island);
   x.seed = self->state.description.seed;

@@ -98,6 +98,9 @@ using signal = std::variant<getGroups_result, joinGroup_result, peerJoined, peer
 /// when they are for this subscription, or the former.
 enum class slot : std::uint8_t { at_once, management, subscription };
 
+/// In a token: the step of a handshake, for the group in its low half.
+inline constexpr std::uint64_t step_token = std::uint64_t{1} << 63;
+
 /// Seal this and hand it to the radio.
 struct to_send {
   mote_id to;     ///< a neighbour or broadcast_mote
@@ -108,8 +111,9 @@ struct to_send {
   std::optional<session_id> under = std::nullopt; ///< nothing: the group's keys for sending
   unsigned copies = 1;                            ///< of a broadcast, spread
   duration delay = {};                            ///< at least
-  std::uint64_t token = 0;                        ///< not 0: event management hears how it ended
+  std::uint64_t token = 0;                        ///< not 0: who sends it hears how it ended
   provenance from = {};                           ///< of what is sent
+  std::optional<key> bound_under = std::nullopt;  ///< of a join_accept, whose MAC is made last
 };
 
 /// The keys of a group have changed, or it has come or gone: security and store must know.

@@ -1,6 +1,5 @@
 #include "smepp/agreement.hpp"
 
-#include <algorithm>
 #include <memory>
 
 #include <openssl/crypto.h>
@@ -29,13 +28,9 @@ agreement::~agreement() {
   OPENSSL_cleanse(secret_.data(), secret_.size());
 }
 
-agreement agreement::make(random_stream& rng) {
+agreement agreement::make(randomness& from) {
   secret x{};
-  for (std::size_t i = 0; i < x.size(); i += 8) {
-    const auto drawn = rng.next();
-    for (std::size_t k = 0; k < 8; ++k)
-      x[i + k] = static_cast<std::uint8_t>(drawn >> 8 * k);
-  }
+  from.fill(x);
   return agreement(x);
 }
 
@@ -65,11 +60,8 @@ std::optional<key> agreement::agree(const key_share& other) const {
   auto x = shared_secret(other);
   if (!x)
     return std::nullopt;
-  std::array<std::uint8_t, key::size> first{};
-  std::copy_n(x->begin(), first.size(), first.begin());
-  const auto made = derive(key(first), "agreed", byte_view(*x).subspan(first.size()));
+  const auto made = hkdf(*x, "agreed");
   OPENSSL_cleanse(x->data(), x->size());
-  OPENSSL_cleanse(first.data(), first.size());
   return made;
 }
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/random.hpp"
 #include "smepp/key.hpp"
+#include "smepp/randomness.hpp"
 
 namespace rubicon::smepp {
 
@@ -21,15 +21,18 @@ public:
 
   agreement() = default; ///< of no use yet
   explicit agreement(const secret& x) : secret_(x) {}
-  /// @param rng stands for the mote's source of randomness
-  [[nodiscard]] static agreement make(random_stream& rng);
+  [[nodiscard]] static agreement make(randomness& from);
   agreement(const agreement&) = default;
   agreement& operator=(const agreement&) = default;
   ~agreement();
 
   [[nodiscard]] key_share share() const;
 
-  /// The same at both sides, and known to nobody else; nothing if `other` is no proper share.
+  /// The octets, for the store that outlasts a loss of power; for nobody else.
+  [[nodiscard]] const secret& reveal() const { return secret_; }
+
+  /// The same at both sides, and known to nobody else: HKDF-SHA-256 (RFC 5869) of the shared
+  /// secret. Nothing if `other` is no proper share.
   [[nodiscard]] std::optional<key> agree(const key_share& other) const;
 
   /// The 32 octets of RFC 7748 6.1 that the key is made of, for tests with its vectors.

@@ -6,6 +6,7 @@
 #include <openssl/core_names.h>
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
+#include <openssl/kdf.h>
 #include <openssl/params.h>
 
 #include "core/codec.hpp"
@@ -16,6 +17,7 @@ namespace rubicon::smepp {
 namespace {
 
 using cipher_context = std::unique_ptr<EVP_CIPHER_CTX, releaser<EVP_CIPHER_CTX_free>>;
+using kdf_context = std::unique_ptr<EVP_KDF_CTX, releaser<EVP_KDF_CTX_free>>;
 using mac_context = std::unique_ptr<EVP_MAC_CTX, releaser<EVP_MAC_CTX_free>>;
 
 /// Looking an algorithm up takes longer than to use it; what is found never changes.
@@ -29,6 +31,13 @@ const EVP_CIPHER* ctr_algorithm() {
 EVP_MAC* cmac_algorithm() {
   static const std::unique_ptr<EVP_MAC, releaser<EVP_MAC_free>> found(
       EVP_MAC_fetch(nullptr, "CMAC", nullptr));
+  require(found != nullptr);
+  return found.get();
+}
+
+EVP_KDF* hkdf_algorithm() {
+  static const std::unique_ptr<EVP_KDF, releaser<EVP_KDF_free>> found(
+      EVP_KDF_fetch(nullptr, "HKDF", nullptr));
   require(found != nullptr);
   return found.get();
 }
@@ -75,6 +84,34 @@ key derive(const key& from, std::string_view label, byte_view context) {
   byte_writer input;
   input.octet(1).append(to_bytes(label)).octet(0).append(context).big(std::uint16_t{128});
   return key(cmac(from, input.view()));
+}
+
+key hkdf(byte_view secret, std::string_view label) {
+  const kdf_context context(EVP_KDF_CTX_new(hkdf_algorithm()));
+  char digest[] = "SHA256";
+  auto input = to_bytes(secret);
+  auto info = to_bytes(label);
+  const OSSL_PARAM parameters[] = {
+      OSSL_PARAM_construct_utf8_string(OSSL_KDF_PARAM_DIGEST, digest, 0),
+      OSSL_PARAM_construct_octet_string(OSSL_KDF_PARAM_KEY, input.data(), input.size()),
+      OSSL_PARAM_construct_octet_string(OSSL_KDF_PARAM_INFO, info.data(), info.size()),
+      OSSL_PARAM_construct_end()};
+  std::array<std::uint8_t, key::size> made{};
+  require(context != nullptr &&
+          EVP_KDF_derive(context.get(), made.data(), made.size(), parameters) == 1);
+  const key result(made);
+  OPENSSL_cleanse(input.data(), input.size());
+  OPENSSL_cleanse(made.data(), made.size());
+  return result;
+}
+
+tag short_hash(byte_view octets) {
+  std::array<std::uint8_t, 32> whole{};
+  require(EVP_Digest(octets.data(), octets.size(), whole.data(), nullptr, EVP_sha256(), nullptr) ==
+          1);
+  tag x{};
+  std::copy_n(whole.begin(), x.size(), x.begin());
+  return x;
 }
 
 } // namespace rubicon::smepp

@@ -1,5 +1,5 @@
 // The arithmetic of suite 1: AES-128 in counter mode (NIST SP 800-38A 6.5), and CMAC (RFC 4493) cut
-// to its first 8 octets. OpenSSL's libcrypto computes it.
+// to its first 8 octets; SHA-256 where keys are agreed on. OpenSSL's libcrypto computes it.
 #pragma once
 
 #include <array>
@@ -34,5 +34,11 @@ void apply_ctr(const key& under, const block& first, std::span<std::uint8_t> oct
 /// A key for one purpose, by CMAC as pseudorandom function in counter mode (NIST SP 800-108r1 4.1;
 /// one step gives all 128 bits): CMAC(from, 01 | label | 00 | context | 0080).
 [[nodiscard]] key derive(const key& from, std::string_view label, byte_view context = {});
+
+/// A key from a secret that is no key yet: HKDF-SHA-256 without salt (RFC 5869).
+[[nodiscard]] key hkdf(byte_view secret, std::string_view label);
+
+/// The first 8 octets of SHA-256: to find another input of that hash takes 2^64 tries.
+[[nodiscard]] tag short_hash(byte_view octets);
 
 } // namespace rubicon::smepp

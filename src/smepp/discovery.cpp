@@ -6,58 +6,90 @@
 
 namespace rubicon::smepp {
 
-void discovery::ask(const group_filter& x, security& security, instant now) {
-  found_.clear();
-  search_ = {x, security.unique(), now + config_.patience, now};
+namespace {
+
+bool is_before(const found_member& a, const found_member& b) {
+  if (a.is_proven != b.is_proven)
+    return a.is_proven;
+  return a.description.management.period < b.description.management.period;
 }
 
-std::optional<group_description> discovery::description_of(mote_id from, const answer& x) const {
-  group_description description;
-  auto name = x.name;
-  if (x.is_private) {
-    const auto& master = search_->filter.master;
-    if (!master || !is_same(x.proof, discovery_tag(*master, x.nonce, from, x.group)))
-      return std::nullopt;
-    name = hidden_name(*master, x.nonce, from, x.name);
-  }
-  description.name = rubicon::to_string(name);
+bool is_proven(const found_group& x) {
+  return x.members.front().is_proven;
+}
+
+} // namespace
+
+void discovery::ask(const group_filter& x, security& security, instant now) {
+  found_.clear();
+  const auto nonce = security.unique();
+  search_ = {x, nonce.value_or(0), nonce ? now + config_.patience : now, now};
+}
+
+std::optional<found_member> discovery::read(mote_id from, const answer& x, instant now) const {
+  const auto& master = search_->filter.master;
+  found_member told{from, {}, false, x.time, now};
+  told.is_proven =
+      master && x.proof && is_same(*x.proof, answer_tag(*master, config_.self, from, x));
+  if (x.is_private && !told.is_proven)
+    return std::nullopt;
+  auto& description = told.description;
+  description.name =
+      rubicon::to_string(x.is_private ? hidden_name(*master, config_.self, from, x) : x.name);
   description.is_closed = x.is_closed;
   description.is_private = x.is_private;
-  description.master = search_->filter.master;
+  description.master = master;
   description.management = {std::chrono::milliseconds(x.period_ms),
                             std::chrono::milliseconds(x.length_ms)};
   if (!is_name(description.name, group_description::name_max) ||
       !search_->filter.matches(description))
     return std::nullopt;
-  return description;
+  return told;
+}
+
+/// Nothing: there is no room.
+found_group* discovery::place_for(group_id group, bool proven) {
+  const auto found = std::ranges::find(found_, group, &found_group::id);
+  if (found != found_.end())
+    return &*found;
+  if (found_.size() >= config_.groups_max) {
+    ++no_room_;
+    const auto victim = std::ranges::find_if_not(found_, is_proven);
+    if (!proven || victim == found_.end())
+      return nullptr;
+    found_.erase(victim);
+  }
+  return &found_.emplace_back(found_group{group, {}});
 }
 
 void discovery::on_answer(mote_id from, const answer& x, instant now) {
   if (!search_ || x.nonce != search_->nonce)
     return;
-  const auto description = description_of(from, x);
-  if (!description)
+  const auto told = read(from, x, now);
+  if (!told)
     return;
-  auto found = std::ranges::find(found_, x.group, &found_group::id);
-  if (found == found_.end()) {
-    if (found_.size() >= config_.groups_max) {
-      ++no_room_;
-      return;
-    }
-    found_.push_back({x.group, *description, {}, x.time, now});
-    found = found_.end() - 1;
-  }
-  found->time = x.time;
-  found->told_at = now;
-  if (std::ranges::find(found->members, from) == found->members.end() &&
-      found->members.size() < config_.members_max)
-    found->members.push_back(from);
+  auto* const place = place_for(x.group, told->is_proven);
+  if (place == nullptr)
+    return;
+  auto& members = place->members;
+  if (!told->is_proven && std::ranges::any_of(members, [&](const found_member& each) {
+        return each.who == from && each.is_proven;
+      }))
+    return; // somebody else in its name
+  // What is said in one name in two ways is two things to try.
+  std::erase_if(members, [&](const found_member& each) {
+    return each.who == from && (told->is_proven || each.description == told->description);
+  });
+  members.insert(std::ranges::upper_bound(members, *told, is_before), *told);
+  if (members.size() > config_.members_max)
+    members.pop_back();
 }
 
 void discovery::on_time(actions& out, instant now) {
   if (!search_)
     return;
   if (now >= search_->until) {
+    std::ranges::stable_partition(found_, is_proven);
     getGroups_result result;
     for (const auto& x : found_)
       result.groups.push_back(x.id);
@@ -72,7 +104,7 @@ void discovery::on_time(actions& out, instant now) {
   discover question{search_->nonce, filter.is_closed, filter.is_private, std::nullopt,
                     filter.name.value_or("")};
   if (filter.master)
-    question.proof = discovery_tag(*filter.master, search_->nonce, config_.self, network_level);
+    question.proof = question_tag(*filter.master, search_->nonce, config_.self);
   out.push_back(to_send{broadcast_mote, network_level, question, slot::at_once});
 }
 

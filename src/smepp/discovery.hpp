@@ -21,22 +21,30 @@ struct discovery_config {
   std::size_t members_max = 4; ///< who answered, of each group
 };
 
-/// A group that somebody has told of.
-struct found_group {
-  group_id id;
+/// Who has told of a group, and may admit us to it; and what it has said, which need not be true.
+struct found_member {
+  mote_id who;
   group_description description; ///< with the master key that it was looked for with, if any
-  std::vector<mote_id> members;  ///< who answered: each may admit us
+  bool is_proven = false;        ///< it has that key as well
   group_time time;               ///< what it was
   instant told_at;               ///< then
 };
 
+struct found_group {
+  group_id id;
+  std::vector<found_member> members; ///< the best to ask first; never empty
+};
+
 /// Asks again and again until the time is over: some of the questions meet a group's active period.
+///
+/// Each answer stands for who gave it. Those that show the key come first and take the room of
+/// others; among the rest a shorter period comes first, so a false one costs no more than a true one.
 class discovery {
 public:
   discovery() = default;
   explicit discovery(discovery_config config) : config_(config) {}
 
-  /// What was found before is forgotten. @pre a counter is left
+  /// What was found before is forgotten.
   void ask(const group_filter& x, security& security, instant now);
 
   void on_answer(mote_id from, const answer& x, instant now);
@@ -51,14 +59,14 @@ public:
 private:
   struct search {
     group_filter filter;
-    std::uint32_t nonce = 0;
+    std::uint64_t nonce = 0;
     instant until;
     instant next;
   };
 
   /// Nothing: it is not what we have asked for.
-  [[nodiscard]] std::optional<group_description> description_of(mote_id from,
-                                                                const answer& x) const;
+  [[nodiscard]] std::optional<found_member> read(mote_id from, const answer& x, instant now) const;
+  [[nodiscard]] found_group* place_for(group_id group, bool is_proven);
 
   discovery_config config_;
   std::optional<search> search_;

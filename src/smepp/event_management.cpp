@@ -140,9 +140,11 @@ std::optional<failure> event_management::event(const group& g, const std::string
     }
     ++counters_.raised;
     smepp::event raised{x.id, config_.self, ++sequence_, 0, std::nullopt, value};
-    raised.proof = pairwise_.prove(raised, g.id);
+    if (pairwise_.has(x.id.subscriber))
+      if (const auto number = c.keys.unique())
+        raised.proof = pairwise_.prove(raised, g.id, x.made_at, *number);
     if (x.depth == 0) {
-      take(raised, x, c);
+      take(raised, x, true, c);
       continue;
     }
     const acting_on event(provenance::begin("message", x.id.subscriber.value));
@@ -305,7 +307,7 @@ std::optional<instant> event_management::deadline(const group_management& groups
 std::size_t event_management::footprint() const {
   constexpr std::size_t one = 2 + 3 + event_name_max + 6 + 6 + 4 + 2 + 1 + 2 + 2 + 4 + 4 + 2;
   constexpr std::size_t queued = 2 + 3 + 2 + 2 + 1 + 8 + event_value_max + 6;
-  return config_.subscriptions_max * one + config_.events_max * queued + config_.seen_max * 9 +
+  return config_.subscriptions_max * one + config_.events_max * queued + config_.seen_max * 11 +
          config_.removed_max * 11 + pairwise_.footprint();
 }
 

@@ -130,6 +130,9 @@ private:
     subscription_id id;
     mote_id producer;
     std::uint16_t sequence = 0;
+    /// Of proof and value: what somebody says in the producer's name is another event. Nothing else
+    /// tells them apart on the way to who can check the proof.
+    std::uint16_t content = 0;
 
     friend bool operator==(const mark&, const mark&) = default;
   };
@@ -143,10 +146,10 @@ private:
   [[nodiscard]] bool is_removed(group_id group, const smepp::subscribe& x) const;
   void spread(const subscription& x, bool is_refresh, context c) const;
   void remove(std::size_t at, bool tell, context c);
-  void take(const smepp::event& x, const subscription& to, context c);
+  void take(const smepp::event& x, const subscription& to, bool is_own, context c);
   void enqueue(group_id group, smepp::event x, context c);
   void pump(context c);
-  [[nodiscard]] bool is_new(const mark& x);
+  [[nodiscard]] bool is_new(group_id group, const smepp::event& x);
   void drop(const char* why) { ++counters_.dropped[why]; }
   template <class Which>
   void forget(Which which) {

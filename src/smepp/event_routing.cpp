@@ -2,11 +2,25 @@
 #include <algorithm>
 #include <cassert>
 
+#include "core/hash.hpp"
 #include "smepp/event_management.hpp"
 
 namespace rubicon::smepp {
 
-bool event_management::is_new(const mark& x) {
+namespace {
+
+std::uint16_t content_of(const event& x) {
+  fold64 fold;
+  if (x.proof)
+    fold.add(x.proof->number).add(byte_view(x.proof->mac));
+  fold.add(byte_view(x.value));
+  return static_cast<std::uint16_t>(fold.value());
+}
+
+} // namespace
+
+bool event_management::is_new(group_id group, const smepp::event& event) {
+  const mark x{group, event.id, event.producer, event.sequence, content_of(event)};
   if (std::ranges::find(seen_, x) != seen_.end())
     return false;
   if (seen_.size() >= config_.seen_max)
@@ -19,12 +33,12 @@ void event_management::on_message(mote_id from, const smepp::event& x, const gro
   const auto* const known = find(g.id, x.id);
   if (known == nullptr)
     return drop("no_subscription");
-  if (!is_new({g.id, x.id, x.producer, x.sequence})) {
+  if (known->depth == 0)
+    return take(x, *known, false, c);
+  if (!is_new(g.id, x)) {
     ++counters_.duplicates;
     return;
   }
-  if (known->depth == 0)
-    return take(x, *known, c);
   if (x.hops + 1 >= config_.hops_max)
     return drop("too_far");
   if (known->parent == from && known->other_parent == no_mote)
@@ -36,11 +50,17 @@ void event_management::on_message(mote_id from, const smepp::event& x, const gro
   pump(c);
 }
 
-/// At its subscriber.
-void event_management::take(const smepp::event& x, const subscription& to, context c) {
-  const bool is_proven = x.producer == config_.self || pairwise_.is_proven(x, to.group);
+/// At its subscriber. What is not proven is no reason to take something else for a repetition.
+/// @param is_own raised here; what comes from elsewhere in our name is not
+void event_management::take(const smepp::event& x, const subscription& to, bool is_own, context c) {
+  const bool has_proof = !is_own && pairwise_.is_proven(x, to.group, to.made_at);
+  const bool is_proven = is_own || has_proof;
   if (config_.authenticates_sender && !is_proven)
     return drop("sender_unproven");
+  if (!is_own && !(has_proof ? pairwise_.take(x) : is_new(to.group, x))) {
+    ++counters_.duplicates;
+    return;
+  }
   if (!to.is_received)
     return drop("not_waited_for");
   ++counters_.received;

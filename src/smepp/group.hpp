@@ -21,15 +21,19 @@ struct stored_group {
   group_description description;
   session_keys session;
   std::uint16_t stamp = 0; ///< of our own entry among the members
+  std::vector<mote_id> neighbours; ///< those that have shown that they are there, the last first
+
+  static constexpr std::size_t neighbours_max = 12;
 
   friend bool operator==(const stored_group& a, const stored_group& b) {
     return a.id == b.id && a.description == b.description && a.session.id == b.session.id &&
-           a.session.keys == b.session.keys && a.stamp == b.stamp;
+           a.session.keys == b.session.keys && a.stamp == b.stamp &&
+           a.neighbours == b.neighbours;
   }
 };
 
 struct group {
-  static constexpr duration rumour_pause_min = 5s;
+  static constexpr duration refuser_pause_min = 5s;
 
   group_id id;
   group_description description;
@@ -47,16 +51,29 @@ struct group {
   std::optional<instant> refresh_at;
   /// Our best pair went from hand to hand: who had those before may be one who has left.
   bool is_best_fetched = false;
-  /// Somebody was heard under keys ahead of ours: they are fetched then, if we have not been sent
-  /// them. It need not be true: the pause to the next such attempt doubles while it does not help.
+  /// Neighbours were heard under keys ahead of ours: these are fetched then, if we have not been sent
+  /// them. It need not be true. One place for each neighbour, so nobody takes another's.
   struct rumour {
     mote_id from;
     session_id best; ///< of ours at that time
     instant due;
   };
-  std::optional<rumour> heard_ahead;
-  instant rumours_from;
-  duration rumour_pause = rumour_pause_min;
+  std::vector<rumour> rumours;
+  static constexpr std::size_t rumours_max = 4;
+  /// Those that did not answer when we wanted keys from them: not asked for a while, longer each
+  /// time.
+  struct refuser {
+    mote_id who;
+    instant until;
+    duration pause{};
+  };
+  std::vector<refuser> refusers; ///< the longest ago first
+  static constexpr std::size_t refusers_max = 8;
+  /// Those that have shown that they are there, now or in a former life, the last first.
+  std::vector<mote_id> neighbours;
+  /// Of all others one is asked at a time, and after a while, longer each time that it was in vain.
+  instant guess_from;
+  duration guess_pause = refuser_pause_min;
   instant fetch_from; ///< no catch-up before, what is said by a member included
   /// Who goes by another time is told ours no sooner.
   instant out_of_step_from;

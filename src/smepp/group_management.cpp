@@ -1,6 +1,7 @@
 #include "smepp/group_management.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <utility>
 
@@ -12,8 +13,13 @@ constexpr std::size_t told_max = 8;
 
 } // namespace
 
-group_management::group_management(group_config config, random_stream rng)
-    : config_(config), rng_(rng) {
+group_management::group_management(group_config config, random_stream rng, randomness secrets,
+                                   const agreement& identity)
+    : config_(config), rng_(rng), secrets_(std::move(secrets)), identity_(identity),
+      identity_share_(identity.share()) {
+  std::array<std::uint8_t, key::size> octets{};
+  secrets_.fill(octets);
+  cookie_key_ = key(octets);
   config_.discovery.self = config.self;
   config_.sync.self = config.self;
   discovery_ = discovery(config_.discovery);
@@ -39,8 +45,8 @@ std::variant<group_id, failure> group_management::create(const group_description
     return failure::no_room;
   auto& g = add(id, x, c);
   g.sync.begin(c.now);
-  g.members.learn({{config_.self, config_.transducers}, 1, false});
-  g.ring.learn(make_session(credential(g, c.keys), {1, config_.self}, rng_), c.now, c.now);
+  g.members.learn(own_entry(1));
+  g.ring.learn(make_session(credential(g, c.keys), {1, config_.self}, secrets_), c.now, c.now);
   changed(g, c);
   return id;
 }
@@ -55,7 +61,8 @@ std::optional<failure> group_management::leave(group_id group, context c) {
     return failure::not_a_member;
   const auto* const known = g->members.find(config_.self);
   const auto stamp = static_cast<std::uint16_t>((known != nullptr ? known->stamp : 0) + 1);
-  const member gone{{config_.self, config_.transducers}, stamp, true};
+  auto gone = own_entry(stamp);
+  gone.has_left = true;
   g->members.learn(gone);
   to_send news{broadcast_mote, group, member_left{gone}};
   news.copies = config_.flood_copies;
@@ -77,7 +84,8 @@ void group_management::restore(const stored_group& x, context c) {
     return drop("no_room");
   auto& g = add(x.id, x.description, c);
   g.ring.learn(x.session, c.now, c.now);
-  g.members.learn({{config_.self, config_.transducers}, x.stamp, false});
+  g.members.learn(own_entry(x.stamp));
+  g.neighbours = x.neighbours;
   g.is_returning = true;
   changed(g, c);
 }
@@ -99,7 +107,7 @@ void group_management::make_keys(group& g, bool somebody_left, context c) {
   const auto before = g.ring.sending(c.now);
   const auto pending = g.ring.best().id; // all that who has just joined has
   const session_id id{static_cast<std::uint16_t>(g.ring.best().id.generation + 1), config_.self};
-  g.ring.learn(make_session(credential(g, c.keys), id, rng_),
+  g.ring.learn(make_session(credential(g, c.keys), id, secrets_),
                c.now + activation_time(g, somebody_left), c.now);
   g.refresh_at.reset();
   ++counters_.keys_made;
@@ -149,30 +157,60 @@ void group_management::on(mote_id /*from*/, const key_refresh& x, const opened_f
   announce(*g, frame.session, config_.flood_copies, c); // others under these keys may lack it
 }
 
+/// The key number says it, in clear: it is a reason to ask a neighbour that is there, and now and
+/// then somebody else.
 void group_management::on_foreign_keys(mote_id from, group_id group, context c) {
   auto* const g = find(group);
-  if (g == nullptr || g->heard_ahead || c.now < g->rumours_from)
+  if (g == nullptr || is_refuser(*g, from, c.now) || g->rumours.size() >= group::rumours_max ||
+      std::ranges::any_of(g->rumours, [&](const auto& x) { return x.from == from; }))
     return;
-  g->heard_ahead = group::rumour{
-      from, g->ring.best().id, c.now + config_.rumour_wait + 2 * g->description.management.period};
+  // Its radio is on now, and will be again a number of periods later; ours may go by another time.
+  const auto wait = g->is_returning ? duration{} : rumour_wait(*g);
+  const auto due = c.now + wait;
+  if (std::ranges::find(g->neighbours, from) == g->neighbours.end()) {
+    if (c.now < g->guess_from)
+      return;
+    g->guess_from = due + g->guess_pause;
+    g->guess_pause = std::min(2 * g->guess_pause, config_.rumour_pause_max);
+  }
+  g->rumours.push_back({from, g->ring.best().id, due});
+  if (g->is_returning)
+    check_rumours(*g, c);
 }
 
-void group_management::check_rumour(group& g, context c) {
-  if (!g.heard_ahead || g.heard_ahead->due > c.now)
-    return;
-  const auto x = *g.heard_ahead;
-  g.heard_ahead.reset();
-  if (g.ring.best().id != x.best)
-    return;
-  g.rumours_from = c.now + g.rumour_pause;
-  g.rumour_pause = std::min(2 * g.rumour_pause, config_.rumour_pause_max);
-  catch_up(x.from, g, c);
+duration group_management::rumour_wait(const group& g) const {
+  const auto period = g.description.management.period;
+  if (period == duration{})
+    return config_.rumour_wait;
+  return period * ((config_.rumour_wait + 2 * period) / period + 1);
 }
 
-void group_management::on_heard(mote_id from, group_id group, context c) {
+void group_management::check_rumours(group& g, context c) {
+  for (auto& x : g.rumours)
+    if (x.due <= c.now && x.best == g.ring.best().id && attempts_.contains(g.id))
+      x.due += rumour_wait(g); // its turn comes
+  const auto due = [&](const group::rumour& x) { return x.due <= c.now; };
+  const auto found = std::ranges::find_if(g.rumours, due);
+  if (found == g.rumours.end())
+    return;
+  const auto x = *found;
+  g.rumours.erase(found);
+  if (x.best == g.ring.best().id)
+    catch_up(x.from, g, true, c);
+}
+
+void group_management::on_heard(mote_id from, group_id group, bool is_proven, context c) {
   auto* const g = find(group);
-  if (g != nullptr && g->is_returning)
-    catch_up(from, *g, c);
+  if (g == nullptr)
+    return;
+  if (is_proven) {
+    std::erase(g->neighbours, from);
+    g->neighbours.insert(g->neighbours.begin(), from);
+    if (g->neighbours.size() > stored_group::neighbours_max)
+      g->neighbours.pop_back();
+  }
+  if (g->is_returning)
+    catch_up(from, *g, true, c);
 }
 
 // ---- members
@@ -180,15 +218,15 @@ void group_management::on_heard(mote_id from, group_id group, context c) {
 void group_management::learn(group& g, const member& x, bool spread, context c) {
   if (x.who.peer == config_.self) {
     const auto* const own = g.members.find(config_.self);
-    const bool is_wrong = x.has_left || x.who.transducers != config_.transducers;
+    const bool is_wrong = x.has_left || x.who.transducers != config_.transducers ||
+                          x.identity != own_entry(0).identity;
     if (!is_wrong || g.leaving_at) {
       g.members.learn(x);
       return;
     }
-    // Somebody remembers a former life of ours.
+    // Somebody remembers a former life of ours, or has come in under our name.
     const auto stamp = std::max(x.stamp, own != nullptr ? own->stamp : std::uint16_t{0});
-    const member true_one{
-        {config_.self, config_.transducers}, static_cast<std::uint16_t>(stamp + 1), false};
+    const auto true_one = own_entry(static_cast<std::uint16_t>(stamp + 1));
     g.members.learn(true_one);
     to_send news{broadcast_mote, g.id, member_joined{true_one}};
     news.copies = config_.flood_copies;
@@ -198,14 +236,13 @@ void group_management::learn(group& g, const member& x, bool spread, context c) 
   const auto change = g.members.learn(x);
   if (change == member_table::change::no_room)
     return drop("no_room");
-  if (change == member_table::change::joined && !g.settling_in) // else the list is the result
-    c.out.push_back(signal{peerJoined{g.id, x.who}});
-  if (change == member_table::change::left) {
+  const bool is_other = change == member_table::change::replaced;
+  if ((change == member_table::change::joined || is_other) && !g.settling_in)
+    c.out.push_back(signal{peerJoined{g.id, x.who}}); // else the list is the result
+  if (change == member_table::change::left)
     c.out.push_back(signal{peerLeft{x.who.peer, g.id}});
-    const auto rank = static_cast<std::int64_t>(g.members.rank(config_.self));
-    if (!g.refresh_at)
-      g.refresh_at = c.now + rank * activation_time(g, true);
-  }
+  if (change == member_table::change::left || is_other)
+    on_left(g, c); // also who was there under that name before
   if (change == member_table::change::none || !spread)
     return;
   to_send news{broadcast_mote, g.id, member_joined{x}};
@@ -213,6 +250,17 @@ void group_management::learn(group& g, const member& x, bool spread, context c) 
     news.content = member_left{x};
   news.copies = config_.flood_copies;
   c.out.push_back(news);
+}
+
+/// Somebody knows keys that it must not know for longer.
+void group_management::on_left(group& g, context c) {
+  const auto rank = static_cast<std::int64_t>(g.members.rank(config_.self));
+  if (!g.refresh_at)
+    g.refresh_at = c.now + rank * activation_time(g, true);
+}
+
+member group_management::own_entry(std::uint16_t stamp) const {
+  return {{config_.self, config_.transducers}, stamp, false, short_hash(identity_share_)};
 }
 
 void group_management::on(mote_id /*from*/, const member_joined& x, const opened_frame& frame,
@@ -254,14 +302,13 @@ void group_management::on_stamp(mote_id from, const sync_stamp& x, group_id grou
     return;
   static_cast<void>(g->sync.on_stamp(from, x, at));
   if (is_better(x.best, g->ring.best().id))
-    catch_up(from, *g, c);
+    catch_up(from, *g, false, c);
   if (x.digest != g->members.digest())
     tell(from, *g, c);
 }
 
 void group_management::on_time(context c) {
   discovery_.on_time(c.out, c.now);
-  std::erase_if(applicants_, [&](const applicant& x) { return x.until <= c.now; });
   std::vector<group_id> due;
   for (const auto& [id, x] : attempts_)
     if (x.due <= c.now)
@@ -284,7 +331,7 @@ void group_management::on_time(context c) {
     ++at;
     if (g.ring.on_time(c.now))
       changed(g, c);
-    check_rumour(g, c);
+    check_rumours(g, c);
     if (const auto due_at = next_keys(g); due_at && *due_at <= c.now)
       make_keys(g, g.refresh_at && *g.refresh_at <= c.now, c);
     if (g.sync.on_time(c.now)) {
@@ -311,8 +358,8 @@ std::optional<instant> group_management::deadline() const {
     first = earliest(first, x.due);
   for (const auto& [id, g] : groups_) {
     first = earliest(first, g.leaving_at);
-    if (g.heard_ahead)
-      first = earliest(first, g.heard_ahead->due);
+    for (const auto& x : g.rumours)
+      first = earliest(first, x.due);
     first = earliest(first, g.ring.deadline());
     first = earliest(first, next_keys(g));
     first = earliest(first, g.sync.deadline());
@@ -338,12 +385,13 @@ std::optional<group_description> group_management::description(group_id x) const
   if (const auto* const g = find(x))
     return g->description;
   if (const auto* const found = discovery_.find(x))
-    return found->description;
+    return found->members.front().description;
   return std::nullopt;
 }
 
 bool group_management::is_listening(instant now) const {
-  return discovery_.is_asking() || !attempts_.empty() ||
+  return discovery_.is_asking() ||
+         std::ranges::any_of(attempts_, [](const auto& x) { return !x.second.is_member; }) ||
          std::ranges::any_of(groups_, [&](const auto& x) {
            const auto& g = x.second;
            return !g.sync.is_fine() || (g.sync.is_lost(now) && g.members.present() > 1);
@@ -357,21 +405,28 @@ std::optional<group_management::schedule> group_management::schedule_of(group_id
       return std::nullopt;
     return schedule{g->sync.at(now), g->description.management};
   }
-  if (const auto* const found = discovery_.find(x)) {
-    const auto since = std::chrono::floor<std::chrono::microseconds>(now - found->told_at);
-    return schedule{found->time + since, found->description.management};
-  }
-  return std::nullopt;
+  const found_member* told = nullptr; // by whom we are asking, or would ask first
+  if (const auto running = attempts_.find(x); running != attempts_.end())
+    told = &running->second.members.front();
+  else if (const auto* const found = discovery_.find(x))
+    told = &found->members.front();
+  if (told == nullptr)
+    return std::nullopt;
+  const auto since = std::chrono::floor<std::chrono::microseconds>(now - told->told_at);
+  return schedule{told->time + since, told->description.management};
 }
 
 std::size_t group_management::footprint() const {
-  // A handshake: who, both nonces, a secret, two shares, flags, when it ends. Of our own we have
-  // one at a time, and the description of the group.
-  constexpr std::size_t one_handshake = 2 + 2 + 2 + 4 + 4 + 3 * 32 + 4 + 6;
-  std::size_t sum = (config_.joins_max + 1) * one_handshake + group_description::name_max + 16;
+  // Our own handshake: who, nonce, cookie, a secret, a share, flags, when it ends. Of others' that
+  // have succeeded: who, nonce, key, share, when.
+  constexpr std::size_t own_handshake = 2 + 2 + 4 + 8 + 2 * 32 + 4 + 6;
+  constexpr std::size_t of_others = 2 + 2 + 4 + key::size + 32 + 4;
+  std::size_t sum = own_handshake + admitted_max * of_others + group_description::name_max +
+                    16 + 32 + key::size;
   for (const auto& [id, g] : groups_)
     sum += group_description::name_max + key::size + 12 + session_ring::footprint() +
-           g.members.footprint() + weak_sync::footprint() + told_max * 6;
+           g.members.footprint() + weak_sync::footprint() + told_max * 6 +
+           group::rumours_max * 10 + group::refusers_max * 8 + stored_group::neighbours_max * 2;
   return sum;
 }
 

@@ -36,7 +36,7 @@ struct group_config {
   unsigned flood_copies = 3;       ///< each member sends news on so often
   duration step_timeout = 500ms;   ///< of a handshake, besides two management periods
   unsigned step_tries = 3;
-  duration rumour_pause_max = 5min;
+  duration rumour_pause_max = 5min; ///< between rumours that are followed, in the long run
   duration rumour_wait = 1s; ///< besides two periods: what was sent to all has come by then
   duration fetch_pause = 2s; ///< between handshakes of a member
   duration told_pause = 10s; ///< until the same neighbour is sent all members again
@@ -49,9 +49,10 @@ struct group_counters {
   std::uint64_t caught_up = 0;
   std::uint64_t keys_made = 0;
   std::uint64_t keys_learned = 0;
+  std::uint64_t agreements = 0; ///< X25519 computed: of each, a mote's processor has 2 s to do
   std::map<std::string, std::uint64_t> dropped; ///< messages, by cause
 };
-RUBICON_FIELDS(group_counters, admitted, caught_up, keys_made, keys_learned, dropped);
+RUBICON_FIELDS(group_counters, admitted, caught_up, keys_made, keys_learned, agreements, dropped);
 
 /// What each call gets besides its own arguments.
 struct context {
@@ -71,7 +72,9 @@ struct context {
 class group_management {
 public:
   group_management() = default;
-  group_management(group_config config, random_stream rng);
+  /// @param identity by which others know us again
+  group_management(group_config config, random_stream rng, randomness secrets,
+                   const agreement& identity);
 
   // ---- what the application wants
 
@@ -88,10 +91,12 @@ public:
   void on_message(mote_id from, const message& x, const opened_frame& frame, context c);
   /// @param at as in weak_sync
   void on_stamp(mote_id from, const sync_stamp& x, group_id group, instant at, context c);
-  /// Somebody in the group was heard under keys that we know, proven or not,
-  void on_heard(mote_id from, group_id group, context c);
+  /// Somebody in the group was heard under keys that we know,
+  void on_heard(mote_id from, group_id group, bool is_proven, context c);
   /// or under others.
   void on_foreign_keys(mote_id from, group_id group, context c);
+  /// What was sent with a step_token has ended. @returns whether an answer is due
+  bool on_step_sent(group_id group, bool acked, context c);
 
   void on_time(context c);
   [[nodiscard]] std::optional<instant> deadline() const;
@@ -123,22 +128,26 @@ public:
 private:
   /// We want in.
   struct attempt {
-    group_description description;
-    handshake with;
+    std::vector<found_member> members; ///< the first is being asked, the others if it does not answer
+    join_proof proof;                  ///< as far as it is known
     agreement own;
-    std::vector<mote_id> next; ///< members to try if this one does not answer
-    bool is_member = false;    ///< catch-up
+    bool is_member = false; ///< catch-up
+    bool is_rumour = false; ///< of which nobody has shown that there is a reason for it
     bool is_proving = false;
     unsigned tries = 0;
+    unsigned challenges = 0;
+    std::optional<failure> advised; ///< why it failed, as somebody says who need not be right
     instant due;
   };
-  /// Somebody else does.
-  struct applicant {
-    handshake with;
-    agreement own;
-    transducer_mask transducers = 0;
-    bool is_member = false;
-    instant until;
+  /// Somebody else was let in: it may not have heard it.
+  static constexpr std::size_t admitted_max = 2;
+  struct admitted {
+    mote_id joiner;
+    group_id group;
+    std::uint32_t nonce = 0;
+    key under; ///< of the wrapped keys
+    key_share share{};
+    instant sent;
   };
 
   void on(mote_id from, const discover& x, const opened_frame& frame, context c);
@@ -155,19 +164,35 @@ private:
 
   [[nodiscard]] duration activation_time(const group& g, bool by_handshakes) const;
   [[nodiscard]] duration step_timeout(const management_cycle& x) const;
+  [[nodiscard]] handshake handshake_of(const attempt& x) const;
+  [[nodiscard]] attempt* attempt_with(mote_id from, group_id group, std::uint32_t nonce);
   void start(attempt x, context c);
-  void send_step(const attempt& x, context c);
+  void send_step(attempt& x, context c);
+  void prove(attempt& x, context c);
   void go_on(attempt& x, failure why, context c);
   void finish(group_id group, std::optional<failure> error, context c);
   void enter(const attempt& x, const session_keys& session, const join_accept& accept,
-             std::uint32_t counter, context c);
-  void caught_up(group& g, const session_keys& session, const join_accept& accept, context c);
-  void admit(group& g, const applicant& x, std::uint32_t counter, context c);
-  void refuse(const applicant& x, failure why, context c);
-  void catch_up(mote_id from, group& g, context c);
-  void check_rumour(group& g, context c);
+             std::uint64_t counter, context c);
+  void caught_up(group& g, mote_id from, const session_keys& session, const join_accept& accept,
+                 context c);
+  [[nodiscard]] std::uint64_t turn(const group& g, instant now) const;
+  void ask_for_proof(mote_id from, const smepp::join& x, const group& g, context c);
+  [[nodiscard]] bool has_cookie(mote_id from, const join_proof& x, const group& g,
+                                instant now) const;
+  void admit(group& g, const handshake& with, std::uint64_t counter, context c);
+  void note_joiner(group& g, const handshake& with, context c);
+  void welcome(group& g, admitted& x, context c);
+  void refuse(mote_id joiner, const join_proof& x, failure why, tag mac, context c);
+  void catch_up(mote_id from, group& g, bool is_rumour, context c);
+  [[nodiscard]] bool is_refuser(const group& g, mote_id who, instant now) const;
+  void note_refuser(group& g, mote_id who, instant now);
+  void check_rumours(group& g, context c);
+  [[nodiscard]] duration rumour_wait(const group& g) const; ///< whole periods
+  [[nodiscard]] std::optional<key> agree(const agreement& own, const key_share& other);
+  [[nodiscard]] member own_entry(std::uint16_t stamp) const;
 
   void make_keys(group& g, bool somebody_left, context c);
+  void on_left(group& g, context c);
   [[nodiscard]] std::optional<instant> next_keys(const group& g) const;
   void announce(const group& g, session_id under, unsigned copies, context c);
   void changed(group& g, context c);
@@ -181,19 +206,22 @@ private:
 
   group_config config_;
   random_stream rng_;
+  randomness secrets_;
+  agreement identity_;
+  key_share identity_share_{};
+  key cookie_key_; ///< of this life
   std::map<group_id, group> groups_;
   discovery discovery_;
   std::map<group_id, attempt> attempts_;
-  std::vector<applicant> applicants_;
+  std::vector<admitted> admitted_; ///< lately, the longest ago first
   struct answered {
     mote_id asker;
-    std::uint32_t nonce = 0;
+    std::uint64_t nonce = 0;
     instant at;
   };
-  [[nodiscard]] bool has_answered(mote_id asker, std::uint32_t nonce, instant now);
+  [[nodiscard]] bool has_answered(mote_id asker, std::uint64_t nonce, instant now);
   std::vector<answered> answered_;
-  allowance answers_{8, 250ms};
-  allowance challenges_{4, 500ms};
+  allowance agreements_{4, 500ms}; ///< of those who have the credential, or say so to us
   group_counters counters_;
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <openssl/crypto.h>
+
 #include "core/codec.hpp"
 
 namespace rubicon::smepp {
@@ -10,13 +12,17 @@ namespace {
 
 bytes context_of(const handshake& x) {
   byte_writer all;
-  all.big(x.group.value)
-      .big(x.joiner.value)
+  all.big(x.joiner.value)
       .big(x.member.value)
-      .big(x.nonce)
-      .big(x.member_nonce)
+      .big(x.proof.group.value)
+      .big(x.proof.nonce)
+      .append(x.proof.cookie)
+      .big(x.proof.transducers)
+      .octet(x.proof.is_member ? 1 : 0)
+      .append(x.proof.share)
+      .append(x.proof.identity)
       .append(x.share)
-      .append(x.member_share);
+      .append(x.terms);
   return all.finish();
 }
 
@@ -31,9 +37,9 @@ void crypt(const key& under, session_id id, std::span<std::uint8_t> octets) {
   apply_ctr(derive(under, "wrap", context_of(id)), block{}, octets);
 }
 
-tag mac_of(const key& under, const wrapped_keys& x) {
+tag mac_of(const key& under, const wrapped_keys& x, byte_view carrier) {
   byte_writer all;
-  all.append(context_of(x.id)).big(x.send_in_ms).append(x.octets);
+  all.append(context_of(x.id)).big(x.send_in_ms).append(x.octets).append(carrier);
   return short_mac(derive(under, "wrap MAC"), all.view());
 }
 
@@ -45,15 +51,26 @@ key key_from(byte_view octets) {
 
 } // namespace
 
-tag join_tag(const key& credential, const handshake& x, transducer_mask transducers,
-             bool is_member) {
+tag cookie_of(const key& own, mote_id joiner, const join& x, std::uint64_t turn) {
   byte_writer all;
-  all.append(context_of(x)).big(transducers).octet(is_member ? 1 : 0);
-  return short_mac(derive(credential, "join"), all.view());
+  all.big(joiner.value).big(x.group.value).big(x.nonce).big(turn);
+  return short_mac(derive(own, "cookie"), all.view());
 }
 
-key accept_key(const key& credential, const handshake& x, const key& agreed) {
-  return derive(derive(credential, "accept", context_of(x)), "agreed", agreed.reveal());
+tag join_tag(const key& credential, const handshake& x) {
+  return short_mac(derive(credential, "join"), context_of(x));
+}
+
+tag refuse_tag(const key& credential, const handshake& x, failure why) {
+  byte_writer all;
+  all.octet(static_cast<std::uint8_t>(why)).append(context_of(x));
+  return short_mac(derive(credential, "refuse"), all.view());
+}
+
+key accept_key(const key& credential, const handshake& x, const key& agreed,
+               const key& with_identity) {
+  const auto first = derive(derive(credential, "accept", context_of(x)), "agreed", agreed.reveal());
+  return derive(first, "identity", with_identity.reveal());
 }
 
 key refresh_key(const key& credential, const key_pair& old) {
@@ -61,45 +78,73 @@ key refresh_key(const key& credential, const key_pair& old) {
                 old.integrity.reveal());
 }
 
-wrapped_keys wrap(const key& under, const session_keys& x, duration send_in) {
+wrapped_keys wrap(const key& under, const session_keys& x, duration send_in, byte_view carrier) {
   wrapped_keys wrapped;
   wrapped.id = x.id;
   const auto ms = std::chrono::ceil<std::chrono::milliseconds>(std::max(send_in, duration{}));
-  wrapped.send_in_ms = static_cast<std::uint32_t>(std::min<std::int64_t>(ms.count(), UINT32_MAX));
+  wrapped.send_in_ms = static_cast<std::uint32_t>(
+      std::min<std::int64_t>(ms.count(), wrapped_keys::send_in_max));
   std::ranges::copy(x.keys.confidentiality.reveal(), wrapped.octets.begin());
   std::ranges::copy(x.keys.integrity.reveal(), wrapped.octets.begin() + key::size);
   crypt(under, x.id, wrapped.octets);
-  wrapped.mac = mac_of(under, wrapped);
+  wrapped.mac = mac_of(under, wrapped, carrier);
   return wrapped;
 }
 
-std::optional<session_keys> unwrap(const key& under, const wrapped_keys& x) {
-  if (!is_same(x.mac, mac_of(under, x)))
+void bind_carrier(const key& under, wrapped_keys& x, byte_view carrier) {
+  x.mac = mac_of(under, x, carrier);
+}
+
+std::optional<session_keys> unwrap(const key& under, const wrapped_keys& x, byte_view carrier) {
+  if (!is_same(x.mac, mac_of(under, x, carrier)))
     return std::nullopt;
   auto octets = x.octets;
   crypt(under, x.id, octets);
   return session_keys{x.id, {key_from(octets), key_from(byte_view(octets).subspan(key::size))}};
 }
 
-session_keys make_session(const key& credential, session_id id, random_stream& rng) {
-  byte_writer drawn;
-  for (int i = 0; i < 4; ++i)
-    drawn.big(rng.next());
-  return {id,
-          {derive(credential, "session key", drawn.view()),
-           derive(credential, "session MAC", drawn.view())}};
-}
-
-tag discovery_tag(const key& master, std::uint32_t nonce, mote_id sender, group_id group) {
+bytes carrier_of(const join_accept& x) {
   byte_writer all;
-  all.big(nonce).big(sender.value).big(group.value);
-  return short_mac(derive(master, "discover"), all.view());
+  all.octet(x.members).octet(x.subscriptions);
+  write(all, x.time);
+  return all.finish();
 }
 
-bytes hidden_name(const key& master, std::uint32_t nonce, mote_id sender, byte_view name) {
+session_keys make_session(const key& credential, session_id id, randomness& from) {
+  std::array<std::uint8_t, 32> drawn{};
+  from.fill(drawn);
+  session_keys made{id,
+                    {derive(credential, "session key", drawn),
+                     derive(credential, "session MAC", drawn)}};
+  OPENSSL_cleanse(drawn.data(), drawn.size());
+  return made;
+}
+
+tag question_tag(const key& master, std::uint64_t nonce, mote_id asker) {
+  byte_writer all;
+  all.big(nonce).big(asker.value);
+  return short_mac(derive(master, "question"), all.view());
+}
+
+tag answer_tag(const key& master, mote_id asker, mote_id sender, const answer& x) {
+  byte_writer all;
+  all.big(x.nonce)
+      .big(asker.value)
+      .big(sender.value)
+      .big(x.group.value)
+      .octet(static_cast<std::uint8_t>((x.is_closed ? 1 : 0) | (x.is_private ? 2 : 0)))
+      .octet(x.members)
+      .big(x.period_ms)
+      .big(x.length_ms);
+  write(all, x.time);
+  all.append(x.name);
+  return short_mac(derive(master, "answer"), all.view());
+}
+
+bytes hidden_name(const key& master, mote_id asker, mote_id sender, const answer& x) {
   byte_writer context;
-  context.big(nonce).big(sender.value);
-  auto octets = to_bytes(name);
+  context.big(x.nonce).big(asker.value).big(sender.value).big(x.group.value);
+  auto octets = x.name;
   apply_ctr(derive(master, "name", context.view()), block{}, octets);
   return octets;
 }

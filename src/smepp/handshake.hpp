@@ -12,50 +12,64 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/random.hpp"
 #include "smepp/messages.hpp"
 
 namespace rubicon::smepp {
 
-/// One attempt to join: both nonces are used for it alone.
+/// What who has computed nothing yet wants back from who asks: that it is there, and heard us lately.
+/// @param own of the member's life alone
+/// @param turn counts up with time
+[[nodiscard]] tag cookie_of(const key& own, mote_id joiner, const join& x, std::uint64_t turn);
+
+/// One attempt to join.
 struct handshake {
-  group_id group;
   mote_id joiner;
   mote_id member;
-  std::uint32_t nonce = 0;
-  std::uint32_t member_nonce = 0;
-  key_share share{}; ///< of the joiner
-  key_share member_share{};
+  join_proof proof;    ///< of the joiner; its MAC is not looked at
+  key_share share{};   ///< of the member
+  bytes terms;         ///< of the group
 };
 
-/// The joiner knows the credential, now, and is equipped so.
-[[nodiscard]] tag join_tag(const key& credential, const handshake& x, transducer_mask transducers,
-                           bool is_member);
+/// The joiner knows the credential, now, is equipped so, and knows the group by these terms.
+[[nodiscard]] tag join_tag(const key& credential, const handshake& x);
 
-/// For the keys in a join_accept.
-/// @param agreed by both shares
-[[nodiscard]] key accept_key(const key& credential, const handshake& x, const key& agreed);
+/// The member does not let it in, and knows the credential.
+[[nodiscard]] tag refuse_tag(const key& credential, const handshake& x, failure why);
+
+/// For the keys in a join_accept: it takes the credential, what both have agreed on for this
+/// handshake, and what the member has agreed on with the joiner's identity. So who has recorded it
+/// all cannot open it later, and who claims to be another cannot open it at all.
+[[nodiscard]] key accept_key(const key& credential, const handshake& x, const key& agreed,
+                             const key& with_identity);
 
 /// For the keys in a key_refresh under `old`: it takes both to open it. So who joins cannot open
 /// the change that came before it.
 [[nodiscard]] key refresh_key(const key& credential, const key_pair& old);
 
-[[nodiscard]] wrapped_keys wrap(const key& under, const session_keys& x, duration send_in);
+/// @param carrier what else the MAC is to cover
+[[nodiscard]] wrapped_keys wrap(const key& under, const session_keys& x, duration send_in,
+                                byte_view carrier = {});
+
+/// With another carrier.
+void bind_carrier(const key& under, wrapped_keys& x, byte_view carrier);
 
 /// Nothing if it was not wrapped under that key.
-[[nodiscard]] std::optional<session_keys> unwrap(const key& under, const wrapped_keys& x);
+[[nodiscard]] std::optional<session_keys> unwrap(const key& under, const wrapped_keys& x,
+                                                 byte_view carrier = {});
 
-/// @param rng stands for the mote's source of randomness; the credential makes sure that to know
-/// its numbers is not enough
-[[nodiscard]] session_keys make_session(const key& credential, session_id id, random_stream& rng);
+/// What a join_accept carries besides the keys.
+[[nodiscard]] bytes carrier_of(const join_accept& x);
 
-/// That its sender knows the master key of a private group (SMP-05): in a question with no group,
-/// in an answer with it.
-[[nodiscard]] tag discovery_tag(const key& master, std::uint32_t nonce, mote_id sender,
-                                group_id group);
+/// @param from the credential makes sure that to know its numbers is not enough
+[[nodiscard]] session_keys make_session(const key& credential, session_id id, randomness& from);
+
+/// That who asks for groups knows the master key of one.
+[[nodiscard]] tag question_tag(const key& master, std::uint64_t nonce, mote_id asker);
+
+/// That who answers knows it, and has said all that.
+[[nodiscard]] tag answer_tag(const key& master, mote_id asker, mote_id sender, const answer& x);
 
 /// Encrypts or decrypts the name of a private group in an answer.
-[[nodiscard]] bytes hidden_name(const key& master, std::uint32_t nonce, mote_id sender,
-                                byte_view name);
+[[nodiscard]] bytes hidden_name(const key& master, mote_id asker, mote_id sender, const answer& x);
 
 } // namespace rubicon::smepp

@@ -63,13 +63,26 @@ void member_program::look_again(environment& at) {
 void member_program::on(const getGroups_result& x, environment& at) {
   if (group_ || joining_ != group_id{} || look_at_ || has_left_)
     return;
-  for (const auto id : x.groups) {
-    const auto found = at.own.smepp_getGroupDescription(id);
-    if (!found || found->name != description_.name)
-      continue;
-    joining_ = id;
-    at.own.smepp_joinGroup(id, credential(description_), at.now, at.out);
-    return;
+  found_ = x.groups;
+  try_next(at);
+}
+
+/// Whoever can make groups can make one of this name: it has to be as the file says.
+bool member_program::is_wanted(const group_description& x) const {
+  return x.name == description_.name && x.is_closed == description_.is_closed &&
+         x.is_private == description_.is_private &&
+         x.management.period == description_.management.period;
+}
+
+void member_program::try_next(environment& at) {
+  while (!found_.empty()) {
+    const auto id = found_.front();
+    found_.erase(found_.begin());
+    if (const auto found = at.own.smepp_getGroupDescription(id); found && is_wanted(*found)) {
+      joining_ = id;
+      at.own.smepp_joinGroup(id, credential(description_), at.now, at.out);
+      return;
+    }
   }
   look_again(at);
 }
@@ -83,7 +96,7 @@ void member_program::on(const joinGroup_result& x, environment& at) {
   if (counters_.joins_failed == 0)
     at.host.tell("is not let into group " + config_.group + ": " +
                  std::string(to_string(*x.error)));
-  look_again(at);
+  try_next(at);
 }
 
 void member_program::enter(group_id group, const char* how, environment& at) {

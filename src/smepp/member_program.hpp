@@ -99,6 +99,8 @@ private:
   void leave_behind(environment& at);
   void look_again(environment& at);
   void look(environment& at);
+  [[nodiscard]] bool is_wanted(const group_description& x) const;
+  void try_next(environment& at);
   void subscribe(std::size_t number, environment& at);
   void withdraw(std::size_t number, environment& at);
   void sample(const subscription_info& x, environment& at);
@@ -111,6 +113,7 @@ private:
   instant begin_;
   std::optional<group_id> group_;
   group_id joining_;               ///< 0: none
+  std::vector<group_id> found_;    ///< to be joined if that one cannot be
   std::optional<instant> look_at_; ///< for the group
   duration pause_;                 ///< to the next look, growing
   std::optional<instant> leave_at_;

@@ -15,7 +15,9 @@ bool is_news(const member& x, const member& known) {
     return network::is_newer(x.stamp, known.stamp);
   if (x.has_left != known.has_left)
     return known.has_left;
-  return x.who.transducers > known.who.transducers;
+  if (x.who.transducers != known.who.transducers)
+    return x.who.transducers > known.who.transducers;
+  return x.identity > known.identity;
 }
 
 } // namespace
@@ -27,9 +29,10 @@ member_table::change member_table::learn(const member& x) {
     if (!is_news(x, *at))
       return change::none;
     const bool was_there = !at->has_left;
+    const bool is_other = x.identity != at->identity;
     *at = x;
     if (was_there == !x.has_left)
-      return change::updated;
+      return was_there && is_other ? change::replaced : change::updated;
     return x.has_left ? change::left : change::joined;
   }
   if (all_.size() >= capacity_) {
@@ -80,7 +83,7 @@ std::uint16_t member_table::digest() const {
   fold64 fold;
   for (const auto& x : all_)
     if (!x.has_left)
-      fold.add(x.who.peer.value).add(x.who.transducers).add(x.stamp);
+      fold.add(x.who.peer.value).add(x.who.transducers).add(x.stamp).add(byte_view(x.identity));
   return static_cast<std::uint16_t>(fold.value());
 }
 

@@ -87,14 +87,18 @@ inline void write(byte_writer& to, const session_id& x) {
 
 inline void write(byte_writer& to, const wrapped_keys& x) {
   write(to, x.id);
-  to.big(x.send_in_ms).append(x.octets);
+  assert(x.send_in_ms <= wrapped_keys::send_in_max);
+  to.octet(static_cast<std::uint8_t>(x.send_in_ms >> 16))
+      .big(static_cast<std::uint16_t>(x.send_in_ms))
+      .append(x.octets);
   write_tag(to, x.mac);
 }
 
 [[nodiscard]] inline wrapped_keys read_wrapped(field_reader& from) {
   wrapped_keys x;
   x.id = read_session(from);
-  x.send_in_ms = from.big<std::uint32_t>();
+  const std::uint32_t high = from.octet();
+  x.send_in_ms = high << 16 | from.big<std::uint16_t>();
   std::ranges::copy(from.take(x.octets.size()), x.octets.begin());
   x.mac = from.mac();
   return x;
@@ -102,6 +106,7 @@ inline void write(byte_writer& to, const wrapped_keys& x) {
 
 inline void write(byte_writer& to, const member& x) {
   to.big(x.who.peer.value).big(x.who.transducers).big(x.stamp).octet(x.has_left ? 1 : 0);
+  write_tag(to, x.identity);
 }
 
 [[nodiscard]] inline member read_member(field_reader& from) {
@@ -110,6 +115,7 @@ inline void write(byte_writer& to, const member& x) {
   x.who.transducers = from.big<std::uint32_t>();
   x.stamp = from.big<std::uint16_t>();
   x.has_left = from.flags(1) != 0;
+  x.identity = from.mac();
   return x;
 }
 

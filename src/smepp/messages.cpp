@@ -38,7 +38,7 @@ void write(byte_writer& to, const discover& x) {
 
 discover read_discover(field_reader& from) {
   discover x;
-  x.nonce = from.big<std::uint32_t>();
+  x.nonce = from.big<std::uint64_t>();
   const auto flags = from.flags(0x3f);
   if ((flags & 1) != 0)
     x.is_closed = (flags & 4) != 0;
@@ -59,21 +59,22 @@ void write(byte_writer& to, const answer& x) {
   assert(!x.name.empty() && x.name.size() <= group_description::name_max);
   to.big(x.nonce)
       .big(x.group.value)
-      .octet(static_cast<std::uint8_t>((x.is_closed ? 1 : 0) | (x.is_private ? 2 : 0)))
+      .octet(static_cast<std::uint8_t>((x.is_closed ? 1 : 0) | (x.is_private ? 2 : 0) |
+                                       (x.proof ? 4 : 0)))
       .octet(x.members)
       .big(x.period_ms)
       .big(x.length_ms);
   write(to, x.time);
-  if (x.is_private)
-    write_tag(to, x.proof);
+  if (x.proof)
+    write_tag(to, *x.proof);
   to.octet(static_cast<std::uint8_t>(x.name.size())).append(x.name);
 }
 
 answer read_answer(field_reader& from) {
   answer x;
-  x.nonce = from.big<std::uint32_t>();
+  x.nonce = from.big<std::uint64_t>();
   x.group = from.group();
-  const auto flags = from.flags(3);
+  const auto flags = from.flags(7);
   x.is_closed = (flags & 1) != 0;
   x.is_private = (flags & 2) != 0;
   x.members = from.octet();
@@ -81,8 +82,9 @@ answer read_answer(field_reader& from) {
   x.length_ms = from.big<std::uint16_t>();
   from.demand(x.period_ms == 0 || (x.length_ms > 0 && x.length_ms <= x.period_ms));
   x.time = read_group_time(from);
-  if (x.is_private)
+  if ((flags & 4) != 0)
     x.proof = from.mac();
+  from.demand(x.proof || !x.is_private);
   x.name = from.sized(group_description::name_max);
   from.demand(!x.name.empty());
   from.demand(x.is_private || is_name(rubicon::to_string(x.name), group_description::name_max));
@@ -90,34 +92,33 @@ answer read_answer(field_reader& from) {
 }
 
 void write(byte_writer& to, const join& x) {
-  to.big(x.group.value).big(x.nonce).big(x.transducers).octet(x.is_member ? 1 : 0).append(x.share);
+  to.big(x.group.value).big(x.nonce);
 }
 
 join read_join(field_reader& from) {
   join x;
   x.group = from.group();
   x.nonce = from.big<std::uint32_t>();
-  x.transducers = from.big<std::uint32_t>();
-  x.is_member = from.flags(1) != 0;
-  x.share = from.share();
   return x;
 }
 
 void write(byte_writer& to, const join_challenge& x) {
-  to.big(x.group.value).big(x.nonce).big(x.member_nonce).append(x.share);
+  to.big(x.group.value).big(x.nonce);
+  write_tag(to, x.cookie);
 }
 
 join_challenge read_join_challenge(field_reader& from) {
   join_challenge x;
   x.group = from.group();
   x.nonce = from.big<std::uint32_t>();
-  x.member_nonce = from.big<std::uint32_t>();
-  x.share = from.share();
+  x.cookie = from.mac();
   return x;
 }
 
 void write(byte_writer& to, const join_proof& x) {
-  to.big(x.group.value).big(x.nonce).big(x.member_nonce);
+  to.big(x.group.value).big(x.nonce);
+  write_tag(to, x.cookie);
+  to.big(x.transducers).octet(x.is_member ? 1 : 0).append(x.share).append(x.identity);
   write_tag(to, x.proof);
 }
 
@@ -125,13 +126,17 @@ join_proof read_join_proof(field_reader& from) {
   join_proof x;
   x.group = from.group();
   x.nonce = from.big<std::uint32_t>();
-  x.member_nonce = from.big<std::uint32_t>();
+  x.cookie = from.mac();
+  x.transducers = from.big<std::uint32_t>();
+  x.is_member = from.flags(1) != 0;
+  x.share = from.share();
+  x.identity = from.share();
   x.proof = from.mac();
   return x;
 }
 
 void write(byte_writer& to, const join_accept& x) {
-  to.big(x.group.value).big(x.nonce);
+  to.big(x.group.value).big(x.nonce).append(x.share);
   write(to, x.keys);
   to.octet(x.members).octet(x.subscriptions);
   write(to, x.time);
@@ -141,6 +146,7 @@ join_accept read_join_accept(field_reader& from) {
   join_accept x;
   x.group = from.group();
   x.nonce = from.big<std::uint32_t>();
+  x.share = from.share();
   x.keys = read_wrapped(from);
   x.members = from.octet();
   x.subscriptions = from.octet();
@@ -150,6 +156,7 @@ join_accept read_join_accept(field_reader& from) {
 
 void write(byte_writer& to, const join_refuse& x) {
   to.big(x.group.value).big(x.nonce).octet(static_cast<std::uint8_t>(x.why));
+  write_tag(to, x.mac);
 }
 
 join_refuse read_join_refuse(field_reader& from) {
@@ -159,6 +166,7 @@ join_refuse read_join_refuse(field_reader& from) {
   const auto why = from.octet();
   from.demand(why >= 1 && why <= 3);
   x.why = static_cast<failure>(why);
+  x.mac = from.mac();
   return x;
 }
 
@@ -237,8 +245,10 @@ void write(byte_writer& to, const event& x) {
   assert(x.value.size() <= event_value_max);
   write(to, x.id);
   to.big(x.producer.value).big(x.sequence).octet(x.hops).octet(x.proof ? 1 : 0);
-  if (x.proof)
-    write_tag(to, *x.proof);
+  if (x.proof) {
+    to.big(x.proof->number);
+    write_tag(to, x.proof->mac);
+  }
   to.append(x.value);
 }
 
@@ -248,8 +258,10 @@ event read_event(field_reader& from) {
   x.producer = from.mote();
   x.sequence = from.big<std::uint16_t>();
   x.hops = from.octet();
-  if (from.flags(1) != 0)
-    x.proof = from.mac();
+  if (from.flags(1) != 0) {
+    const auto number = from.big<std::uint64_t>();
+    x.proof = sender_proof{number, from.mac()};
+  }
   x.value = to_bytes(from.rest());
   from.demand(x.value.size() <= event_value_max);
   return x;
@@ -323,9 +335,9 @@ message read_body(std::uint8_t kind, field_reader& from) {
   case 0x18:
     return key_refresh{read_wrapped(from)};
   case 0x19:
-    return challenge{from.big<std::uint32_t>()};
+    return challenge{from.big<std::uint64_t>()};
   case 0x1a:
-    return proof{from.big<std::uint32_t>()};
+    return proof{from.big<std::uint64_t>()};
   default: {
     auto x = read_subscribe(from);
     x.is_refresh = kind == refresh_kind;

@@ -29,24 +29,24 @@ inline constexpr std::size_t event_value_max = 64; ///< octets
 
 // ---- at network level, one hop
 
-/// 0x01, to all: which groups are there? uint32 nonce, uint8 flags (bit 0: closed, 1: private are
+/// 0x01, to all: which groups are there? uint64 nonce, uint8 flags (bit 0: closed, 1: private are
 /// asked for; 2, 3: what they are to be; 4: a proof follows, 5: a name), proof (8), name.
 struct discover {
-  std::uint32_t nonce = 0; ///< never used before by its sender
+  std::uint64_t nonce = 0; ///< never used before by its sender
   std::optional<bool> is_closed;
   std::optional<bool> is_private;
-  std::optional<tag> proof; ///< of the key of a private group
+  std::optional<tag> proof; ///< of the key of a private or closed group
   std::string name;         ///< empty: any
 
   friend bool operator==(const discover&, const discover&) = default;
 };
 
-/// 0x02, to who asked: one of the groups of the sender, who can admit to it. uint32 nonce, uint16
-/// group, uint8 flags (bit 0: closed, 1: private), uint8 members, uint16 period and uint16 length
-/// of the management cycle in ms, time, proof (8, private groups only), name, which in a private
-/// group is encrypted under its master key.
+/// 0x02, to who asked: one of the groups of the sender, who can admit to it. uint64 nonce, uint16
+/// group, uint8 flags (bit 0: closed, 1: private, 2: a proof follows), uint8 members, uint16 period
+/// and uint16 length of the management cycle in ms, time, proof (8) of all that, name, which in a
+/// private group is encrypted under its master key. Who has shown the group's key gets a proof.
 struct answer {
-  std::uint32_t nonce = 0; ///< of the question
+  std::uint64_t nonce = 0; ///< of the question
   group_id group;
   bool is_closed = false;
   bool is_private = false;
@@ -54,49 +54,53 @@ struct answer {
   std::uint16_t period_ms = 0;
   std::uint16_t length_ms = 0;
   group_time time; ///< when this was handed to the radio
-  tag proof{};     ///< that the sender knows the key of a private group; else zeros, not sent
-  bytes name;      ///< 1..group_description::name_max
+  std::optional<tag> proof; ///< that the sender knows the key of the group
+  bytes name;               ///< 1..group_description::name_max
 
   friend bool operator==(const answer&, const answer&) = default;
 };
 
-/// 0x03: may I join? uint16 group, uint32 nonce, uint32 transducers, uint8 flags (bit 0: the sender
-/// is a member, and only lacks the present keys), 32 octets of key share.
+/// 0x03: may I join? uint16 group, uint32 nonce.
 struct join {
   group_id group;
   std::uint32_t nonce = 0;
-  transducer_mask transducers = 0;
-  bool is_member = false;
-  key_share share{};
 
   friend bool operator==(const join&, const join&) = default;
 };
 
-/// 0x04: prove it. uint16 group, uint32 nonce of the join, uint32 the member's nonce, 32
-/// octets of its key share.
+/// 0x04: prove it. uint16 group, uint32 nonce of the join, cookie (8): all that its sender wants back
+/// before it remembers or computes anything for who has asked.
 struct join_challenge {
   group_id group;
   std::uint32_t nonce = 0;
-  std::uint32_t member_nonce = 0;
-  key_share share{};
+  tag cookie{};
 
   friend bool operator==(const join_challenge&, const join_challenge&) = default;
 };
 
-/// 0x05: uint16 group, both nonces, the MAC of the whole handshake under the credential (8).
+/// 0x05: uint16 group, uint32 nonce, cookie, uint32 transducers, uint8 flags (bit 0: the sender is a
+/// member, and only lacks the present keys), 32 octets of key share for this handshake, 32 octets of
+/// key share that is the sender's for good, MAC of all that and the group's terms under the
+/// credential (8).
 struct join_proof {
   group_id group;
   std::uint32_t nonce = 0;
-  std::uint32_t member_nonce = 0;
+  tag cookie{};
+  transducer_mask transducers = 0;
+  bool is_member = false;
+  key_share share{};
+  key_share identity{};
   tag proof{};
 
   friend bool operator==(const join_proof&, const join_proof&) = default;
 };
 
 /// A pair of session keys, encrypted and authenticated under a key for this one time: uint16
-/// generation, uint16 maker, uint32 microseconds/1000 until it is used for sending, 32 octets of
-/// keys, MAC (8) of all that and of what the carrier adds.
+/// generation, uint16 maker, uint24 ms until it is used for sending, 32 octets of keys, MAC (8) of
+/// all that and of what the carrier adds.
 struct wrapped_keys {
+  static constexpr std::uint32_t send_in_max = 0xff'ffff; ///< 4.6 h
+
   session_id id;
   std::uint32_t send_in_ms = 0;
   std::array<std::uint8_t, 2 * key::size> octets{};
@@ -105,15 +109,16 @@ struct wrapped_keys {
   friend bool operator==(const wrapped_keys&, const wrapped_keys&) = default;
 };
 
-/// 0x06: welcome. uint16 group, uint32 nonce of the join, wrapped keys, uint8 members and uint8
-/// subscriptions that will follow, time.
+/// 0x06: welcome. uint16 group, uint32 nonce of the join, 32 octets of key share, wrapped keys, uint8
+/// members and uint8 subscriptions that will follow, time.
 struct join_accept {
   group_id group;
   std::uint32_t nonce = 0;
+  key_share share{};
   wrapped_keys keys;
   std::uint8_t members = 0;
   std::uint8_t subscriptions = 0;
-  group_time time; ///< when this was handed to the radio
+  group_time time; ///< when this was made
 
   friend bool operator==(const join_accept&, const join_accept&) = default;
 };
@@ -132,11 +137,13 @@ enum class failure : std::uint8_t {
 };
 [[nodiscard]] std::string_view to_string(failure x);
 
-/// 0x07: no. uint16 group, uint32 nonce of the join, uint8 why.
+/// 0x07: no. uint16 group, uint32 nonce of the join, uint8 why, MAC of the handshake under the
+/// credential (8). Of who has another key it is advice only.
 struct join_refuse {
   group_id group;
   std::uint32_t nonce = 0;
   failure why = failure::not_admitted;
+  tag mac{};
 
   friend bool operator==(const join_refuse&, const join_refuse&) = default;
 };
@@ -144,11 +151,13 @@ struct join_refuse {
 // ---- inside a group
 
 /// What members know of one that is or was there: uint16 peer, uint32 transducers, uint16 stamp,
-/// uint8 1 if it has left. Of two entries that of the newer stamp holds (RFC 1982).
+/// uint8 1 if it has left, 8 octets of its identity. Of two entries that of the newer stamp holds
+/// (RFC 1982).
 struct member {
   peer_description who;
   std::uint16_t stamp = 0;
   bool has_left = false;
+  tag identity{}; ///< short_hash of the key share that is its own for good
 
   friend bool operator==(const member&, const member&) = default;
 };
@@ -171,7 +180,7 @@ struct member_left {
 struct member_list {
   std::vector<member> all; ///< 1..count_max
 
-  static constexpr std::size_t entry_size = 9;
+  static constexpr std::size_t entry_size = 17;
   static constexpr std::size_t count_max = (message_max - 2) / entry_size;
 
   friend bool operator==(const member_list&, const member_list&) = default;
@@ -209,15 +218,24 @@ struct unsubscribe {
   friend bool operator==(const unsubscribe&, const unsubscribe&) = default;
 };
 
+/// That its producer has raised an event, once: uint64 number, which the producer uses but once, MAC
+/// (8) under the key that it shares with the subscriber (pairwise.hpp).
+struct sender_proof {
+  std::uint64_t number = 0;
+  tag mac{};
+
+  friend bool operator==(const sender_proof&, const sender_proof&) = default;
+};
+
 /// 0x16, up the tree: uint16 subscriber, uint8 number, uint16 producer, uint16 sequence, uint8 hops
-/// made, uint8 1 if a proof of the sender follows, proof (8), value.
+/// made, uint8 1 if a proof of the sender follows, proof (16), value.
 struct event {
   subscription_id id;
   mote_id producer;
   std::uint16_t sequence = 0; ///< of the producer; wraps
   std::uint8_t hops = 0;
-  std::optional<tag> proof; ///< pairwise.hpp
-  bytes value;              ///< at most event_value_max
+  std::optional<sender_proof> proof;
+  bytes value; ///< at most event_value_max
 
   friend bool operator==(const event&, const event&) = default;
 };
@@ -247,16 +265,16 @@ struct key_refresh {
   friend bool operator==(const key_refresh&, const key_refresh&) = default;
 };
 
-/// 0x19: are you speaking now? uint32 nonce.
+/// 0x19: are you speaking now? uint64 nonce.
 struct challenge {
-  std::uint32_t nonce = 0;
+  std::uint64_t nonce = 0;
 
   friend bool operator==(const challenge&, const challenge&) = default;
 };
 
-/// 0x1a: I am. uint32 nonce of the challenge.
+/// 0x1a: I am. uint64 nonce of the challenge.
 struct proof {
-  std::uint32_t nonce = 0;
+  std::uint64_t nonce = 0;
 
   friend bool operator==(const proof&, const proof&) = default;
 };

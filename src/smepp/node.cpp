@@ -10,6 +10,7 @@ peer_config peer_config_of(const node_config& x) {
   peer_config out;
   out.self = x.self;
   out.transducers = x.transducers;
+  out.has_system_randomness = x.is_real;
   out.saves_energy = x.settings.saves_energy;
   out.energy = x.settings.energy;
   out.event_window = x.settings.event_window;

@@ -9,11 +9,19 @@ namespace rubicon::smepp {
 
 namespace {
 
-peer_config with_self(peer_config x) {
+/// @param end of the counters
+peer_config with_self(peer_config x, std::uint64_t end) {
+  x.security.counter_end = end;
   x.security.self = x.self;
   x.groups.self = x.self;
   x.groups.transducers = x.transducers;
   x.events.self = x.self;
+  return x;
+}
+
+kept with_identity(kept x, randomness& secrets) {
+  if (!x.identity)
+    x.identity = agreement::make(secrets).reveal();
   return x;
 }
 
@@ -24,9 +32,12 @@ peer::peer(peer&&) noexcept = default;
 peer& peer::operator=(peer&&) noexcept = default;
 
 peer::peer(peer_config config, random_stream rng, instant now, kept before)
-    : config_(with_self(config)), rng_(rng), kept_(std::move(before)),
+    : config_(with_self(config, before.counter_end)), rng_(rng),
+      secrets_(config_.has_system_randomness ? randomness()
+                                             : randomness(random_stream(rng_.next()))),
+      kept_(with_identity(std::move(before), secrets_)),
       security_(config_.security, kept_.counter_reserved),
-      groups_(config_.groups, random_stream(rng_.next())),
+      groups_(config_.groups, random_stream(rng_.next()), secrets_, agreement(*kept_.identity)),
       events_(config_.events, random_stream(rng_.next())), energy_(config_.energy),
       outbox_(config_.outbox_max, config_.send_spread, random_stream(rng_.next())),
       awake_until_(now), cycles_from_(now), last_(now) {}
@@ -196,8 +207,19 @@ void peer::perform(const to_send& x, instant now, outputs& /*out*/) {
   if (outbox_.push(x, now))
     return;
   drop("outbox_full");
-  if (x.token != 0)
-    events_.on_sent(x.token, false, with(now));
+  end_hop(x.token, false, now);
+}
+
+/// Whoever has given it a token hears how it ended.
+void peer::end_hop(std::uint64_t token, bool acked, instant now) {
+  constexpr duration reply_wait = 300ms;
+  if ((token & step_token) == 0) {
+    if (token != 0)
+      events_.on_sent(token, acked, with(now));
+    return;
+  }
+  if (groups_.on_step_sent(group_id{static_cast<std::uint16_t>(token)}, acked, with(now)))
+    awake_until_ = std::max(awake_until_, now + reply_wait);
 }
 
 void peer::perform(const keys_changed& /*x*/, instant now, outputs& out) {
@@ -240,11 +262,12 @@ void peer::settle(instant now) {
 }
 
 kept peer::to_keep() const {
-  kept x{kept_.counter_reserved, {}};
+  auto x = kept_;
+  x.groups.clear();
   for (const auto& [id, g] : groups_.all()) {
     const auto* const own = g.members.find(config_.self);
-    x.groups.push_back(
-        {id, g.description, g.ring.best(), own != nullptr ? own->stamp : std::uint16_t{0}});
+    x.groups.push_back({id, g.description, g.ring.best(),
+                        own != nullptr ? own->stamp : std::uint16_t{0}, g.neighbours});
   }
   return x;
 }

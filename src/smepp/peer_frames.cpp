@@ -49,7 +49,7 @@ void peer::on_frame(mote_id from, mote_id to, byte_view octets, instant at, inst
   else if (is_network_level(*x) != (frame.group == network_level))
     drop("wrong_level");
   else if (frame.group == network_level)
-    groups_.on_message(from, *x, frame, with(now));
+    on_network_frame(from, *x, frame, now);
   else if (!frame.is_proven)
     on_unproven(from, *x, frame, now);
   else
@@ -57,22 +57,30 @@ void peer::on_frame(mote_id from, mote_id to, byte_view octets, instant at, inst
   go_on(now, out);
 }
 
+/// What a handshake ends with is followed by more, which a member need not be awake for.
+void peer::on_network_frame(mote_id from, const message& x, const opened_frame& frame,
+                            instant now) {
+  const bool is_question = std::holds_alternative<discover>(x) ||
+                           std::holds_alternative<join>(x) ||
+                           std::holds_alternative<join_proof>(x);
+  if (is_question && !security_.is_new_request(from, frame, now))
+    return;
+  groups_.on_message(from, x, frame, with(now));
+  if (std::holds_alternative<join_accept>(x))
+    awake_until_ = std::max(awake_until_, now + 3 * reply_wait);
+}
+
 /// Authentic, but its sender may have said it long ago: only questions and answers about that.
 void peer::on_unproven(mote_id from, const message& x, const opened_frame& frame, instant now) {
-  if (const auto* const asked = std::get_if<challenge>(&x)) {
-    if (!security_.may_prove(now))
-      return drop("too_many_challenges");
-    to_send answer{from, frame.group, proof{asked->nonce}, slot::at_once};
-    answer.under = frame.session;
-    return void(outbox_.push(answer, now));
-  }
+  if (const auto* const asked = std::get_if<challenge>(&x))
+    return answer_challenge(from, *asked, frame, now);
   if (const auto* const answer = std::get_if<proof>(&x)) {
-    if (!security_.on_proof(from, frame.group, answer->nonce, frame.counter))
+    if (!security_.on_proof(from, frame, answer->nonce))
       drop("old_proof");
     return;
   }
   security_.count(refusal::unproven);
-  groups_.on_heard(from, frame.group, with(now));
+  groups_.on_heard(from, frame.group, false, with(now));
   if (const auto nonce = security_.challenge(from, frame.group, now)) {
     to_send question{from, frame.group, challenge{*nonce}, slot::at_once};
     question.under = frame.session;
@@ -81,12 +89,21 @@ void peer::on_unproven(mote_id from, const message& x, const opened_frame& frame
   }
 }
 
+void peer::answer_challenge(mote_id from, const challenge& x, const opened_frame& frame,
+                            instant now) {
+  if (!security_.may_prove(from, now))
+    return drop("too_many_challenges");
+  to_send answer{from, frame.group, proof{x.nonce}, slot::at_once};
+  answer.under = frame.session;
+  static_cast<void>(outbox_.push(answer, now));
+}
+
 void peer::on_group_frame(mote_id from, const message& x, const opened_frame& frame, instant at,
                           instant now) {
   auto* const g = groups_.find(frame.group);
   if (g == nullptr || g->leaving_at)
     return drop("no_member");
-  groups_.on_heard(from, frame.group, with(now));
+  groups_.on_heard(from, frame.group, true, with(now));
   check_step(x, frame.group, now);
   const bool knows_time = g->sync.is_known();
   std::visit(
@@ -97,7 +114,7 @@ void peer::on_group_frame(mote_id from, const message& x, const opened_frame& fr
                 },
                 [&](const unsubscribe& body) { events_.on_message(from, body, *g, with(now)); },
                 [&](const event& body) { events_.on_message(from, body, *g, with(now)); },
-                [&](const challenge&) { on_unproven(from, x, frame, now); },
+                [&](const challenge& body) { answer_challenge(from, body, frame, now); },
                 [&](const proof&) {}, // it has been believed meanwhile
                 [&](const auto&) { groups_.on_message(from, x, frame, with(now)); }},
       x);
@@ -155,8 +172,7 @@ void peer::on_sent(std::uint64_t id, bool acked, instant at, instant now, output
   flight_.reset();
   if (auto* const g = groups_.find(ended.stamp); g != nullptr && acked)
     g->sync.on_stamp_sent(at);
-  if (ended.token != 0)
-    events_.on_sent(ended.token, acked, with(now));
+  end_hop(ended.token, acked, now);
   go_on(now, out);
 }
 
@@ -192,20 +208,24 @@ void peer::pump(instant now, outputs& out) {
     if (hand_out(*x, now, out))
       continue;
     drop("not_sealed");
-    if (x->token != 0)
-      events_.on_sent(x->token, false, with(now));
+    end_hop(x->token, false, now);
   }
 }
 
 /// What is only known when a message leaves.
-void peer::complete(message& x, group_id group, instant now) {
-  auto* const g = groups_.find(group);
+void peer::complete(message& content, const to_send& x, instant now) {
+  auto* const g = groups_.find(x.group);
   if (g == nullptr)
     return;
-  std::visit(overloads{[&](answer& body) { body.time = g->sync.at(now); },
+  std::visit(overloads{[&](answer& body) {
+                         body.time = g->sync.at(now);
+                         if (body.proof)
+                           body.proof = answer_tag(*g->description.master, x.to, config_.self, body);
+                       },
                        [&](join_accept& body) {
                          body.time = g->sync.at(now);
-                         body.subscriptions = static_cast<std::uint8_t>(events_.count(group));
+                         body.subscriptions = static_cast<std::uint8_t>(events_.count(x.group));
+                         bind_carrier(*x.bound_under, body.keys, carrier_of(body));
                        },
                        [&](sync_stamp& body) {
                          g->sync.stamp(body, now);
@@ -213,7 +233,7 @@ void peer::complete(message& x, group_id group, instant now) {
                          body.best = g->ring.best().id;
                        },
                        [](const auto&) {}},
-             x);
+             content);
 }
 
 bool peer::hand_out(const to_send& x, instant now, outputs& out) {
@@ -222,7 +242,7 @@ bool peer::hand_out(const to_send& x, instant now, outputs& out) {
   const bool is_network = is_network_level(content);
   if (!is_network && g == nullptr)
     return false;
-  complete(content, x.group, now);
+  complete(content, x, now);
   const auto session = is_network ? session_id{} : x.under.value_or(g->ring.sending(now));
   auto frame = security_.seal(x.to, is_network ? network_level : x.group, session, encode(content));
   if (!frame)

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 
 #include "core/codec.hpp"
 
@@ -10,13 +9,11 @@ namespace rubicon::smepp {
 
 namespace {
 
-constexpr auto last_counter = std::numeric_limits<std::uint32_t>::max();
-
 struct header {
   std::uint8_t suite = 0;
   std::uint8_t key_number = 0;
   group_id group;
-  std::uint32_t counter = 0;
+  std::uint64_t counter = 0;
 };
 
 header read_header(byte_reader& from) {
@@ -24,15 +21,15 @@ header read_header(byte_reader& from) {
   x.suite = from.octet();
   x.key_number = from.octet();
   x.group = group_id{from.big<std::uint16_t>()};
-  x.counter = from.big<std::uint32_t>();
+  x.counter = from.big<std::uint64_t>();
   return x;
 }
 
-/// The counter block of a frame's first 16 octets: uint16 sender, uint32 counter, zeros, and as the
+/// The counter block of a frame's first 16 octets: uint16 sender, uint64 counter, zeros, and as the
 /// last uint32 the number of the block.
-block nonce(mote_id sender, std::uint32_t counter) {
+block nonce(mote_id sender, std::uint64_t counter) {
   byte_writer x;
-  x.big(sender.value).big(counter).zeros(10);
+  x.big(sender.value).big(counter).zeros(6);
   block first{};
   std::ranges::copy(x.view(), first.begin());
   return first;
@@ -74,9 +71,9 @@ std::string_view to_string(refusal x) {
   return "";
 }
 
-security::security(security_config config, std::uint32_t counter_reserved)
+security::security(security_config config, std::uint64_t counter_reserved)
     : config_(config), counter_(counter_reserved), reserved_(counter_reserved),
-      windows_(config.windows_max) {
+      windows_(config.windows_max), sources_(config.sources_max) {
   assert(config.counter_block > 0);
 }
 
@@ -91,7 +88,17 @@ void security::set_network_keys(const key_pair& x, instant now) {
 
 void security::set_group(group_id group, const std::vector<session_keys>& accepted) {
   assert(group != network_level);
-  groups_[group] = accepted;
+  auto& known = groups_[group];
+  std::vector<accepted_keys> now;
+  for (const auto& x : accepted) {
+    const auto found = std::ranges::find_if(
+        known, [&](const accepted_keys& each) { return each.session.id == x.id; });
+    now.push_back({x, found != known.end() ? found->order : ++newest_});
+  }
+  for (const auto& x : known)
+    if (std::ranges::none_of(now, [&](const accepted_keys& y) { return y.order == x.order; }))
+      windows_.forget(group, x.order);
+  known = std::move(now);
   derive_all();
 }
 
@@ -107,6 +114,7 @@ void security::derive_all() {
   for (const auto& network : network_) {
     keys_.push_back({network_level,
                      {},
+                     0,
                      key_number(network.number, 0),
                      {derive(network.keys.confidentiality, "network"),
                       derive(network.keys.integrity, "network")}});
@@ -114,10 +122,11 @@ void security::derive_all() {
       for (const auto& x : sessions)
         keys_.push_back(
             {group,
-             x.id,
-             key_number(network.number, x.id.generation),
-             {derive(network.keys.confidentiality, "group", x.keys.confidentiality.reveal()),
-              derive(network.keys.integrity, "group", x.keys.integrity.reveal())}});
+             x.session.id,
+             x.order,
+             key_number(network.number, x.session.id.generation),
+             {derive(network.keys.confidentiality, "group", x.session.keys.confidentiality.reveal()),
+              derive(network.keys.integrity, "group", x.session.keys.integrity.reveal())}});
   }
 }
 
@@ -127,16 +136,19 @@ const security::frame_keys* security::sending_keys(group_id group, session_id se
   return found == keys_.end() ? nullptr : &*found;
 }
 
-std::uint32_t security::unique() {
-  assert(counter_ != last_counter);
+std::optional<std::uint64_t> security::unique() {
+  if (counter_ >= config_.counter_end) {
+    ++counters_.used_up;
+    return std::nullopt;
+  }
   if (counter_ == reserved_) {
-    reserved_ += std::min(config_.counter_block, last_counter - reserved_);
+    reserved_ += std::min<std::uint64_t>(config_.counter_block, config_.counter_end - reserved_);
     must_store_ = true;
   }
   return counter_++;
 }
 
-std::optional<std::uint32_t> security::take_store() {
+std::optional<std::uint64_t> security::take_store() {
   if (!must_store_)
     return std::nullopt;
   must_store_ = false;
@@ -149,19 +161,17 @@ result<bytes> security::seal(mote_id to, group_id group, session_id session, byt
     return errc::unsupported;
   if (content.size() > message_max)
     return errc::too_long;
-  if (counter_ == last_counter) {
-    ++counters_.used_up;
-    return errc::bad_value;
-  }
   const auto counter = unique();
+  if (!counter)
+    return errc::bad_value;
   byte_writer header;
   header.octet(static_cast<std::uint8_t>(suite::aes_ctr_cmac64))
       .octet(found->number)
       .big(group.value)
-      .big(counter)
+      .big(*counter)
       .append(content);
   auto octets = header.finish();
-  apply_ctr(found->keys.confidentiality, nonce(config_.self, counter),
+  apply_ctr(found->keys.confidentiality, nonce(config_.self, *counter),
             std::span(octets).subspan(secured_header_size));
   const auto mac = mac_of(found->keys.integrity, config_.self, to, octets);
   octets.insert(octets.end(), mac.begin(), mac.end());
@@ -186,67 +196,98 @@ opening security::open(mote_id from, mote_id to, byte_view octets, instant now) 
   const bool is_group = x.group != network_level;
   if (is_group && !groups_.contains(x.group))
     return refuse(refusal::unknown_group);
-  const auto verdict =
-      is_group ? windows_.judge(from, x.group, x.counter) : replay_windows::verdict::unknown;
-  if (verdict == replay_windows::verdict::replayed)
-    return refuse(refusal::replayed);
-
-  tag mac{};
-  std::ranges::copy(octets.last(mac.size()), mac.begin());
-  const auto covered = octets.first(octets.size() - mac.size());
   unsigned tried = 0;
+  auto why = refusal::wrong_key;
   for (const auto& keys : keys_) {
     if (keys.group != x.group || keys.number != x.key_number || tried == macs_max)
       continue;
     ++tried;
-    ++counters_.macs;
-    if (!is_same(mac_of(keys.keys.integrity, from, to, covered), mac))
-      continue;
-    auto content = to_bytes(covered.subspan(secured_header_size));
-    apply_ctr(keys.keys.confidentiality, nonce(from, x.counter), content);
-    const bool is_proven = verdict == replay_windows::verdict::fresh;
-    if (is_proven)
-      windows_.accept(from, x.group, x.counter);
-    ++counters_.opened;
-    return opened_frame{x.group, keys.session, x.counter, std::move(content), is_proven};
+    auto result = try_keys(keys, from, to, octets, x.counter);
+    if (auto* const opened = std::get_if<opened_frame>(&result)) {
+      ++counters_.opened;
+      return std::move(*opened);
+    }
+    if (why != refusal::tampered) // of one that might be the right pair
+      why = std::get<refusal>(result);
   }
-  auto refused = refuse(tried == 0 ? refusal::wrong_key : refusal::tampered);
-  refused.is_ahead = is_group && is_ahead(x.group, x.key_number);
+  auto refused = refuse(why);
+  refused.is_ahead = is_group && why != refusal::replayed && is_ahead(x.group, x.key_number);
   return refused;
+}
+
+/// Opens a frame with one pair of keys.
+std::variant<opened_frame, refusal> security::try_keys(const frame_keys& keys, mote_id from,
+                                                       mote_id to, byte_view octets,
+                                                       std::uint64_t counter) {
+  using verdict = replay_windows::verdict;
+  const auto judged = keys.group == network_level
+                          ? verdict::unknown
+                          : windows_.judge(from, keys.group, keys.order, counter);
+  if (judged == verdict::replayed)
+    return refusal::replayed;
+  tag mac{};
+  std::ranges::copy(octets.last(mac.size()), mac.begin());
+  const auto covered = octets.first(octets.size() - mac.size());
+  ++counters_.macs;
+  if (!is_same(mac_of(keys.keys.integrity, from, to, covered), mac))
+    return refusal::tampered;
+  auto content = to_bytes(covered.subspan(secured_header_size));
+  apply_ctr(keys.keys.confidentiality, nonce(from, counter), content);
+  if (judged == verdict::fresh)
+    windows_.accept(from, keys.group, keys.order, counter);
+  return opened_frame{keys.group, keys.session, counter, std::move(content),
+                      judged == verdict::fresh};
+}
+
+bool security::is_new_request(mote_id from, const opened_frame& frame, instant now) {
+  if (sources_.is_old(from, frame.counter, now)) {
+    count(refusal::replayed);
+    return false;
+  }
+  sources_.hear(from, frame.counter, now);
+  return true;
 }
 
 bool security::is_ahead(group_id group, std::uint8_t number) const {
   const auto& sessions = groups_.at(group);
   if (sessions.empty() || network_.empty() || (network_.front().number & 0xf) != number >> 4)
     return false;
-  const auto ahead = (number - sessions.front().id.generation) & 0xf;
+  const auto ahead = (number - sessions.front().session.id.generation) & 0xf;
   return ahead < 8;
 }
 
-std::optional<std::uint32_t> security::challenge(mote_id sender, group_id group, instant now) {
-  if (counter_ == last_counter)
-    return std::nullopt;
+std::optional<std::uint64_t> security::challenge(mote_id sender, group_id group, instant now) {
   std::erase_if(asked_, [&](const asked& x) { return x.at + config_.challenge_pause <= now; });
   const bool is_asked = std::ranges::any_of(
       asked_, [&](const asked& x) { return x.sender == sender && x.group == group; });
-  if (is_asked || asked_.size() >= config_.challenges_max)
+  if (is_asked || asked_.size() >= config_.challenges_max || !challenges_allowed_.take(now))
+    return std::nullopt;
+  const auto nonce = unique();
+  if (!nonce)
     return std::nullopt;
   ++counters_.challenges;
-  asked_.push_back({sender, group, unique(), now});
-  return asked_.back().nonce;
+  asked_.push_back({sender, group, *nonce, now});
+  return nonce;
 }
 
-bool security::on_proof(mote_id sender, group_id group, std::uint32_t nonce,
-                        std::uint32_t counter) {
+bool security::on_proof(mote_id sender, const opened_frame& frame, std::uint64_t nonce) {
   const auto found = std::ranges::find_if(asked_, [&](const asked& x) {
-    return x.sender == sender && x.group == group && x.nonce == nonce;
+    return x.sender == sender && x.group == frame.group && x.nonce == nonce;
   });
   if (found == asked_.end())
     return false;
   asked_.erase(found);
-  windows_.begin(sender, group, counter);
+  believe(sender, frame.group, frame.session, frame.counter);
   ++counters_.proofs;
   return true;
+}
+
+void security::believe(mote_id sender, group_id group, session_id under, std::uint64_t counter) {
+  const auto& known = groups_.at(group);
+  const auto found = std::ranges::find_if(
+      known, [&](const accepted_keys& x) { return x.session.id == under; });
+  if (found != known.end())
+    windows_.begin(sender, group, found->order, newest_, counter);
 }
 
 void security::on_time(instant now) {
@@ -265,7 +306,8 @@ std::optional<instant> security::deadline() const {
 std::size_t security::footprint() const {
   // Derived keys can be computed when they are needed; a mote keeps those of the last frame.
   constexpr std::size_t two_pairs = key::size * 2 * 2;
-  return two_pairs + windows_.footprint() + config_.challenges_max * (2 + 2 + 4 + 4) + 8;
+  return two_pairs + windows_.footprint() + sources_.footprint() +
+         proofs_allowed_.footprint() + config_.challenges_max * (2 + 2 + 8 + 4) + 16;
 }
 
 } // namespace rubicon::smepp

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -22,18 +23,19 @@
 #include "smepp/group_id.hpp"
 #include "smepp/replay_windows.hpp"
 #include "smepp/session_keys.hpp"
+#include "smepp/source_table.hpp"
 
 namespace rubicon::smepp {
 
 /// In front of the ciphertext, network byte order, in clear and authenticated:
 ///
-///   uint8 suite | uint8 key number | uint16 group | uint32 counter
+///   uint8 suite | uint8 key number | uint16 group | uint64 counter
 ///
 /// The key number's high half is of the network keys (4 bits that follow from them), its low half
 /// the generation of the session keys (0 without a group), modulo 16. Behind the ciphertext stand 8
 /// octets of MAC over sender (uint16), receiver (uint16, as the radio has them), header and
 /// ciphertext: encrypt-then-MAC.
-inline constexpr std::size_t secured_header_size = 8;
+inline constexpr std::size_t secured_header_size = 12;
 inline constexpr std::size_t secured_overhead = secured_header_size + std::tuple_size_v<tag>;
 
 /// Octets of a message in one frame.
@@ -42,9 +44,12 @@ inline constexpr std::size_t message_max = network::frame_payload_max - secured_
 struct security_config {
   mote_id self;
   std::uint32_t counter_block = 256; ///< counters taken from the store at a time; > 0
-  std::size_t windows_max = 24;      ///< senders times groups
-  std::size_t challenges_max = 8;    ///< senders that we have asked at a time
-  duration challenge_pause = 2s;     ///< until the same sender is asked again
+  /// No counter from here on is used: it may be that of a later life.
+  std::uint64_t counter_end = std::numeric_limits<std::uint64_t>::max();
+  std::size_t windows_max = 24;   ///< senders times groups, and times keys while these change
+  std::size_t sources_max = 10;   ///< senders at network level that are remembered
+  std::size_t challenges_max = 8; ///< senders that we have asked at a time
+  duration challenge_pause = 2s;  ///< until the same sender is asked again
   duration grace = 60s;              ///< for network keys that have been replaced
 };
 
@@ -75,7 +80,7 @@ RUBICON_FIELDS(security_counters, sealed, opened, macs, challenges, proofs, used
 struct opened_frame {
   group_id group;
   session_id session; ///< of the keys that opened it; 0 at network level
-  std::uint32_t counter = 0;
+  std::uint64_t counter = 0;
   bytes content;
   bool is_proven = false; ///< and fresh. Never at network level, whose messages carry nonces
 };
@@ -98,7 +103,12 @@ using opening = std::variant<opened_frame, refused_frame>;
 /// a frame more.
 ///
 /// A nonce is the sender's id and a counter that never repeats, whichever keys it is used with:
-/// counters are taken from the store in blocks, and who starts anew begins with the next block.
+/// counters are taken from the store in blocks, and who starts anew begins with the next block. Who
+/// has none left is silent.
+///
+/// At network level no sender has a window. Answers carry what was asked with; of who asks a table
+/// has the counter, so that a recorded question is taken once a minute at most, and answers to one
+/// name are rationed.
 ///
 /// Work for a frame that proves wrong: none if header or counter show it; else a MAC for each pair
 /// of keys with its number, which is one but for changes of keys, and never more than macs_max.
@@ -106,7 +116,7 @@ class security {
 public:
   security() = default;
   /// @param counter_reserved what take_store() gave last; 0: never
-  security(security_config config, std::uint32_t counter_reserved);
+  security(security_config config, std::uint64_t counter_reserved);
 
   static constexpr unsigned macs_max = 4; ///< for one frame
 
@@ -126,26 +136,33 @@ public:
   /// @param to as the radio had it: self or broadcast_mote
   [[nodiscard]] opening open(mote_id from, mote_id to, byte_view octets, instant now);
 
-  /// A number that we have not used and will not use again. @pre a counter is left
-  [[nodiscard]] std::uint32_t unique();
+  /// A number that we have not used and will not use again; nothing: no counter is left.
+  [[nodiscard]] std::optional<std::uint64_t> unique();
 
   /// The store must hold this before anything is sent that was sealed since the last call.
-  [[nodiscard]] std::optional<std::uint32_t> take_store();
+  [[nodiscard]] std::optional<std::uint64_t> take_store();
 
   /// A frame was not proven, and no answer to us. @returns what to ask its sender with, if anything
-  [[nodiscard]] std::optional<std::uint32_t> challenge(mote_id sender, group_id group, instant now);
+  [[nodiscard]] std::optional<std::uint64_t> challenge(mote_id sender, group_id group, instant now);
 
-  /// Whether a challenge of another may be answered now.
-  [[nodiscard]] bool may_prove(instant now) { return proofs_allowed_.take(now); }
+  /// Whether a challenge in that name may be answered now.
+  [[nodiscard]] bool may_prove(mote_id sender, instant now) {
+    return proofs_allowed_.take(sender, now);
+  }
+
+  /// Whether a question at network level is no recording, as far as we know; then notes it.
+  [[nodiscard]] bool is_new_request(mote_id from, const opened_frame& frame, instant now);
+
+  /// Whether what was asked at network level in that name may be answered now.
+  [[nodiscard]] bool may_answer(mote_id sender, instant now) { return sources_.take(sender, now); }
 
   /// A sender has answered. @returns whether with what it was asked: then it is believed from
   /// that frame on
-  bool on_proof(mote_id sender, group_id group, std::uint32_t nonce, std::uint32_t counter);
+  bool on_proof(mote_id sender, const opened_frame& frame, std::uint64_t nonce);
 
   /// The sender has shown otherwise that this is its counter now.
-  void believe(mote_id sender, group_id group, std::uint32_t counter) {
-    windows_.begin(sender, group, counter);
-  }
+  void believe(mote_id sender, group_id group, session_id under, std::uint64_t counter);
+
 
   void on_time(instant now);
   [[nodiscard]] std::optional<instant> deadline() const;
@@ -164,30 +181,41 @@ private:
   struct frame_keys {
     group_id group;
     session_id session;
+    key_order order = 0;
     std::uint8_t number = 0;
     key_pair keys;
+  };
+  struct accepted_keys {
+    session_keys session;
+    key_order order = 0;
   };
   struct asked {
     mote_id sender;
     group_id group;
-    std::uint32_t nonce = 0;
+    std::uint64_t nonce = 0;
     instant at;
   };
 
   void derive_all();
   [[nodiscard]] bool is_ahead(group_id group, std::uint8_t number) const;
+  [[nodiscard]] std::variant<opened_frame, refusal> try_keys(const frame_keys& keys, mote_id from,
+                                                             mote_id to, byte_view octets,
+                                                             std::uint64_t counter);
   [[nodiscard]] const frame_keys* sending_keys(group_id group, session_id session) const;
 
   security_config config_;
-  std::uint32_t counter_ = 0; ///< the next one
-  std::uint32_t reserved_ = 0;
+  std::uint64_t counter_ = 0; ///< the next one
+  std::uint64_t reserved_ = 0;
   bool must_store_ = false;
   std::vector<network_pair> network_; ///< ours, then the one before
-  std::map<group_id, std::vector<session_keys>> groups_;
+  std::map<group_id, std::vector<accepted_keys>> groups_;
+  key_order newest_ = 0; ///< of all session keys that were learned
   std::vector<frame_keys> keys_; ///< derived; those of our network keys first
   replay_windows windows_;
   std::vector<asked> asked_;
-  allowance proofs_allowed_{12, 1s};
+  source_table sources_;
+  source_table proofs_allowed_{6, 2};
+  allowance challenges_allowed_{8, 4s};
   security_counters counters_;
 };
 

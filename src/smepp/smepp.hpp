@@ -40,6 +40,8 @@ struct peer_config {
   /// Each so many management periods one is listened to as a whole: parts of a group that have
   /// lost each other's time find each other. 0: never.
   std::uint32_t scout_every = 64;
+  /// Keys are drawn from the operating system; else from the peer's own stream.
+  bool has_system_randomness = false;
   std::size_t outbox_max = 40;   ///< messages; the newest is dropped, counted
   security_config security = {}; ///< self is set by the peer, here and below
   group_config groups = {};
@@ -48,7 +50,9 @@ struct peer_config {
 
 /// All that outlasts a loss of power. Holds keys: neither logged nor sent.
 struct kept {
-  std::uint32_t counter_reserved = 0; ///< counters below may have been used
+  std::uint64_t counter_reserved = 0; ///< counters below may have been used
+  std::uint64_t counter_end = std::numeric_limits<std::uint64_t>::max(); ///< others are of later lives
+  std::optional<agreement::secret> identity; ///< by which other members know it again
   std::vector<stored_group> groups;
 };
 
@@ -175,6 +179,7 @@ private:
   void on_group_frame(mote_id from, const message& x, const opened_frame& frame, instant at,
                       instant now);
   void on_unproven(mote_id from, const message& x, const opened_frame& frame, instant now);
+  void answer_challenge(mote_id from, const challenge& x, const opened_frame& frame, instant now);
   void check_step(const message& x, group_id group, instant now);
   void on_stamp(mote_id from, const sync_stamp& x, group_id group, instant at, instant now);
   void perform(instant now, outputs& out);
@@ -187,7 +192,8 @@ private:
   void go_on(instant now, outputs& out);
   void pump(instant now, outputs& out);
   bool hand_out(const to_send& x, instant now, outputs& out);
-  void complete(message& x, group_id group, instant now);
+  void complete(message& content, const to_send& x, instant now);
+  void end_hop(std::uint64_t token, bool acked, instant now);
   [[nodiscard]] outbox::pause wait(const to_send& x, instant now) const;
   void set_cycles(instant now);
   void set_radio_state(instant now, outputs& out);
@@ -196,6 +202,7 @@ private:
 
   peer_config config_;
   random_stream rng_;
+  randomness secrets_;
   kept kept_;
   security security_;
   group_management groups_;

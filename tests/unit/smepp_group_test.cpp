@@ -70,11 +70,15 @@ TEST_CASE("a key opens closed groups and shows private ones", "[smepp][SMP-05][S
         w.record_air(true);
         CHECK(w.join(2, group, key_of(8), {.master = key_of(9)}) == failure::wrong_master_key);
         CHECK(count(w, "join_accept") == 0); // no key material was sent
-        CHECK(count(w, "join_refuse") == 1);
+        CHECK(count(w, "join_refuse") >= 1);
         CHECK(w.at(2).groups().find(group) == nullptr);
       }
+      // Who has a key enters no group without one, whatever it is said to be.
+      if (!closed && !hidden)
+        CHECK(w.join(2, group, std::nullopt, {.master = key_of(9)}) == failure::wrong_master_key);
+      const auto looked_for = hidden ? std::optional(key_of(9)) : std::nullopt;
       CHECK(w.join(2, group, closed ? std::optional(key_of(9)) : std::nullopt,
-                   {.master = key_of(9)}) == std::nullopt);
+                   {.master = looked_for}) == std::nullopt);
       CHECK(w.at(2).smepp_getPeers(group).size() == 2);
     }
 }
@@ -287,7 +291,7 @@ TEST_CASE("state on a mote is accounted for", "[smepp][SMP-30]") {
   world w({.peers = 2});
   w.build_group(kitchen());
   const auto octets = w.at(1).footprint();
-  INFO(octets);
+  CAPTURE(octets);
   CHECK(octets > 1000);
   CHECK(octets < 6500); // of 8 KB (D1.1 3.4.1)
 }

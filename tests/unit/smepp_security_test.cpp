@@ -29,7 +29,7 @@ constexpr group_id group{77};
 constexpr mote_id alice{1};
 constexpr mote_id bob{2};
 
-security peer(mote_id self, std::uint32_t reserved = 0) {
+security peer(mote_id self, std::uint64_t reserved = 0) {
   security_config config;
   config.self = self;
   security x(config, reserved);
@@ -110,34 +110,53 @@ TEST_CASE("two agree on the secret of RFC 7748", "[smepp][SMP-09]") {
         "4a5d9d5ba4ce2de1728e3bf480350f25e07e21c947d19e3376f09b3c1e161742");
   CHECK(*a.agree(b.share()) == *b.agree(a.share()));
   CHECK_FALSE(a.agree(key_share{})); // of low order
-  random_stream rng(1);
-  CHECK_FALSE(*agreement::make(rng).agree(b.share()) == *a.agree(b.share()));
+  randomness secrets(random_stream(1));
+  CHECK_FALSE(*agreement::make(secrets).agree(b.share()) == *a.agree(b.share()));
 }
 
 TEST_CASE("session keys open for who has agreed on them only", "[smepp][SMP-09][SMP-13]") {
-  random_stream rng(2);
+  randomness secrets(random_stream(2));
   const auto credential = key_number(9);
-  const auto joiner = agreement::make(rng);
-  const auto member = agreement::make(rng);
-  const handshake with{group, alice, bob, 1, 2, joiner.share(), member.share()};
+  const auto joiner = agreement::make(secrets);
+  const auto identity = agreement::make(secrets);
+  const auto member = agreement::make(secrets);
+  const join_proof said{.group = group, .nonce = 1, .share = joiner.share(),
+                        .identity = identity.share()};
+  const handshake with{alice, bob, said, member.share(),
+                       terms_of({.name = "kitchen", .master = credential, .is_closed = true})};
   const auto agreed = *joiner.agree(member.share());
-  const auto wrapped = wrap(accept_key(credential, with, agreed), second_session, 5s);
+  const auto as_itself = *identity.agree(member.share());
+  const bytes carrier{1, 2, 3};
+  const auto wrapped =
+      wrap(accept_key(credential, with, agreed, as_itself), second_session, 5s, carrier);
   CHECK(wrapped.send_in_ms == 5000);
-  const auto opened = unwrap(accept_key(credential, with, *member.agree(joiner.share())), wrapped);
+  const auto made = accept_key(credential, with, *member.agree(joiner.share()),
+                               *member.agree(identity.share()));
+  const auto opened = unwrap(made, wrapped, carrier);
   REQUIRE(opened);
   CHECK(opened->id == second_session.id);
   CHECK(opened->keys == second_session.keys);
-  // Who has recorded it all and has the credential, now or later:
-  const auto other = agreement::make(rng);
-  CHECK_FALSE(unwrap(accept_key(credential, with, *other.agree(member.share())), wrapped));
-  CHECK_FALSE(unwrap(accept_key(key_number(8), with, agreed), wrapped));
+  CHECK_FALSE(unwrap(made, wrapped, bytes{1, 2, 4}));
+  // Who has recorded it all and has the credential, now or later, or claims to be another:
+  const auto other = agreement::make(secrets);
+  const auto opens = [&](const key& credential_, const handshake& with_, const key& agreed_,
+                         const key& identity_) {
+    return unwrap(accept_key(credential_, with_, agreed_, identity_), wrapped, carrier).has_value();
+  };
+  CHECK_FALSE(opens(credential, with, *other.agree(member.share()), as_itself));
+  CHECK_FALSE(opens(credential, with, agreed, *other.agree(member.share())));
+  CHECK_FALSE(opens(key_number(8), with, agreed, as_itself));
   auto elsewhere = with;
   elsewhere.joiner = mote_id{3};
-  CHECK_FALSE(unwrap(accept_key(credential, elsewhere, agreed), wrapped));
+  CHECK_FALSE(opens(credential, elsewhere, agreed, as_itself));
+  auto on_other_terms = with;
+  on_other_terms.terms = terms_of({.name = "kitchen"});
+  CHECK_FALSE(opens(credential, on_other_terms, agreed, as_itself));
+  CHECK(join_tag(credential, with) != join_tag(credential, on_other_terms));
   for (auto change : {&wrapped_keys::send_in_ms}) {
     auto changed = wrapped;
     ++(changed.*change);
-    CHECK_FALSE(unwrap(accept_key(credential, with, agreed), changed));
+    CHECK_FALSE(unwrap(made, changed, carrier));
   }
   const auto refreshed = wrap(refresh_key(credential, first_session.keys), second_session, 0s);
   CHECK(unwrap(refresh_key(credential, first_session.keys), refreshed));
@@ -167,7 +186,7 @@ TEST_CASE("keys for different purposes have nothing in common", "[smepp][SMP-13]
 TEST_CASE("a member reads what another has sealed, and nobody else does", "[smepp][SMP-03]") {
   auto a = peer(alice);
   auto b = peer(bob);
-  b.believe(alice, group, 0);
+  b.believe(alice, group, first_session.id, 0);
   static_cast<void>(a.unique()); // the window begins above 0
   const auto frame = seal(a, "hello");
   CHECK(frame.size() == 5 + secured_overhead);
@@ -236,7 +255,7 @@ TEST_CASE("a frame costs a bounded number of MACs to refuse", "[smepp][SMP-03]")
 TEST_CASE("a frame is taken once, late ones too", "[smepp][SMP-03]") {
   auto a = peer(alice);
   auto b = peer(bob);
-  b.believe(alice, group, 0);
+  b.believe(alice, group, first_session.id, 0);
   static_cast<void>(a.unique());
   std::vector<bytes> frames;
   for (int i = 0; i < 40; ++i)
@@ -259,12 +278,15 @@ TEST_CASE("a sender whose counter is not known has to answer first", "[smepp][SM
   const auto nonce = b.challenge(alice, group, instant{});
   REQUIRE(nonce);
   CHECK_FALSE(b.challenge(alice, group, instant{} + 1s)); // not again so soon
-  CHECK_FALSE(b.on_proof(alice, group, *nonce + 1, 5));
-  CHECK_FALSE(b.on_proof(bob, group, *nonce, 5));
-  CHECK(b.on_proof(alice, group, *nonce, 5));
-  CHECK_FALSE(b.on_proof(alice, group, *nonce, 7)); // once
+  const auto at = [](std::uint64_t counter) {
+    return opened_frame{group, first_session.id, counter, {}, false};
+  };
+  CHECK_FALSE(b.on_proof(alice, at(5), *nonce + 1));
+  CHECK_FALSE(b.on_proof(bob, at(5), *nonce));
+  CHECK(b.on_proof(alice, at(5), *nonce));
+  CHECK_FALSE(b.on_proof(alice, at(7), *nonce)); // once
   CHECK(open(b, alice, recorded) == "replayed");
-  while (a.unique() < 5) {
+  while (*a.unique() < 5) {
   }
   CHECK(open(b, alice, seal(a, "new")) == "new");
 
@@ -279,8 +301,8 @@ TEST_CASE("a sender whose counter is not known has to answer first", "[smepp][SM
 
 TEST_CASE("no counter is used twice, whenever the power fails", "[smepp][SMP-03]") {
   random_stream rng(5);
-  std::set<std::uint32_t> used;
-  std::uint32_t store = 0;
+  std::set<std::uint64_t> used;
+  std::uint64_t store = 0;
   for (int life = 0; life < 50; ++life) {
     auto a = peer(alice, store);
     for (auto left = rng.below(600); left > 0; --left) {
@@ -289,35 +311,98 @@ TEST_CASE("no counter is used twice, whenever the power fails", "[smepp][SMP-03]
         store = *x; // before the frame leaves
       byte_reader reader(frame);
       reader.skip(4);
-      CHECK(used.insert(reader.big<std::uint32_t>()).second);
+      CHECK(used.insert(reader.big<std::uint64_t>()).second);
     }
   }
 }
 
 TEST_CASE("who has used up all counters is silent", "[smepp][SMP-03]") {
-  auto a = peer(alice, 0xfffffffe);
+  security_config config{.self = alice, .counter_end = 1000};
+  security a(config, 999);
+  a.set_network_keys(network_keys, instant{});
+  a.set_group(group, {first_session});
   CHECK(a.seal(bob, group, first_session.id, {}));
-  CHECK(a.take_store() == 0xffffffff);
+  CHECK(a.take_store() == 1000); // and not the first of somebody else's
   const auto none = a.seal(bob, group, first_session.id, {});
   REQUIRE_FALSE(none);
   CHECK(none.error() == errc::bad_value);
   CHECK(a.counters().used_up == 1);
   CHECK_FALSE(a.challenge(bob, group, instant{}));
+  CHECK_FALSE(a.unique());
 }
 
 TEST_CASE("windows that do not fit are given up and asked for again", "[smepp][SMP-03]") {
   replay_windows x(2);
   using enum replay_windows::verdict;
-  x.begin(mote_id{1}, group, 10);
-  x.begin(mote_id{2}, group, 10);
-  CHECK(x.judge(mote_id{1}, group, 11) == fresh);
-  x.accept(mote_id{1}, group, 11);
-  x.begin(mote_id{3}, group, 10);
+  x.begin(mote_id{1}, group, 1, 1, 10);
+  x.begin(mote_id{2}, group, 1, 1, 10);
+  CHECK(x.judge(mote_id{1}, group, 1, 11) == fresh);
+  x.accept(mote_id{1}, group, 1, 11);
+  x.begin(mote_id{3}, group, 1, 1, 10);
   CHECK(x.size() == 2);
   CHECK(x.evicted() == 1);
-  CHECK(x.judge(mote_id{2}, group, 11) == unknown);
-  CHECK(x.judge(mote_id{1}, group, 11) == replayed);
-  CHECK(x.judge(mote_id{1}, group_id{78}, 12) == unknown); // a group of its own
+  CHECK(x.judge(mote_id{2}, group, 1, 11) == unknown);
+  CHECK(x.judge(mote_id{1}, group, 1, 11) == replayed);
+  CHECK(x.judge(mote_id{1}, group_id{78}, 1, 12) == unknown); // a group of its own
+}
+
+TEST_CASE("no frame moves a window far, and each pair of keys has its own", "[smepp][SMP-03]") {
+  replay_windows x;
+  using enum replay_windows::verdict;
+  const mote_id a{1};
+  x.begin(a, group, 1, 1, 10);
+  CHECK(x.judge(a, group, 1, 0xffffff00) == unknown);
+  CHECK(x.judge(a, group, 1, 10 + replay_windows::jump_max) == fresh);
+  x.begin(a, group, 1, 1, 0xffffff00); // it has said so, or somebody in its name
+  CHECK(x.judge(a, group, 1, 11) == unknown);
+  CHECK(x.judge(a, group, 2, 11) == fresh); // whatever happened under the keys before
+  x.accept(a, group, 2, 11);
+  CHECK(x.judge(a, group, 2, 11) == replayed);
+  CHECK(x.judge(a, group, 2, 10) == fresh);
+  x.begin(a, group, 1, 2, 12); // it has shown it: lower than before
+  CHECK(x.judge(a, group, 1, 13) == fresh);
+  CHECK(x.judge(a, group, 1, 12) == replayed);
+  x.forget(group, 1);
+  CHECK(x.judge(a, group, 1, 13) == unknown); // known when the other window began
+  CHECK(x.judge(a, group, 3, 5) == fresh);
+
+  SECTION("keys whose window has gone are not taken up again without a proof") {
+    replay_windows small(2);
+    small.begin(a, group, 1, 1, 10);
+    small.accept(a, group, 2, 20);
+    small.begin(mote_id{2}, group, 2, 2, 5); // both windows go
+    CHECK(small.judge(a, group, 2, 20) == unknown);
+    CHECK(small.judge(a, group, 1, 20) == unknown);
+    small.begin(a, group, 1, 2, 30);
+    CHECK(small.judge(a, group, 2, 20) == unknown);
+  }
+}
+
+TEST_CASE("at network level a question is taken once a minute", "[smepp][SMP-03]") {
+  auto b = peer(bob);
+  const auto taken = [&](std::uint64_t counter, duration at) {
+    return b.is_new_request(alice, {network_level, {}, counter, {}, false}, instant{} + at);
+  };
+  CHECK(taken(1, 0s));
+  CHECK_FALSE(taken(1, 1s));
+  CHECK(taken(2, 2s));
+  CHECK_FALSE(taken(1, 3s));
+  CHECK_FALSE(taken(2, 61s));
+  CHECK(b.counters().refused.at("replayed") == 3);
+  CHECK(taken(1, 63s));
+}
+
+TEST_CASE("who asks in many names takes nothing from those that were there", "[smepp][SMP-03]") {
+  source_table x(4, 2);
+  const auto at = instant{} + 1h;
+  x.hear(mote_id{1}, 5, at);
+  int granted = 0;
+  for (std::uint16_t i = 2; i < 1000; ++i)
+    granted += x.take(mote_id{i}, at) ? 1 : 0;
+  CHECK(granted <= 3 + 2);
+  CHECK(x.take(mote_id{1}, at));
+  CHECK(x.is_old(mote_id{1}, 5, at + 10s));
+  CHECK_FALSE(x.is_old(mote_id{1}, 6, at + 10s));
 }
 
 TEST_CASE("network keys change without a gap, and cut off who keeps the old", "[smepp][SMP-02]") {
@@ -325,8 +410,8 @@ TEST_CASE("network keys change without a gap, and cut off who keeps the old", "[
   auto b = peer(bob);
   auto behind = peer(mote_id{3});
   for (auto* each : {&b, &behind})
-    each->believe(alice, group, 0);
-  b.believe(mote_id{3}, group, 0);
+    each->believe(alice, group, first_session.id, 0);
+  b.believe(mote_id{3}, group, first_session.id, 0);
   static_cast<void>(a.unique());
   static_cast<void>(behind.unique());
   const key_pair next{key_number(21), key_number(22)};
