@@ -38,7 +38,8 @@ struct found_group {
 /// Asks again and again until the time is over: some of the questions meet a group's active period.
 ///
 /// Each answer stands for who gave it. Those that show the key come first and take the room of
-/// others; among the rest a shorter period comes first, so a false one costs no more than a true one.
+/// others; among the rest a shorter period comes first, so a false one costs no more than a true
+/// one.
 class discovery {
 public:
   discovery() = default;

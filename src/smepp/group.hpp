@@ -20,15 +20,14 @@ struct stored_group {
   group_id id;
   group_description description;
   session_keys session;
-  std::uint16_t stamp = 0; ///< of our own entry among the members
+  std::uint16_t stamp = 0;         ///< of our own entry among the members
   std::vector<mote_id> neighbours; ///< those that have shown that they are there, the last first
 
   static constexpr std::size_t neighbours_max = 12;
 
   friend bool operator==(const stored_group& a, const stored_group& b) {
     return a.id == b.id && a.description == b.description && a.session.id == b.session.id &&
-           a.session.keys == b.session.keys && a.stamp == b.stamp &&
-           a.neighbours == b.neighbours;
+           a.session.keys == b.session.keys && a.stamp == b.stamp && a.neighbours == b.neighbours;
   }
 };
 
@@ -51,8 +50,8 @@ struct group {
   std::optional<instant> refresh_at;
   /// Our best pair went from hand to hand: who had those before may be one who has left.
   bool is_best_fetched = false;
-  /// Neighbours were heard under keys ahead of ours: these are fetched then, if we have not been sent
-  /// them. It need not be true. One place for each neighbour, so nobody takes another's.
+  /// Neighbours were heard under keys ahead of ours: these are fetched then, if we have not been
+  /// sent them. It need not be true. One place for each neighbour, so nobody takes another's.
   struct rumour {
     mote_id from;
     session_id best; ///< of ours at that time

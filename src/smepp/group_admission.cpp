@@ -246,8 +246,7 @@ void group_management::prove(attempt& x, context c) {
     ++counters_.agreements;
   }
   const auto& description = x.members.front().description;
-  x.proof.proof =
-      join_tag(credential_of(description, c.keys.network_keys()), handshake_of(x));
+  x.proof.proof = join_tag(credential_of(description, c.keys.network_keys()), handshake_of(x));
   x.is_proving = true;
   x.tries = 0;
   go_on(x, failure::no_answer, c);
@@ -273,8 +272,7 @@ void group_management::on(mote_id from, const join_refuse& x, const opened_frame
   auto* const mine = attempt_with(from, x.group, x.nonce);
   if (mine == nullptr || !mine->is_proving)
     return drop("not_asked");
-  const auto credential =
-      credential_of(mine->members.front().description, c.keys.network_keys());
+  const auto credential = credential_of(mine->members.front().description, c.keys.network_keys());
   if (is_same(x.mac, refuse_tag(credential, handshake_of(*mine), x.why)))
     return go_on(*mine, x.why, c);
   drop("unproven_refusal");
@@ -292,12 +290,11 @@ void group_management::on(mote_id from, const join_accept& x, const opened_frame
   const auto agreed = agree(mine.own, x.share);
   const auto with_identity = agree(identity_, x.share);
   const auto& description = mine.members.front().description;
-  const auto session =
-      agreed && with_identity
-          ? unwrap(accept_key(credential_of(description, c.keys.network_keys()), with, *agreed,
-                              *with_identity),
-                   x.keys, carrier_of(x))
-          : std::nullopt;
+  const auto session = agreed && with_identity
+                           ? unwrap(accept_key(credential_of(description, c.keys.network_keys()),
+                                               with, *agreed, *with_identity),
+                                    x.keys, carrier_of(x))
+                           : std::nullopt;
   if (!session)
     return drop("wrong_wrap");
   finish(x.group, std::nullopt, c);
@@ -315,8 +312,8 @@ void group_management::enter(const attempt& x, const session_keys& session,
   auto& g = add(x.proof.group, description, c);
   g.ring.learn(session, c.now + std::chrono::milliseconds(accept.keys.send_in_ms), c.now);
   g.sync.adopt(accept.time, c.now);
-  g.settling_in = group::settling{c.now + 2 * step_timeout(description.management),
-                                  accept.members, accept.subscriptions};
+  g.settling_in = group::settling{c.now + 2 * step_timeout(description.management), accept.members,
+                                  accept.subscriptions};
   changed(g, c);
   c.keys.believe(x.members.front().who, g.id, session.id, counter);
 }
@@ -381,8 +378,7 @@ void group_management::on(mote_id from, const smepp::join& x, const opened_frame
 
 void group_management::refuse(mote_id joiner, const join_proof& x, failure why, tag mac,
                               context c) {
-  c.out.push_back(
-      to_send{joiner, x.group, join_refuse{x.group, x.nonce, why, mac}, slot::at_once});
+  c.out.push_back(to_send{joiner, x.group, join_refuse{x.group, x.nonce, why, mac}, slot::at_once});
 }
 
 void group_management::on(mote_id from, const join_proof& x, const opened_frame& frame, context c) {
@@ -421,11 +417,11 @@ void group_management::note_joiner(group& g, const handshake& with, context c) {
   const auto identity = short_hash(x.identity);
   const auto* const known = g.members.find(with.joiner);
   const bool is_there = known != nullptr && !known->has_left && known->identity == identity;
-  const bool is_repeat = is_there && known->who.transducers == x.transducers &&
-                         std::ranges::any_of(g.told, [&](const auto& each) {
-                           return each.first == with.joiner &&
-                                  each.second + config_.told_pause > c.now;
-                         });
+  const bool is_repeat =
+      is_there && known->who.transducers == x.transducers &&
+      std::ranges::any_of(g.told, [&](const auto& each) {
+        return each.first == with.joiner && each.second + config_.told_pause > c.now;
+      });
   if ((is_there && x.is_member) || is_repeat)
     return;
   if (g.ring.best_from() <= c.now)
@@ -474,15 +470,16 @@ void group_management::welcome(group& g, admitted& x, context c) {
     return;
   x.sent = c.now;
   const auto& best = g.ring.best();
-  to_send sent{x.joiner, g.id,
-               join_accept{g.id,
-                           x.nonce,
-                           x.share,
-                           wrap(x.under, best, g.ring.best_from() - c.now),
-                           static_cast<std::uint8_t>(std::min<std::size_t>(g.members.present(), 255)),
-                           0,    // so many subscriptions, and
-                           {}}, // the time: filled in when it is sent
-               slot::at_once};
+  to_send sent{
+      x.joiner, g.id,
+      join_accept{g.id,
+                  x.nonce,
+                  x.share,
+                  wrap(x.under, best, g.ring.best_from() - c.now),
+                  static_cast<std::uint8_t>(std::min<std::size_t>(g.members.present(), 255)),
+                  0,   // so many subscriptions, and
+                  {}}, // the time: filled in when it is sent
+      slot::at_once};
   sent.bound_under = x.under;
   c.out.push_back(sent);
 }

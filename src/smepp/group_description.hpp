@@ -34,8 +34,8 @@ struct group_description {
 
   static constexpr std::size_t name_max = 20;
 
-  /// The name fits, the cycle is in range, and there is a key if, and only if, the group is closed or
-  /// private: who has a key enters no group that others could have made without it.
+  /// The name fits, the cycle is in range, and there is a key if, and only if, the group is closed
+  /// or private: who has a key enters no group that others could have made without it.
   [[nodiscard]] bool is_valid() const;
 
   friend bool operator==(const group_description&, const group_description&) = default;
@@ -60,12 +60,13 @@ struct group_filter {
 /// elsewhere is another group.
 [[nodiscard]] group_id id_of(std::string_view name, mote_id creator);
 
-/// What opens the door to a group: its master key if it has one, else what every mote of the network
-/// has. Who holds the credential may join; what is wrapped for members is wrapped with it. Whoever
-/// has a master key never falls back to the network's, whatever others say of the group.
+/// What opens the door to a group: its master key if it has one, else what every mote of the
+/// network has. Who holds the credential may join; what is wrapped for members is wrapped with it.
+/// Whoever has a master key never falls back to the network's, whatever others say of the group.
 [[nodiscard]] key credential_of(const group_description& x, const key_pair& network);
 
-/// All that both ends of a handshake have to agree on besides the key: name, flags, suite and cycle.
+/// All that both ends of a handshake have to agree on besides the key: name, flags, suite and
+/// cycle.
 [[nodiscard]] bytes terms_of(const group_description& x);
 
 } // namespace rubicon::smepp

@@ -421,12 +421,12 @@ std::size_t group_management::footprint() const {
   // have succeeded: who, nonce, key, share, when.
   constexpr std::size_t own_handshake = 2 + 2 + 4 + 8 + 2 * 32 + 4 + 6;
   constexpr std::size_t of_others = 2 + 2 + 4 + key::size + 32 + 4;
-  std::size_t sum = own_handshake + admitted_max * of_others + group_description::name_max +
-                    16 + 32 + key::size;
+  std::size_t sum =
+      own_handshake + admitted_max * of_others + group_description::name_max + 16 + 32 + key::size;
   for (const auto& [id, g] : groups_)
     sum += group_description::name_max + key::size + 12 + session_ring::footprint() +
-           g.members.footprint() + weak_sync::footprint() + told_max * 6 +
-           group::rumours_max * 10 + group::refusers_max * 8 + stored_group::neighbours_max * 2;
+           g.members.footprint() + weak_sync::footprint() + told_max * 6 + group::rumours_max * 10 +
+           group::refusers_max * 8 + stored_group::neighbours_max * 2;
   return sum;
 }
 

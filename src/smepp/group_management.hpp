@@ -37,9 +37,9 @@ struct group_config {
   duration step_timeout = 500ms;   ///< of a handshake, besides two management periods
   unsigned step_tries = 3;
   duration rumour_pause_max = 5min; ///< between rumours that are followed, in the long run
-  duration rumour_wait = 1s; ///< besides two periods: what was sent to all has come by then
-  duration fetch_pause = 2s; ///< between handshakes of a member
-  duration told_pause = 10s; ///< until the same neighbour is sent all members again
+  duration rumour_wait = 1s;        ///< besides two periods: what was sent to all has come by then
+  duration fetch_pause = 2s;        ///< between handshakes of a member
+  duration told_pause = 10s;        ///< until the same neighbour is sent all members again
   discovery_config discovery;
   weak_sync_config sync;
 };
@@ -128,8 +128,9 @@ public:
 private:
   /// We want in.
   struct attempt {
-    std::vector<found_member> members; ///< the first is being asked, the others if it does not answer
-    join_proof proof;                  ///< as far as it is known
+    std::vector<found_member>
+        members;      ///< the first is being asked, the others if it does not answer
+    join_proof proof; ///< as far as it is known
     agreement own;
     bool is_member = false; ///< catch-up
     bool is_rumour = false; ///< of which nobody has shown that there is a reason for it

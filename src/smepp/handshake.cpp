@@ -82,8 +82,8 @@ wrapped_keys wrap(const key& under, const session_keys& x, duration send_in, byt
   wrapped_keys wrapped;
   wrapped.id = x.id;
   const auto ms = std::chrono::ceil<std::chrono::milliseconds>(std::max(send_in, duration{}));
-  wrapped.send_in_ms = static_cast<std::uint32_t>(
-      std::min<std::int64_t>(ms.count(), wrapped_keys::send_in_max));
+  wrapped.send_in_ms =
+      static_cast<std::uint32_t>(std::min<std::int64_t>(ms.count(), wrapped_keys::send_in_max));
   std::ranges::copy(x.keys.confidentiality.reveal(), wrapped.octets.begin());
   std::ranges::copy(x.keys.integrity.reveal(), wrapped.octets.begin() + key::size);
   crypt(under, x.id, wrapped.octets);
@@ -113,9 +113,8 @@ bytes carrier_of(const join_accept& x) {
 session_keys make_session(const key& credential, session_id id, randomness& from) {
   std::array<std::uint8_t, 32> drawn{};
   from.fill(drawn);
-  session_keys made{id,
-                    {derive(credential, "session key", drawn),
-                     derive(credential, "session MAC", drawn)}};
+  session_keys made{
+      id, {derive(credential, "session key", drawn), derive(credential, "session MAC", drawn)}};
   OPENSSL_cleanse(drawn.data(), drawn.size());
   return made;
 }

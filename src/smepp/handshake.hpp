@@ -16,7 +16,8 @@
 
 namespace rubicon::smepp {
 
-/// What who has computed nothing yet wants back from who asks: that it is there, and heard us lately.
+/// What who has computed nothing yet wants back from who asks: that it is there, and heard us
+/// lately.
 /// @param own of the member's life alone
 /// @param turn counts up with time
 [[nodiscard]] tag cookie_of(const key& own, mote_id joiner, const join& x, std::uint64_t turn);
@@ -25,9 +26,9 @@ namespace rubicon::smepp {
 struct handshake {
   mote_id joiner;
   mote_id member;
-  join_proof proof;    ///< of the joiner; its MAC is not looked at
-  key_share share{};   ///< of the member
-  bytes terms;         ///< of the group
+  join_proof proof;  ///< of the joiner; its MAC is not looked at
+  key_share share{}; ///< of the member
+  bytes terms;       ///< of the group
 };
 
 /// The joiner knows the credential, now, is equipped so, and knows the group by these terms.

@@ -53,7 +53,7 @@ struct answer {
   std::uint8_t members = 0;
   std::uint16_t period_ms = 0;
   std::uint16_t length_ms = 0;
-  group_time time; ///< when this was handed to the radio
+  group_time time;          ///< when this was handed to the radio
   std::optional<tag> proof; ///< that the sender knows the key of the group
   bytes name;               ///< 1..group_description::name_max
 
@@ -68,8 +68,8 @@ struct join {
   friend bool operator==(const join&, const join&) = default;
 };
 
-/// 0x04: prove it. uint16 group, uint32 nonce of the join, cookie (8): all that its sender wants back
-/// before it remembers or computes anything for who has asked.
+/// 0x04: prove it. uint16 group, uint32 nonce of the join, cookie (8): all that its sender wants
+/// back before it remembers or computes anything for who has asked.
 struct join_challenge {
   group_id group;
   std::uint32_t nonce = 0;
@@ -78,9 +78,9 @@ struct join_challenge {
   friend bool operator==(const join_challenge&, const join_challenge&) = default;
 };
 
-/// 0x05: uint16 group, uint32 nonce, cookie, uint32 transducers, uint8 flags (bit 0: the sender is a
-/// member, and only lacks the present keys), 32 octets of key share for this handshake, 32 octets of
-/// key share that is the sender's for good, MAC of all that and the group's terms under the
+/// 0x05: uint16 group, uint32 nonce, cookie, uint32 transducers, uint8 flags (bit 0: the sender is
+/// a member, and only lacks the present keys), 32 octets of key share for this handshake, 32 octets
+/// of key share that is the sender's for good, MAC of all that and the group's terms under the
 /// credential (8).
 struct join_proof {
   group_id group;
@@ -109,8 +109,8 @@ struct wrapped_keys {
   friend bool operator==(const wrapped_keys&, const wrapped_keys&) = default;
 };
 
-/// 0x06: welcome. uint16 group, uint32 nonce of the join, 32 octets of key share, wrapped keys, uint8
-/// members and uint8 subscriptions that will follow, time.
+/// 0x06: welcome. uint16 group, uint32 nonce of the join, 32 octets of key share, wrapped keys,
+/// uint8 members and uint8 subscriptions that will follow, time.
 struct join_accept {
   group_id group;
   std::uint32_t nonce = 0;
@@ -218,8 +218,8 @@ struct unsubscribe {
   friend bool operator==(const unsubscribe&, const unsubscribe&) = default;
 };
 
-/// That its producer has raised an event, once: uint64 number, which the producer uses but once, MAC
-/// (8) under the key that it shares with the subscriber (pairwise.hpp).
+/// That its producer has raised an event, once: uint64 number, which the producer uses but once,
+/// MAC (8) under the key that it shares with the subscriber (pairwise.hpp).
 struct sender_proof {
   std::uint64_t number = 0;
   tag mac{};

@@ -25,8 +25,8 @@ namespace rubicon::smepp {
 struct node_config {
   mote_id self;
   transducer_mask transducers = 0;
-  bool is_real = false; ///< in wall time: its secrets are not drawn from the seed
-  group_settings settings;                                          ///< with keys
+  bool is_real = false;    ///< in wall time: its secrets are not drawn from the seed
+  group_settings settings; ///< with keys
   std::vector<std::pair<member_config, group_description>> members; ///< of groups that differ
   std::vector<mote_id> others; ///< with whom it has pairwise keys, if those are asked for
 };

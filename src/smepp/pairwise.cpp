@@ -33,8 +33,8 @@ bool pairwise_keys::set(mote_id other, const key& x) {
   return true;
 }
 
-std::optional<sender_proof> pairwise_keys::prove(const event& x, group_id group,
-                                                 group_time made_at, std::uint64_t number) const {
+std::optional<sender_proof> pairwise_keys::prove(const event& x, group_id group, group_time made_at,
+                                                 std::uint64_t number) const {
   const auto found = keys_.find(x.id.subscriber);
   if (found == keys_.end())
     return std::nullopt;
@@ -44,8 +44,7 @@ std::optional<sender_proof> pairwise_keys::prove(const event& x, group_id group,
 bool pairwise_keys::is_proven(const event& x, group_id group, group_time made_at) const {
   const auto found = keys_.find(x.producer);
   return x.proof && found != keys_.end() &&
-         is_same(x.proof->mac,
-                 proof_of(found->second.under, x, group, made_at, x.proof->number));
+         is_same(x.proof->mac, proof_of(found->second.under, x, group, made_at, x.proof->number));
 }
 
 bool pairwise_keys::take(const event& x) {

@@ -41,9 +41,7 @@ public:
   /// @returns whether it has not been taken before, and takes it. @pre is_proven()
   [[nodiscard]] bool take(const event& x);
 
-  [[nodiscard]] std::size_t footprint() const {
-    return keys_.size() * (2 + key::size + 8 + 4);
-  }
+  [[nodiscard]] std::size_t footprint() const { return keys_.size() * (2 + key::size + 8 + 4); }
 
 private:
   struct shared_key {

@@ -60,8 +60,7 @@ void peer::on_frame(mote_id from, mote_id to, byte_view octets, instant at, inst
 /// What a handshake ends with is followed by more, which a member need not be awake for.
 void peer::on_network_frame(mote_id from, const message& x, const opened_frame& frame,
                             instant now) {
-  const bool is_question = std::holds_alternative<discover>(x) ||
-                           std::holds_alternative<join>(x) ||
+  const bool is_question = std::holds_alternative<discover>(x) || std::holds_alternative<join>(x) ||
                            std::holds_alternative<join_proof>(x);
   if (is_question && !security_.is_new_request(from, frame, now))
     return;
@@ -220,7 +219,8 @@ void peer::complete(message& content, const to_send& x, instant now) {
   std::visit(overloads{[&](answer& body) {
                          body.time = g->sync.at(now);
                          if (body.proof)
-                           body.proof = answer_tag(*g->description.master, x.to, config_.self, body);
+                           body.proof =
+                               answer_tag(*g->description.master, x.to, config_.self, body);
                        },
                        [&](join_accept& body) {
                          body.time = g->sync.at(now);

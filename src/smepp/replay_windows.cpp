@@ -35,8 +35,8 @@ replay_windows::window& replay_windows::to_front(std::size_t at) {
   return windows_.front();
 }
 
-/// All windows of the sender that was silent for longest go at once: one that was left would make it
-/// believed under keys whose window has gone.
+/// All windows of the sender that was silent for longest go at once: one that was left would make
+/// it believed under keys whose window has gone.
 void replay_windows::make_room() {
   const auto is_of = [](const window& a, const window& b) {
     return a.sender == b.sender && a.group == b.group;

@@ -125,7 +125,8 @@ void security::derive_all() {
              x.session.id,
              x.order,
              key_number(network.number, x.session.id.generation),
-             {derive(network.keys.confidentiality, "group", x.session.keys.confidentiality.reveal()),
+             {derive(network.keys.confidentiality, "group",
+                     x.session.keys.confidentiality.reveal()),
               derive(network.keys.integrity, "group", x.session.keys.integrity.reveal())}});
   }
 }
@@ -284,8 +285,8 @@ bool security::on_proof(mote_id sender, const opened_frame& frame, std::uint64_t
 
 void security::believe(mote_id sender, group_id group, session_id under, std::uint64_t counter) {
   const auto& known = groups_.at(group);
-  const auto found = std::ranges::find_if(
-      known, [&](const accepted_keys& x) { return x.session.id == under; });
+  const auto found =
+      std::ranges::find_if(known, [&](const accepted_keys& x) { return x.session.id == under; });
   if (found != known.end())
     windows_.begin(sender, group, found->order, newest_, counter);
 }
@@ -306,8 +307,8 @@ std::optional<instant> security::deadline() const {
 std::size_t security::footprint() const {
   // Derived keys can be computed when they are needed; a mote keeps those of the last frame.
   constexpr std::size_t two_pairs = key::size * 2 * 2;
-  return two_pairs + windows_.footprint() + sources_.footprint() +
-         proofs_allowed_.footprint() + config_.challenges_max * (2 + 2 + 8 + 4) + 16;
+  return two_pairs + windows_.footprint() + sources_.footprint() + proofs_allowed_.footprint() +
+         config_.challenges_max * (2 + 2 + 8 + 4) + 16;
 }
 
 } // namespace rubicon::smepp

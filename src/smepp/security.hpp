@@ -50,7 +50,7 @@ struct security_config {
   std::size_t sources_max = 10;   ///< senders at network level that are remembered
   std::size_t challenges_max = 8; ///< senders that we have asked at a time
   duration challenge_pause = 2s;  ///< until the same sender is asked again
-  duration grace = 60s;              ///< for network keys that have been replaced
+  duration grace = 60s;           ///< for network keys that have been replaced
 };
 
 /// Why a frame was not taken.
@@ -163,7 +163,6 @@ public:
   /// The sender has shown otherwise that this is its counter now.
   void believe(mote_id sender, group_id group, session_id under, std::uint64_t counter);
 
-
   void on_time(instant now);
   [[nodiscard]] std::optional<instant> deadline() const;
 
@@ -209,7 +208,7 @@ private:
   bool must_store_ = false;
   std::vector<network_pair> network_; ///< ours, then the one before
   std::map<group_id, std::vector<accepted_keys>> groups_;
-  key_order newest_ = 0; ///< of all session keys that were learned
+  key_order newest_ = 0;         ///< of all session keys that were learned
   std::vector<frame_keys> keys_; ///< derived; those of our network keys first
   replay_windows windows_;
   std::vector<asked> asked_;

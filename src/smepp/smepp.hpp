@@ -51,8 +51,9 @@ struct peer_config {
 /// All that outlasts a loss of power. Holds keys: neither logged nor sent.
 struct kept {
   std::uint64_t counter_reserved = 0; ///< counters below may have been used
-  std::uint64_t counter_end = std::numeric_limits<std::uint64_t>::max(); ///< others are of later lives
-  std::optional<agreement::secret> identity; ///< by which other members know it again
+  std::uint64_t counter_end =
+      std::numeric_limits<std::uint64_t>::max(); ///< others are of later lives
+  std::optional<agreement::secret> identity;     ///< by which other members know it again
   std::vector<stored_group> groups;
 };
 

@@ -1,7 +1,10 @@
 // What peers of SMEPP Light say to each other, and the XML that describes one. What decodes encodes
 // back to the same octets; a peer that hears anything, with good keys, stays sound.
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
+#include <utility>
 
 #include "core/bytes.hpp"
 #include "smepp/smepp.hpp"
@@ -66,6 +69,64 @@ void hear(byte_view octets) {
   x.on_time(now + 1min, out);
 }
 
+/// Somebody who looks for a group, and wants in, hears it as an answer to each of its steps.
+void hear_while_joining(byte_view octets) {
+  const instant now{1h};
+  peer x({.self = mote_id{1}}, random_stream(1), now);
+  outputs out;
+  x.smepp_newPeer(key_of(1), key_of(2), now, out);
+  security other({.self = mote_id{2}}, 0);
+  other.set_network_keys({key_of(1), key_of(2)}, now);
+  const auto say = [&](byte_view content, instant at) {
+    if (const auto frame = other.seal(mote_id{1}, network_level, {}, content))
+      x.on_frame(mote_id{2}, mote_id{1}, *frame, at, at, out);
+  };
+  /// What it has sent last; all that it sends is acknowledged.
+  const auto heard = [&](instant at) {
+    std::optional<message> last;
+    for (const auto& each : std::exchange(out, {}))
+      if (const auto* const frame = std::get_if<send_frame>(&each)) {
+        const auto opened = other.open(mote_id{1}, frame->to, frame->octets, at);
+        if (const auto* const found = std::get_if<opened_frame>(&opened))
+          if (const auto said = decode(found->content))
+            last = *said;
+        x.on_sent(frame->id, true, at, at, out);
+      }
+    return last;
+  };
+  x.smepp_getGroups({.name = "meadow"}, now, out);
+  const auto question = heard(now);
+  say(octets, now);
+  say(encode(answer{std::get<discover>(*question).nonce,
+                    group_id{7},
+                    true,
+                    false,
+                    1,
+                    0,
+                    0,
+                    {},
+                    std::nullopt,
+                    to_bytes(std::string_view("meadow"))}),
+      now);
+  x.on_time(now + 4s, out);
+  static_cast<void>(heard(now + 4s));
+  x.smepp_joinGroup(group_id{7}, key_of(9), now + 5s, out);
+  const auto asked = heard(now + 5s);
+  if (!asked || !std::holds_alternative<join>(*asked))
+    std::abort();
+  say(octets, now + 5s);
+  say(encode(join_challenge{group_id{7}, std::get<join>(*asked).nonce, {}}), now + 5s);
+  static_cast<void>(heard(now + 5s));
+  say(octets, now + 5s);
+  auto mine = to_bytes(octets); // with the number that it asked with, where most answers have it
+  if (mine.size() > 7) {
+    const auto whole = encode(*asked);
+    std::copy_n(whole.begin() + 1, 6, mine.begin() + 1);
+    say(mine, now + 5s);
+  }
+  x.on_time(now + 1min, out);
+}
+
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -73,5 +134,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   check_round_trips(octets);
   if (size <= message_max)
     hear(octets);
+  if (size <= message_max)
+    hear_while_joining(octets);
   return 0;
 }

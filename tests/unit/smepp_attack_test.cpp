@@ -319,9 +319,8 @@ TEST_CASE("a forged join costs more than it is answered with", "[smepp][SMP-03][
     const mote_id name{static_cast<std::uint16_t>(100 + i % 50)};
     security forger({.self = name}, 10'000U * i);
     forger.set_network_keys(w.network, instant{});
-    w.inject(
-        1, name, mote_id{1},
-        *forger.seal(mote_id{1}, network_level, {}, encode(join{group, i})));
+    w.inject(1, name, mote_id{1},
+             *forger.seal(mote_id{1}, network_level, {}, encode(join{group, i})));
     w.run_for(10ms);
   }
   w.run_for(10s);

@@ -115,10 +115,10 @@ break_in enter_as(world& w, std::size_t at, mote_id name, const group_descriptio
     return result;
   result.was_admitted = true;
   with.share = accepted.back().share;
-  result.has_keys = unwrap(accept_key(credential, with, *own.agree(with.share),
-                                      *identity.agree(with.share)),
-                           accepted.back().keys, carrier_of(accepted.back()))
-                        .has_value();
+  result.has_keys =
+      unwrap(accept_key(credential, with, *own.agree(with.share), *identity.agree(with.share)),
+             accepted.back().keys, carrier_of(accepted.back()))
+          .has_value();
   return result;
 }
 
@@ -157,7 +157,8 @@ TEST_CASE("who has a master key enters no group without it", "[smepp][SMP-05][SM
 
 TEST_CASE("what others say of a group does not hold up who joins it", "[smepp][SMP-08][SMP-09]") {
   for (const bool with_key : {false, true})
-    for (const std::uint16_t name : std::initializer_list<std::uint16_t>{1, 9}) { // the member's own, or another
+    for (const std::uint16_t name :
+         std::initializer_list<std::uint16_t>{1, 9}) { // the member's own, or another
       world w({.peers = 2});
       w.record_air(true);
       const auto group = create(w, 1, kitchen(2s));
@@ -173,8 +174,16 @@ TEST_CASE("what others say of a group does not hold up who joins it", "[smepp][S
         REQUIRE_FALSE(questions.empty());
         for (const std::uint16_t period : std::initializer_list<std::uint16_t>{65000, 50000})
           who.say(2, mote_id{name}, mote_id{2},
-                  answer{questions.back().nonce, group, true, false, 1, period, 100, {},
-                         std::nullopt, to_bytes(std::string_view("kitchen"))});
+                  answer{questions.back().nonce,
+                         group,
+                         true,
+                         false,
+                         1,
+                         period,
+                         100,
+                         {},
+                         std::nullopt,
+                         to_bytes(std::string_view("kitchen"))});
       }
       REQUIRE(w.run_until([&] { return !w.signals<getGroups_result>(2).empty(); }, 10s));
       const auto from = w.now();
@@ -335,8 +344,8 @@ TEST_CASE("frames that were overheard and changed keep no radio on", "[smepp][SM
       security own({.self = mote_id{3}}, 900);
       own.set_network_keys(w.network, instant{});
       own.set_group(group, group_of(w, 2, group).ring.accepted());
-      const auto real = *own.seal(broadcast_mote, group, group_of(w, 2, group).ring.best().id,
-                                  bytes(20, 0));
+      const auto real =
+          *own.seal(broadcast_mote, group, group_of(w, 2, group).ring.best().id, bytes(20, 0));
       forged = real;
       forged[1] = static_cast<std::uint8_t>((real[1] & 0xf0) | ((real[1] + 1) & 0x0f));
       const auto on_before = w.radio_time(2);
@@ -349,7 +358,7 @@ TEST_CASE("frames that were overheard and changed keep no radio on", "[smepp][SM
       shares[attacked ? 1 : 0] = seconds(w.radio_time(2) - on_before) / seconds(w.now() - from);
     }
     CAPTURE(seconds(period), shares[0], shares[1]);
-    CHECK(shares[1] < shares[0] + 0.02);
+    CHECK(shares[1] < shares[0] + 0.005);
   }
 }
 
@@ -369,7 +378,8 @@ TEST_CASE("false rumours do not keep a member from true ones", "[smepp][SMP-03][
     security own({.self = mote_id{9}}, 900);
     own.set_network_keys(w.network, instant{});
     own.set_group(group, group_of(w, 3, group).ring.accepted());
-    auto forged = *own.seal(broadcast_mote, group, group_of(w, 3, group).ring.best().id, bytes(20, 0));
+    auto forged =
+        *own.seal(broadcast_mote, group, group_of(w, 3, group).ring.best().id, bytes(20, 0));
     forged[1] = static_cast<std::uint8_t>((forged[1] & 0xf0) | ((forged[1] + 1) & 0x0f));
     std::uint16_t name = 9;
     const auto flood = [&](duration length) {
@@ -377,7 +387,8 @@ TEST_CASE("false rumours do not keep a member from true ones", "[smepp][SMP-03][
       while (w.now() - from < length) {
         if (w.at(3).is_radio_on())
           for (int i = 0; i < 3; ++i)
-            w.inject(3, mote_id{static_cast<std::uint16_t>(9 + ++name % 90)}, broadcast_mote, forged);
+            w.inject(3, mote_id{static_cast<std::uint16_t>(9 + ++name % 90)}, broadcast_mote,
+                     forged);
         w.run_for(50ms);
         if (w.agree(group, all_of(w)))
           return;
@@ -494,7 +505,8 @@ TEST_CASE("who has no counter left refuses, and goes on", "[smepp][SMP-03][SMP-2
 
 // ---- who said it
 
-TEST_CASE("a proven event is taken once, and no false one in its place", "[smepp][SMP-03][SMP-13]") {
+TEST_CASE("a proven event is taken once, and no false one in its place",
+          "[smepp][SMP-03][SMP-13]") {
   world w({.peers = 3}, [](peer_config& x) { x.events.authenticates_sender = true; });
   const key root = key_of(77);
   for (const auto& [a, b] : {std::pair(1, 2), std::pair(1, 3), std::pair(2, 3)}) {

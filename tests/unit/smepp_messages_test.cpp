@@ -31,24 +31,26 @@ std::vector<message> fullest() {
   auto gone = who;
   gone.has_left = true;
   const subscription_id id{mote_id{mote_id_max}, 255};
-  return {discover{0xffffffff, true, true, some_tag, std::string(group_description::name_max, 'n')},
-          answer{1, group_id{2}, true, true, 3, 5000, 100, group_time_max, some_tag,
-                 bytes(group_description::name_max, 0xff)},
-          join{group_id{1}, 2},
-          join_challenge{group_id{1}, 2, some_tag},
-          join_proof{group_id{1}, 2, some_tag, 0xffffffff, true, some_share(), some_share(), some_tag},
-          join_accept{group_id{1}, 2, some_share(), some_keys(), 4, 5, at(6)},
-          join_refuse{group_id{1}, 2, failure::group_full, some_tag},
-          member_joined{who},
-          member_left{gone},
-          member_list{std::vector<member>(member_list::count_max, gone)},
-          subscribe{id, 1, 2, at(3), at(4), 5, std::string(event_name_max, 'e'), true},
-          unsubscribe{id, at(1)},
-          event{id, mote_id{4}, 5, 6, sender_proof{0xffff'ffff'ffff, some_tag}, bytes(event_value_max, 0xff)},
-          sync_stamp{1, group_time_max, at(2), mote_id{3}, 4, 5, 6, {7, mote_id{8}}},
-          key_refresh{some_keys()},
-          challenge{1},
-          proof{2}};
+  return {
+      discover{0xffffffff, true, true, some_tag, std::string(group_description::name_max, 'n')},
+      answer{1, group_id{2}, true, true, 3, 5000, 100, group_time_max, some_tag,
+             bytes(group_description::name_max, 0xff)},
+      join{group_id{1}, 2},
+      join_challenge{group_id{1}, 2, some_tag},
+      join_proof{group_id{1}, 2, some_tag, 0xffffffff, true, some_share(), some_share(), some_tag},
+      join_accept{group_id{1}, 2, some_share(), some_keys(), 4, 5, at(6)},
+      join_refuse{group_id{1}, 2, failure::group_full, some_tag},
+      member_joined{who},
+      member_left{gone},
+      member_list{std::vector<member>(member_list::count_max, gone)},
+      subscribe{id, 1, 2, at(3), at(4), 5, std::string(event_name_max, 'e'), true},
+      unsubscribe{id, at(1)},
+      event{id, mote_id{4}, 5, 6, sender_proof{0xffff'ffff'ffff, some_tag},
+            bytes(event_value_max, 0xff)},
+      sync_stamp{1, group_time_max, at(2), mote_id{3}, 4, 5, 6, {7, mote_id{8}}},
+      key_refresh{some_keys()},
+      challenge{1},
+      proof{2}};
 }
 
 /// And with those left out that can be.

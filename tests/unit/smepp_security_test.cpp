@@ -120,8 +120,8 @@ TEST_CASE("session keys open for who has agreed on them only", "[smepp][SMP-09][
   const auto joiner = agreement::make(secrets);
   const auto identity = agreement::make(secrets);
   const auto member = agreement::make(secrets);
-  const join_proof said{.group = group, .nonce = 1, .share = joiner.share(),
-                        .identity = identity.share()};
+  const join_proof said{
+      .group = group, .nonce = 1, .share = joiner.share(), .identity = identity.share()};
   const handshake with{alice, bob, said, member.share(),
                        terms_of({.name = "kitchen", .master = credential, .is_closed = true})};
   const auto agreed = *joiner.agree(member.share());
@@ -130,8 +130,8 @@ TEST_CASE("session keys open for who has agreed on them only", "[smepp][SMP-09][
   const auto wrapped =
       wrap(accept_key(credential, with, agreed, as_itself), second_session, 5s, carrier);
   CHECK(wrapped.send_in_ms == 5000);
-  const auto made = accept_key(credential, with, *member.agree(joiner.share()),
-                               *member.agree(identity.share()));
+  const auto made =
+      accept_key(credential, with, *member.agree(joiner.share()), *member.agree(identity.share()));
   const auto opened = unwrap(made, wrapped, carrier);
   REQUIRE(opened);
   CHECK(opened->id == second_session.id);
