@@ -134,6 +134,8 @@ peis::kernel_config kernel_of(ecology_pointer self, const config::peer_descripti
   for (const auto& name : peer.links)
     connections.always.push_back("inproc://" + to_string(state.peers.at(name).id));
   connections.always.insert(connections.always.end(), peer.connect.begin(), peer.connect.end());
+  if (peer.tcp)
+    connections.networks = peer.tcp->networks;
   connections.leaf = peer.leaf;
   connections.manager = peer.manager;
   connections.announces = peer.discovery || peer.lan;

@@ -332,7 +332,9 @@ struct server {
     perform(self, state.kernel.on_attempt_failed(peis::attempt_id{x.attempt}, at));
   }
   void operator()(const announcement& x) const {
-    perform(self, state.kernel.on_announcement(x.octets.view(), at));
+    const bool has_address = x.from != ipv4_address{};
+    perform(self, state.kernel.on_announcement(x.octets.view(), at,
+                                               has_address ? std::optional(x.from) : std::nullopt));
   }
   /// Those of simulated links stay.
   void operator()(addresses_changed /*x*/) const {

@@ -76,8 +76,8 @@ void real_links::on_link_closed(peis::link_id link, const std::string&) {
   post(user_, link_closed{link.value});
 }
 
-void real_links::on_announcement(byte_view datagram) {
-  post(user_, announcement{to_bytes(datagram)});
+void real_links::on_announcement(byte_view datagram, const ipv4_address& from) {
+  post(user_, announcement{to_bytes(datagram), from});
 }
 
 void real_links::on_addresses() {

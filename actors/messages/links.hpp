@@ -2,6 +2,7 @@
 // Bluetooth.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -63,8 +64,9 @@ RUBICON_FIELDS(attempt_failed, attempt);
 /// A datagram for all peers.
 struct announcement {
   payload octets;
+  std::array<std::uint8_t, 4> from = {}; ///< the sender's address; all 0: it has none
 };
-RUBICON_FIELDS(announcement, octets);
+RUBICON_FIELDS(announcement, octets, from);
 
 /// A link's medium has taken so many octets; also to itself, when a simulated link has sent them.
 struct link_sent {

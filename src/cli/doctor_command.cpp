@@ -82,7 +82,7 @@ finding look_at_multicast() {
   config.hops_max = 0;
   const auto mark = random_id();
   bool heard = false;
-  auto joined = io::udp_group::join(loop, config, [&](byte_view datagram) {
+  auto joined = io::udp_group::join(loop, config, [&](byte_view datagram, const ipv4_address&) {
     heard = heard || std::ranges::equal(datagram, mark);
   });
   const std::string advice = "peers of `lan = true` do not find each other: add a route for "

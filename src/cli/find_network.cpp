@@ -69,7 +69,7 @@ std::vector<std::string> default_urls(const search_area& area) {
 /// Whose announcements come, until nothing new may.
 places announced(io::loop& where, const network_options& wish, const search_area& area) {
   places found;
-  auto group = io::udp_group::join(where, area.group, [&](byte_view datagram) {
+  auto group = io::udp_group::join(where, area.group, [&](byte_view datagram, const ipv4_address&) {
     const auto news = peis::decode_announcement(datagram);
     if (!news || (wish.network_given && news->network != wish.network))
       return;

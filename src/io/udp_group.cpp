@@ -46,6 +46,7 @@ struct udp_group::state : std::enable_shared_from_this<state> {
   std::function<void()> on_change;
   std::vector<network_interface> seen;
   std::array<std::uint8_t, datagram_max> input{};
+  udp::endpoint from; ///< of what is in it
   std::uint64_t unsent = 0;
   error_code refused = asio::error::network_down; ///< while there is no sender: why
   bool over = false;
@@ -142,17 +143,18 @@ struct udp_group::state : std::enable_shared_from_this<state> {
   }
 
   void receive() {
-    receiver.async_receive(asio::buffer(input),
-                           [x = shared_from_this()](const error_code& error, std::size_t size) {
-                             x->on_received(error, size);
-                           });
+    receiver.async_receive_from(
+        asio::buffer(input), from,
+        [x = shared_from_this()](const error_code& error, std::size_t size) {
+          x->on_received(error, size);
+        });
   }
 
   void on_received(const error_code& error, std::size_t size) {
     if (over)
       return;
     if (!error) {
-      on_datagram(byte_view(input).first(size));
+      on_datagram(byte_view(input).first(size), from.address().to_v4().to_bytes());
       if (!over)
         receive();
       return;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "core/ipv4_network.hpp"
 #include "io/loop.hpp"
 
 namespace rubicon::io {
@@ -30,7 +31,7 @@ struct udp_group_config {
 class udp_group {
 public:
   /// Valid during the call. May destroy the group.
-  using callback = std::function<void(byte_view datagram)>;
+  using callback = std::function<void(byte_view datagram, const ipv4_address& from)>;
 
   static constexpr std::size_t datagram_max = 2048; ///< longer ones arrive cut
 

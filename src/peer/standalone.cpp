@@ -58,6 +58,8 @@ void standalone::start(std::unique_ptr<tcp_links> links) {
   if (network.link_window == 0)
     network.link_window = tcp_links::window;
   network.connections.announces = network.connections.announces && config_.links.lan;
+  if (network.connections.networks.empty())
+    network.connections.networks = config_.links.networks;
   network.clock_offset = std::chrono::system_clock::now().time_since_epoch() - (now() - instant{});
   if (!config_.seed)
     config_.seed = seed_of_system();
@@ -182,8 +184,8 @@ void standalone::on_link_closed(peis::link_id link, const std::string&) {
   perform(kernel_.on_link_closed(link, now()));
 }
 
-void standalone::on_announcement(byte_view datagram) {
-  perform(kernel_.on_announcement(datagram, now()));
+void standalone::on_announcement(byte_view datagram, const ipv4_address& from) {
+  perform(kernel_.on_announcement(datagram, now(), from));
 }
 
 void standalone::on_addresses() {

@@ -205,7 +205,7 @@ private:
   void on_link_octets(peis::link_id link, byte_view octets) override;
   void on_link_sent(peis::link_id link, std::size_t octets) override;
   void on_link_closed(peis::link_id link, const std::string& why) override;
-  void on_announcement(byte_view datagram) override;
+  void on_announcement(byte_view datagram, const ipv4_address& from) override;
   void on_addresses() override;
 
   void perform(peis::outputs todo);

@@ -57,8 +57,13 @@ void tcp_links::join_group() {
   auto config = config_.group;
   if (config.interfaces.empty() && listen_address() != everywhere)
     config.interfaces = {listen_address()};
-  auto x = io::udp_group::join(*loop_, config,
-                               [this](byte_view datagram) { user_->on_announcement(datagram); });
+  auto x =
+      io::udp_group::join(*loop_, config, [this](byte_view datagram, const ipv4_address& from) {
+        if (is_listed(from))
+          user_->on_announcement(datagram, from);
+        else
+          ++counters_.foreign;
+      });
   if (auto* refusal = std::get_if<std::string>(&x)) {
     warning_ = *refusal;
     return;
@@ -89,9 +94,13 @@ std::optional<std::uint16_t> tcp_links::port() const {
   return listener_ ? std::optional(listener_->port()) : std::nullopt;
 }
 
+bool tcp_links::is_listed(const ipv4_address& x) const {
+  return config_.networks.empty() ||
+         std::ranges::any_of(config_.networks, [&x](const auto& each) { return each.contains(x); });
+}
+
 void tcp_links::on_connection(io::tcp_stream x, const ipv4_address& from) {
-  const auto is_of = [&from](const ipv4_network& each) { return each.contains(from); };
-  if (!config_.networks.empty() && std::ranges::none_of(config_.networks, is_of))
+  if (!is_listed(from))
     ++counters_.foreign; // dropped
   else if (streams_.size() >= streams_max)
     ++counters_.refused; // dropped

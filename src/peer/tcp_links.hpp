@@ -32,8 +32,9 @@ struct links_config {
   std::optional<std::uint16_t> first_port = peis::tcp_port_default;
   /// IPv4; empty: 127.0.0.1, with lan 0.0.0.0. Announcements use its interface alone, or all.
   std::string listen_address;
-  std::vector<ipv4_network> networks; ///< links from elsewhere are closed at once; empty: none are
-  io::udp_group_config group;         ///< of announcements, with lan only (TCP-02)
+  /// Links from elsewhere are closed at once, announcements are not heard; empty: none of that.
+  std::vector<ipv4_network> networks;
+  io::udp_group_config group; ///< of announcements, with lan only (TCP-02)
   duration connect_timeout = 5s;
   peis::link_id first_link{1}; ///< links are numbered from here on
 };
@@ -49,13 +50,14 @@ public:
   virtual void on_link_octets(peis::link_id link, byte_view octets) = 0; ///< valid in the call
   virtual void on_link_sent(peis::link_id link, std::size_t octets) = 0;
   virtual void on_link_closed(peis::link_id link, const std::string& why) = 0;
-  virtual void on_announcement(byte_view datagram) = 0; ///< valid in the call
-  virtual void on_addresses() = 0;                      ///< addresses() may be others than before
+  /// @param datagram valid in the call
+  virtual void on_announcement(byte_view datagram, const ipv4_address& from) = 0;
+  virtual void on_addresses() = 0; ///< addresses() may be others than before
 };
 
 struct links_counters {
   std::uint64_t refused = 0;  ///< accepted and closed at once, there being too many
-  std::uint64_t foreign = 0;  ///< the same, of none of the networks
+  std::uint64_t foreign = 0;  ///< the same, of none of the networks; and announcements
   std::uint64_t unsent = 0;   ///< announcements that the network did not take
   std::uint64_t too_many = 0; ///< attempts that failed at once, there being too many
 };
@@ -111,6 +113,7 @@ private:
 
   [[nodiscard]] std::optional<std::string> listen();
   void join_group();
+  [[nodiscard]] bool is_listed(const ipv4_address& x) const;
   void on_connection(io::tcp_stream x, const ipv4_address& from);
   void on_attempt(peis::attempt_id attempt, std::variant<io::tcp_stream, std::string> x);
   void add(io::tcp_stream x, peis::link_role role, std::optional<peis::attempt_id> attempt);

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/ipv4_network.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "peis/bluetooth.hpp"
@@ -23,6 +24,8 @@ struct connection_config {
   std::vector<std::string> always;
   /// Where to ask for the others while there is no route to whoever answers there (TCP-07).
   std::vector<std::string> seeds;
+  /// Addresses that others tell are tried in these only; empty: anywhere.
+  std::vector<ipv4_network> networks;
   bool leaf = false;     ///< only links of `always` and within the host (LEA-01)
   bool manager = true;   ///< false: only links of `always` and `seeds` (CM-12)
   bool announces = true; ///< says every second on the group of announcements that we are there
@@ -36,6 +39,10 @@ struct connection_config {
   duration connect_timeout = 3s;
   duration always_retry = 500ms; ///< doubles while it fails, to always_retry_max
   duration always_retry_max = 1s;
+  /// Who takes a link and closes it again at once, twice, is a leaf of another host or has no room:
+  /// doubles each time, to refused_retry_max, for all such peers of one machine together (CM-10).
+  duration refused_retry = 5s;
+  duration refused_retry_max = 30s;
   double forced_octets_per_second = 2000; ///< to one host: a direct link is forced (CM-03)
 };
 

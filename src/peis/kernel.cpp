@@ -59,8 +59,8 @@ outputs kernel::set_addresses(std::vector<low_level_address> all, instant now) {
   return finish(now);
 }
 
-outputs kernel::on_announcement(byte_view octets, instant now) {
-  network_.on_announcement(octets, now);
+outputs kernel::on_announcement(byte_view octets, instant now, std::optional<ipv4_address> from) {
+  network_.on_announcement(octets, now, from);
   return finish(now);
 }
 

@@ -113,7 +113,8 @@ public:
   [[nodiscard]] outputs on_attempt_failed(attempt_id attempt, instant now);
 
   /// A datagram of the group of announcements, our own included.
-  [[nodiscard]] outputs on_announcement(byte_view octets, instant now);
+  [[nodiscard]] outputs on_announcement(byte_view octets, instant now,
+                                        std::optional<ipv4_address> from = std::nullopt);
 
   /// What an adapter sees now, strengths in dBm: its devices become tuples (BT-04), and those that
   /// are strong enough are asked who they are.

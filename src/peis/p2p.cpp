@@ -61,6 +61,7 @@ p2p::p2p(p2p_config config, random_stream rng, instant now)
 }
 
 void p2p::keep_addresses(std::vector<low_level_address> all) {
+  config_.addresses = all;
   if (config_.connections.leaf) // other hosts are not to come (LEA-01)
     std::erase_if(all, [](const auto& x) { return !x.loopback; });
   all.resize(std::min(all.size(), low_level_addresses_max));

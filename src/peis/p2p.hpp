@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/fields.hpp"
+#include "core/ipv4_network.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
 #include "peis/acknowledger.hpp"
@@ -136,6 +137,7 @@ struct p2p_counters {
   std::uint64_t attempts_failed = 0; ///< nobody answered, or refused
   std::uint64_t announcements_sent = 0;
   std::uint64_t announcements_received = 0; ///< of other peers of our network
+  std::uint64_t announcements_foreign = 0;  ///< of these, with no address in the listed networks
   std::uint64_t heartbeats_sent = 0;
   std::uint64_t ways_disproved = 0; ///< led in circles (peis-wire.md 9.4)
   // Dropped on receipt.
@@ -171,11 +173,12 @@ RUBICON_FIELDS(p2p_counters, links_opened, links_refused, links_broken, octets_r
                octets_sent, packages_received, packages_sent, packages_forwarded, intercepted,
                retransmissions, acks_sent, ack_packages_sent, acks_received, messages_delivered,
                messages_failed, messages_begun_anew, routing_sendings, attempts, attempts_failed,
-               announcements_sent, announcements_received, heartbeats_sent, ways_disproved, illegal,
-               malformed, seen, repeated, own, hops, no_route, fragments_refused,
-               messages_incomplete, duplicate_id, ids_yielded, rivals_refused, claims_refused, work,
-               held, rests, hosts_refused, routes_refused, tables_put_off, questions_refused,
-               greetings_evicted, newcomers_referred, queue_full, early_drop, queued_lost);
+               announcements_sent, announcements_received, announcements_foreign, heartbeats_sent,
+               ways_disproved, illegal, malformed, seen, repeated, own, hops, no_route,
+               fragments_refused, messages_incomplete, duplicate_id, ids_yielded, rivals_refused,
+               claims_refused, work, held, rests, hosts_refused, routes_refused, tables_put_off,
+               questions_refused, greetings_evicted, newcomers_referred, queue_full, early_drop,
+               queued_lost);
 
 /// What is known of a link, for kernel.connections, the tools and the report.
 struct link_view {
@@ -206,7 +209,9 @@ public:
   void on_link_open(link_id link, link_role role, instant now,
                     std::optional<attempt_id> attempt = std::nullopt);
   void on_attempt_failed(attempt_id attempt, instant now);
-  void on_announcement(byte_view octets, instant now);
+  /// @param from the sender's address, if it has one
+  void on_announcement(byte_view octets, instant now,
+                       std::optional<ipv4_address> from = std::nullopt);
   void on_bluetooth_scan(std::string_view adapter, std::span<const seen_device> seen, instant now);
   void on_hello_answer(std::string_view adapter, const bluetooth_address& address, byte_view octets,
                        instant now);
@@ -315,6 +320,7 @@ private:
     instant no_room_until;           ///< for hosts that it tells of
     std::optional<instant> asked_at; ///< by the neighbour
     bool named = false;              ///< the neighbour has told who it is
+    bool rivals = false;             ///< it has our id, or knows another that has
     bool paced = false;              ///< the owner was told to pace it
     std::int64_t credit = 0;         ///< work that it may still have done this turn
     outgoing_queue queue;
@@ -367,6 +373,8 @@ private:
     bool trying = false;
     std::optional<link_id> link;
     std::optional<peer_id> host; ///< who answered there last
+    unsigned refusals = 0;       ///< links that were closed at once, one after the other
+    bool elsewhere = false;      ///< the next try is at another address that its host has told
   };
 
   /// How connecting to a host has gone.
@@ -374,6 +382,13 @@ private:
     unsigned tries = 0;
     instant last;              ///< try, or end of a link
     unsigned runs_foreign = 0; ///< cluster runs that saw it in a higher cluster (CLU-02)
+    unsigned refusals = 0;     ///< links that it has closed at once, one after the other
+  };
+
+  /// Where peers are that refuse us.
+  struct refusing_machine {
+    unsigned refusals = 0;
+    instant until; ///< none of them is tried before
   };
 
   using attempts_node = std::map<attempt_id, attempt>::node_type;
@@ -402,6 +417,8 @@ private:
     std::int32_t rival = 0;      ///< magic of a newcomer with its id that was refused; 0: none
     instant rival_first;         ///< when that began
     link_id from = by_announcement; ///< the link that told of it first
+    std::optional<ipv4_address>
+        announcer; ///< who sent its first announcement; unset once it was met
   };
 
   /// What the parts of this ask for.
@@ -513,9 +530,16 @@ private:
   void on_attempt_ended(const attempt& x, bool success, instant now);
   void check_attempts(instant now);
   void tend_standing(instant now);
+  [[nodiscard]] std::optional<std::string> address_told_by(const standing_address& x);
   [[nodiscard]] bool is_served(const standing_address& x) const;
   void note_contact(peer_id host, instant now);
-  [[nodiscard]] bool may_try(peer_id host, unsigned wait_max, instant now) const;
+  void note_refusal(peer_id host, instant now);
+  [[nodiscard]] bool is_refused_at(peer_id host, instant now) const;
+  [[nodiscard]] duration refused_wait(unsigned refusals) const;
+  [[nodiscard]] rate_limit& announcer_of(const ipv4_address& from, instant now);
+  [[nodiscard]] bool has_credit(peer_id host, instant now);
+  void charge_announcer(peer_id host, instant now);
+  [[nodiscard]] bool may_try(peer_id host, unsigned wait_max, instant now);
   void merge_clusters(instant now);
   void hasten_merge(instant now);
   void update_cluster(instant now);
@@ -528,7 +552,7 @@ private:
   void close_doubles(instant now);
   [[nodiscard]] bool force_by_traffic(instant now);
   [[nodiscard]] std::vector<link_option> link_options(instant now) const;
-  [[nodiscard]] std::vector<host_option> host_options(instant now) const;
+  [[nodiscard]] std::vector<host_option> host_options(instant now);
   [[nodiscard]] std::uint8_t own_connections() const;
   void announce_by_rule(instant now, bool extra);
   void refer_elsewhere(connection& to, instant now);
@@ -552,6 +576,8 @@ private:
   void tell(bluetooth::outputs todo);
   void tend_bluetooth(instant now);
   [[nodiscard]] std::vector<std::string> urls_to(const host_record& other) const;
+  [[nodiscard]] bool may_dial(const low_level_address& x) const;
+  [[nodiscard]] bool may_dial_none(const host_record& x) const;
 
   // p2p_liveness.cpp: signs of life, proof of ways, traces, the clock
   void watch_life(instant now);
@@ -627,6 +653,8 @@ private:
   std::vector<standing_address> standing_;
   bluetooth bluetooth_;
   std::map<peer_id, contact> contacts_;
+  std::map<std::string, refusing_machine> refusing_; ///< by name of machine
+  std::map<ipv4_address, rate_limit> announcers_;
   std::map<peer_id, former_host> former_; ///< lost for want of a way: may be found again
   traffic_meter traffic_;
   route_probes probes_;

@@ -1,4 +1,5 @@
 // What Bluetooth adapters see becomes hosts to connect to (D1.1 3.1.5.3, BT-05, BT-06).
+#include <algorithm>
 #include <utility>
 
 #include "peis/p2p.hpp"
@@ -52,11 +53,27 @@ bytes p2p::hello() const {
 }
 
 std::vector<std::string> p2p::urls_to(const host_record& other) const {
-  if (is_here(other) || other.host_name != self_.host_name)
-    return connectable_urls(self_, other, bluetooth_);
-  auto renamed = other;
-  renamed.host_name.clear(); // as one of another host
-  return connectable_urls(self_, renamed, bluetooth_);
+  auto seen = other;
+  if (!is_here(other) && other.host_name == self_.host_name)
+    seen.host_name.clear(); // as one of another host
+  std::erase_if(seen.addresses, [this](const auto& x) { return !may_dial(x); });
+  auto own = self_;
+  own.addresses = config_.addresses; // a leaf tells others less
+  return connectable_urls(own, seen, bluetooth_);
+}
+
+/// What others tell is followed into listed networks only.
+bool p2p::may_dial(const low_level_address& x) const {
+  const auto& networks = config_.connections.networks;
+  if (networks.empty() || x.type != low_level_address::kind::tcp_ipv4)
+    return true;
+  const ipv4_address address{x.address[0], x.address[1], x.address[2], x.address[3]};
+  return std::ranges::any_of(networks, [&](const auto& each) { return each.contains(address); });
+}
+
+bool p2p::may_dial_none(const host_record& x) const {
+  return !x.addresses.empty() &&
+         std::ranges::none_of(x.addresses, [this](const auto& each) { return may_dial(each); });
 }
 
 } // namespace rubicon::peis

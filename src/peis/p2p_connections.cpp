@@ -18,17 +18,30 @@ constexpr std::size_t former_max = 256;
 constexpr unsigned tries_max = 30;       // seconds between two tries of a host, at most
 constexpr unsigned lost_tries_max = 2;   // the same, of one to which there is no way
 constexpr unsigned foreign_runs_max = 3; // CLU-02
+constexpr unsigned refusals_judged = 2;  // one may be a mistake: peis-wire.md 25.8
 constexpr unsigned first_announcements = 3;
+constexpr std::size_t announcers_max = 256;
+constexpr std::uint64_t dial_cost = 5; // seconds of its sender's account
+constexpr duration dial_burst = 50s;
 constexpr unsigned quiet_periods = 3; // after these without a better announcer we announce
 constexpr std::size_t referrals = 8;
 constexpr std::uint8_t connections_max = 254; // 255 means unknown
+
+/// The record of a host that is there, or was.
+template <class Hosts, class Former>
+const host_record* record_of(peer_id host, const Hosts& hosts, const Former& former) {
+  if (const auto known = hosts.find(host); known != hosts.end())
+    return &known->second.record;
+  const auto gone = former.find(host);
+  return gone == former.end() ? nullptr : &gone->second.record;
+}
 
 } // namespace
 
 void p2p::connect(const std::string& url, attempt x, instant now) {
   const attempt_id id{next_attempt_++};
-  const auto known = x.host ? hosts_.find(*x.host) : hosts_.end();
-  const bool slow = known == hosts_.end() || known->second.record.marked;
+  const auto* known = x.host ? record_of(*x.host, hosts_, former_) : nullptr;
+  const bool slow = known == nullptr || known->marked;
   x.deadline = now + (slow ? config_.connections.connect_timeout : config_.original_timeout);
   ++counters_.attempts;
   if (x.host)
@@ -44,6 +57,7 @@ bool p2p::connect_host(const host_record& record, std::uint32_t flags, instant n
   const auto urls = urls_to(record);
   if (urls.empty() || open_links() + attempts_.size() >= config_.links_max)
     return false;
+  charge_announcer(record.id, now);
   const auto& url = urls[urls.size() == 1 ? 0 : rng_.below(urls.size())];
   connect(url, {flags, record.id, std::nullopt, {}, url.starts_with("tcp://127.")}, now);
   return true;
@@ -62,14 +76,73 @@ void p2p::note_contact(peer_id host, instant now) {
   x.last = now;
 }
 
+/// @param refusals before that which is waited for
+duration p2p::refused_wait(unsigned refusals) const {
+  auto wait = config_.connections.refused_retry;
+  for (; refusals > 0 && wait < config_.connections.refused_retry_max; --refusals)
+    wait *= 2;
+  return std::min(wait, config_.connections.refused_retry_max);
+}
+
+/// From the second time on, it and others of its machine that refuse us are tried by one, and ever
+/// more rarely: leaves that have lost their master are many.
+void p2p::note_refusal(peer_id host, instant now) {
+  const auto known = contacts_.find(host);
+  const auto* record = record_of(host, hosts_, former_);
+  if (known == contacts_.end() || record == nullptr)
+    return;
+  if (++known->second.refusals < refusals_judged)
+    return;
+  std::erase_if(refusing_, [now](const auto& x) { return x.second.until + former_for <= now; });
+  if (refusing_.size() >= former_max && !refusing_.contains(record->host_name))
+    return;
+  auto& machine = refusing_[record->host_name];
+  if (machine.until > now)
+    return; // others were tried at the same time
+  machine.until = now + refused_wait(machine.refusals);
+  ++machine.refusals;
+}
+
+bool p2p::is_refused_at(peer_id host, instant now) const {
+  const auto known = contacts_.find(host);
+  if (known == contacts_.end() || known->second.refusals < refusals_judged)
+    return false;
+  const auto* record = record_of(host, hosts_, former_);
+  const auto machine = record == nullptr ? refusing_.end() : refusing_.find(record->host_name);
+  return machine != refusing_.end() && machine->second.until > now;
+}
+
+/// Whoever announces hosts that nobody has met may have us dial any address: of each sender of
+/// announcements we follow a few, then one in dial_cost seconds. Those beyond the table share one.
+rate_limit& p2p::announcer_of(const ipv4_address& from, instant now) {
+  if (announcers_.size() >= announcers_max)
+    std::erase_if(announcers_,
+                  [now](const auto& x) { return x.second.free_at() + dial_burst <= now; });
+  const bool full = announcers_.size() >= announcers_max && !announcers_.contains(from);
+  return announcers_
+      .try_emplace(full ? ipv4_address{} : from, rate_limit(1, dial_burst, dial_cost * 1s))
+      .first->second;
+}
+
+bool p2p::has_credit(peer_id host, instant now) {
+  const auto known = hosts_.find(host);
+  return known == hosts_.end() || !known->second.announcer ||
+         announcer_of(*known->second.announcer, now).free_at() <= now;
+}
+
+void p2p::charge_announcer(peer_id host, instant now) {
+  if (const auto known = hosts_.find(host); known != hosts_.end() && known->second.announcer)
+    announcer_of(*known->second.announcer, now).take(dial_cost, now);
+}
+
 /// No link, none asked for, and the time to try again has come (CM-10).
 /// @param wait_max seconds between two tries
-bool p2p::may_try(peer_id host, unsigned wait_max, instant now) const {
-  if (neighbours_.contains(host))
+bool p2p::may_try(peer_id host, unsigned wait_max, instant now) {
+  if (neighbours_.contains(host) || is_refused_at(host, now) || !has_credit(host, now))
     return false;
   const auto known = contacts_.find(host);
   if (known != contacts_.end()) {
-    const auto& [tries, last, runs] = known->second;
+    const auto& [tries, last, runs, refusals] = known->second;
     if (last + std::chrono::seconds(std::min(tries, wait_max)) > now)
       return false;
   }
@@ -121,8 +194,20 @@ void p2p::tend_standing(instant now) {
       continue;
     const auto flags = x.seed ? connect_request::for_merge
                               : connect_request::all_broadcasts | connect_request::for_merge;
-    connect(x.url, {flags, std::nullopt, i, {}}, now);
+    const auto moved = x.elsewhere ? address_told_by(x) : std::nullopt;
+    standing_[i].elsewhere = !x.elsewhere;
+    connect(moved.value_or(x.url), {flags, moved ? x.host : std::nullopt, i, {}}, now);
   }
+}
+
+/// Another address of whoever answered there last: it may have come back on another port.
+std::optional<std::string> p2p::address_told_by(const standing_address& x) {
+  const auto* record = x.host ? record_of(*x.host, hosts_, former_) : nullptr;
+  auto urls = record == nullptr ? std::vector<std::string>() : urls_to(*record);
+  std::erase(urls, x.url);
+  if (urls.empty())
+    return std::nullopt;
+  return urls[urls.size() == 1 ? 0 : rng_.below(urls.size())];
 }
 
 /// D1.1 3.1.6.5: force a connection to a host in a lower cluster; to one in a higher cluster only
@@ -239,7 +324,7 @@ std::vector<link_option> p2p::link_options(instant now) const {
   return options;
 }
 
-std::vector<host_option> p2p::host_options(instant now) const {
+std::vector<host_option> p2p::host_options(instant now) {
   std::vector<host_option> options;
   for (const auto& [id, x] : hosts_) {
     const auto* way = routing_.find(id);
@@ -274,7 +359,7 @@ void p2p::announce_by_rule(instant now, bool extra) {
   events_.push_back(announce{hello()});
 }
 
-void p2p::on_announcement(byte_view octets, instant now) {
+void p2p::on_announcement(byte_view octets, instant now, std::optional<ipv4_address> from) {
   const auto news = decode_announcement(octets);
   if (!news) {
     ++counters_.malformed;
@@ -293,20 +378,31 @@ void p2p::on_announcement(byte_view octets, instant now) {
   ++counters_.announcements_received;
   if (is_here(sender) && sender.id < self_.id)
     unheard_announcements_ = 0;
-  const bool is_new = !hosts_.contains(sender.id);
-  if (const auto at = hosts_.find(sender.id);
-      at != hosts_.end() && at->second.record.magic != sender.magic) {
+  const auto last = hosts_.find(sender.id);
+  const bool is_new = last == hosts_.end();
+  const bool is_back = !is_new && last->second.record.magic != sender.magic;
+  const bool has_moved = !is_new && last->second.record.addresses != sender.addresses;
+  if (is_back) {
     if (reachable(sender.id))
       return; // a route, or its own word, tells which of the two is there
-    supersede(sender.id, at->second.record.magic, now);
+    supersede(sender.id, last->second.record.magic, now);
   }
   auto* known = acquaint(sender.id);
   if (known == nullptr)
     return;
+  const bool is_news = (is_new || is_back || has_moved) && !reachable(sender.id);
+  if (is_news)
+    known->announcer = from;
+  if (is_back)
+    known->lost = now; // as one that was lost, it is not left to others to connect to
+  if (has_moved && is_news)
+    contacts_.erase(sender.id); // tried in vain where it was
+  if (may_dial_none(sender))
+    ++counters_.announcements_foreign;
   known->heard = known->own_word = now;
   known->record = sender;
   recall(*known);
-  if (is_new && !reachable(sender.id))
+  if (is_news)
     hasten_merge(now);
 }
 

@@ -164,8 +164,10 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
       link.tried_here && link.tried_for && is_own_word && record.id != *link.tried_for)
     note_elsewhere(*link.tried_for);
   if (record.id == self_.id) {
-    if (record.magic != self_.magic)
+    if (record.magic != self_.magic) {
+      connections_.at(from).rivals = true;
       note_duplicate(record, now);
+    }
     return;
   }
   // The first to describe itself over a link is the neighbour there, for good.
@@ -175,7 +177,10 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
   if (is_own_word && refuse_rival(x, record, now))
     return;
   for (auto& address : standing_) {
-    if (address.link == from && (!message->cached || !x.neighbour)) {
+    if (address.link == from && is_own_word && x.tried_for && record.id != *x.tried_for) {
+      address.link.reset(); // somebody else lives where its host was
+      address.next = now + config_.connections.always_retry_max;
+    } else if (address.link == from && (!message->cached || !x.neighbour)) {
       address.host = x.neighbour.value_or(record.id); // a referral begins with who refers
       address.wait = message->cached ? address.wait : config_.connections.always_retry;
     }

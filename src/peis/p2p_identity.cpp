@@ -24,6 +24,7 @@ void p2p::hear_own_id(link_id from, const package_header& header, byte_view data
   const auto message = decode_host_record_message(data);
   if (!message || message->record.id != self_.id)
     return;
+  connections_.at(from).rivals = true;
   if (message->record.magic != self_.magic)
     return note_duplicate(message->record, now);
   if (const auto& link = connections_.at(from); link.tried_here && link.tried_for) {
@@ -113,8 +114,8 @@ bool p2p::refuse_rival(connection& from, const host_record& record, instant now)
   if (x.rival_first + alive_within <= now) { // a successor would be in by now
     tell_taken(connections_.at(*alive), record);
     tell_taken(from, owner);
-    static_cast<void>(write(from, now));
   }
+  static_cast<void>(write(from, now)); // who hears who we are takes this for no refusal of links
   close(from.id, close_cause::own_id, now);
   return true;
 }

@@ -165,8 +165,10 @@ void p2p::store_record(const host_record_message& message, instant now) {
   auto& stored = *place;
   stored.record = record;
   stored.heard = now;
-  if (!message.cached)
+  if (!message.cached) {
     stored.own_word = now;
+    stored.announcer.reset(); // it was met
+  }
   if (before != 0)
     stored.before = before;
   recall(stored);

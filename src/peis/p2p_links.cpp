@@ -17,6 +17,7 @@ std::uint64_t tables_per_second(const table_limits& x) {
 constexpr duration judging_gap = 1s;
 constexpr duration naming_time = 5s;      ///< to say who one is, on a link that one has asked for
 constexpr duration lasting = 30s;         // a link that has been of use
+constexpr duration at_once = 1s;          ///< a link that is closed so soon was refused
 constexpr duration retry_after_loss = 1s; // a real kernel cuts a reborn peer off once (25.8)
 
 } // namespace
@@ -231,8 +232,25 @@ void p2p::drop_output(connection& gone, instant now) {
   begin_anew(broken_off);
 }
 
+/// A link that its other end closes at once, without having said who it is, is a refusal; the first
+/// may be a mistake, after a restart (25.8). Whoever uses our id, or knows who does, asks again.
 void p2p::on_link_closed(link_id link, instant now) {
+  const auto at = connections_.find(link);
+  if (at == connections_.end())
+    return;
+  const auto& x = at->second;
+  const bool is_refusal = now < x.opened + at_once && !x.named && !x.rivals;
+  const bool has_lasted = x.opened + lasting <= now;
+  const auto sought = x.tried_for;
+  const auto standing = std::ranges::find(standing_, std::optional(link), &standing_address::link);
   forget_link(link, now);
+  if (is_refusal && sought && !neighbours_.contains(*sought)) // else one of two went
+    note_refusal(*sought, now);
+  if (standing == standing_.end())
+    return;
+  standing->refusals = is_refusal ? standing->refusals + 1 : has_lasted ? 0 : standing->refusals;
+  if (is_refusal && standing->refusals > 1)
+    standing->next = now + refused_wait(standing->refusals - 2);
 }
 
 void p2p::close(link_id link, close_cause why, instant now) {

@@ -9,7 +9,9 @@ namespace rubicon::peis {
 namespace {
 
 constexpr duration trace_timeout = 5s;
-constexpr int probe_burial = 30;  // seconds that disproved news are ignored
+constexpr int probe_burial = 30; // seconds that disproved news are ignored
+// The same, of a host of another kind: others of that kind go on counting (peis-wire.md 9.4).
+constexpr int original_burial = 120;
 constexpr int beats_skipped = 10; // while there is traffic, one heartbeat in so many periods
 constexpr int way_smoothing = 16;
 
@@ -89,7 +91,10 @@ void p2p::handle(const probe_host& x, instant /*now*/) {
 }
 
 void p2p::handle(const way_disproved& x, instant now) {
-  const auto changes = routing_.unanswered(x.host, now, now + std::chrono::seconds(probe_burial));
+  const auto* record = find_host(x.host);
+  const bool marked = record != nullptr && record->marked;
+  const std::chrono::seconds burial(marked ? probe_burial : original_burial);
+  const auto changes = routing_.unanswered(x.host, now, now + burial);
   counters_.ways_disproved += changes.size();
   apply(changes, now);
 }

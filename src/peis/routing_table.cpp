@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t graves_max = 4096;
 constexpr std::uint8_t lost_first = 250;
 constexpr std::int32_t seqno_believed_max = 1 << 30; // 17 years of two sendings a second
-constexpr std::uint8_t lost_last = 254;              // three periods later (RTE-07)
+constexpr std::uint8_t lost_last = 253;              // after three periods (RTE-07)
 
 /// Can the offered way not lead through us, given what the last way was?
 bool is_sound(const route& last, std::uint8_t last_hops, const route& offered) {
@@ -168,7 +168,7 @@ void routing_table::merge(link_id link, peer_id host, route& known, const route&
 void routing_table::take(peer_id host, route& known, const route& offered) {
   const auto last_hops = known.lost() ? known.told : known.hops;
   const bool worse = known.lost() || offered.hops > known.hops;
-  if (worse && marked_.contains(host) && !is_sound(known, last_hops, offered))
+  if (worse && !is_sound(known, last_hops, offered))
     unsound_.insert(host);
   const auto heard = known.news;
   const bool news = is_news(known, offered);

@@ -52,8 +52,8 @@ using routing_changes = std::vector<routing_change>;
 /// When a way is lost, what neighbours still tell may lead back to us, in ever longer circles
 /// (count to infinity, peis-wire.md 9.4). A way is sound if it is told by newer information than
 /// the last one had, or by as new and from nearer to the host than we were. A real kernel takes
-/// any; we take an unsound one to a marked host on probation: the owner probes the host and reports
-/// it unanswered(), or not.
+/// any; we take an unsound one on probation: the owner probes the host, which a real kernel answers
+/// as well, and reports it unanswered(), or not.
 class routing_table {
 public:
   routing_table() = default;
@@ -76,7 +76,7 @@ public:
 
   [[nodiscard]] routing_changes on_link_closed(link_id link, instant now);
 
-  /// The host is of our kind: it answers probes, and is given up sooner.
+  /// The host is of our kind: it is given up sooner.
   void mark(peer_id host);
 
   /// A host without a way has said over a link that it is there, through a neighbour that has yet
@@ -84,7 +84,7 @@ public:
   [[nodiscard]] routing_changes on_heard(link_id link, peer_id host, std::int32_t magic,
                                          std::uint8_t hops, instant now);
 
-  /// Marked hosts to which an unsound way was taken since the last call.
+  /// Hosts to which an unsound way was taken since the last call.
   [[nodiscard]] std::set<peer_id> take_unsound() { return std::exchange(unsound_, {}); }
 
   /// No sign of life came over the unsound way: it counts as lost, and so does all that is told of

@@ -26,10 +26,14 @@ TEST_CASE("everyone of a group hears a datagram, its sender included", "[io][TCP
   io::loop loop;
   std::vector<std::string> heard_a;
   std::vector<std::string> heard_b;
-  auto a = std::get<io::udp_group>(io::udp_group::join(
-      loop, local_group(), [&](byte_view x) { heard_a.push_back(to_string(x)); }));
-  const auto b = std::get<io::udp_group>(io::udp_group::join(
-      loop, local_group(), [&](byte_view x) { heard_b.push_back(to_string(x)); }));
+  auto a = std::get<io::udp_group>(
+      io::udp_group::join(loop, local_group(), [&](byte_view x, const ipv4_address&) {
+        heard_a.push_back(to_string(x));
+      }));
+  const auto b = std::get<io::udp_group>(
+      io::udp_group::join(loop, local_group(), [&](byte_view x, const ipv4_address&) {
+        heard_b.push_back(to_string(x));
+      }));
   a.send(to_bytes("one"));
   a.send(to_bytes(""));
   a.send(bytes(616, 'x'));
@@ -44,7 +48,8 @@ TEST_CASE("everyone of a group hears a datagram, its sender included", "[io][TCP
 
 TEST_CASE("a datagram that the network does not take is counted", "[io]") {
   io::loop loop;
-  auto a = std::get<io::udp_group>(io::udp_group::join(loop, local_group(), [](byte_view) {}));
+  auto a = std::get<io::udp_group>(
+      io::udp_group::join(loop, local_group(), [](byte_view, const ipv4_address&) {}));
   a.send(bytes(70'000, 'x'));
   CHECK(a.unsent() == 1);
 }
@@ -61,7 +66,7 @@ TEST_CASE("a group that can never be joined is refused with its reason", "[io]")
   SECTION("no address of an interface") {
     config.interfaces = {"eth0"};
   }
-  const auto x = io::udp_group::join(loop, config, [](byte_view) {});
+  const auto x = io::udp_group::join(loop, config, [](byte_view, const ipv4_address&) {});
   REQUIRE(std::holds_alternative<std::string>(x));
   CHECK(std::get<std::string>(x).starts_with(config.group + ":20001: "));
 }
@@ -70,7 +75,8 @@ TEST_CASE("an interface that is not there is waited for", "[io][TCP-02]") {
   io::loop loop;
   auto config = local_group();
   config.interfaces = {"192.0.2.1"};
-  auto x = std::get<io::udp_group>(io::udp_group::join(loop, config, [](byte_view) {}));
+  auto x = std::get<io::udp_group>(
+      io::udp_group::join(loop, config, [](byte_view, const ipv4_address&) {}));
   CHECK(x.trouble().starts_with("227.1.3.5:20001: "));
   x.send(to_bytes("nobody"));
   CHECK(x.unsent() == 1);

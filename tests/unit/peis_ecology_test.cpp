@@ -165,6 +165,41 @@ TEST_CASE("leaves keep to their master and come back to it", "[peis][LEA-01][LEA
   CHECK(run_until(w, 60s, [&] { return all_reachable(w); }) < 32s);
 }
 
+TEST_CASE("leaves whose master is off are tried ever more rarely, of each machine one at a time",
+          "[peis][CM-10][LEA-01]") {
+  world w;
+  const peer_id other{2};
+  for (int i = 1; i <= 22; ++i) {
+    auto config = lan_config_of(i);
+    if (i > 1)
+      config.network.host_name = "the other";
+    if (i > 2) {
+      config.network.connections.leaf = true;
+      config.network.connections.announces = false;
+      config.network.connections.always = {"inproc://2"};
+    }
+    w.add(config);
+  }
+  const auto tries = [&w] { // in vain
+    std::size_t count = 0;
+    for (int i = 3; i <= 22; ++i)
+      for (const auto& x : w.all<close_link>(peer_id{i}))
+        count += x.why == close_cause::leaf ? 1 : 0;
+    return count;
+  };
+  w.run_for(1min);
+  REQUIRE(all_reachable(w));
+  w.kill(other);
+  w.run_for(90s);
+  const auto before = tries();
+  CHECK(before > 20); // each may be one that takes links
+  w.run_for(6min);
+  CHECK(tries() - before >= 6min / 30s - 2);
+  CHECK(tries() - before <= 6min / 30s + 2);
+  w.restart(other);
+  CHECK(run_until(w, 60s, [&] { return all_reachable(w); }) < 32s);
+}
+
 TEST_CASE("a leaf takes no links from other hosts", "[peis][LEA-01]") {
   world w;
   w.add(lan_config_of(1));

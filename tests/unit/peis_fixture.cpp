@@ -151,12 +151,12 @@ void world::answer(peer_id from, const connect_to& x) {
   const peer_id to{id};
   const auto lives = peers_.at(from).lives;
   later(
-      [=, this, attempt = x.attempt] {
+      [=, this, attempt = x.attempt, where = x.url] {
         if (!alive(from) || peers_.at(from).lives != lives || !peers_.contains(to))
           return;
         if (separated && separated(from, to))
           return; // nobody answers
-        if (alive(to))
+        if (alive(to) && !vacant.contains(where))
           open(from, to, 1ms, attempt);
         else
           perform(from, at(from).on_attempt_failed(attempt, now_));

@@ -51,6 +51,12 @@ public:
   /// Can octets, announcements and attempts pass between these two? They can if it is empty.
   std::function<bool(peer_id, peer_id)> separated;
 
+  /// Nobody listens at these addresses (any more); attempts there fail.
+  std::set<std::string> vacant;
+
+  /// What a peer is started with next.
+  kernel_config& config(peer_id id) { return peers_.at(id).config; }
+
   [[nodiscard]] bool alive(peer_id id) const { return peers_.at(id).alive; }
   [[nodiscard]] bool paused(peer_id id) const { return peers_.at(id).paused; }
   [[nodiscard]] std::vector<peer_id> peers() const;

@@ -387,4 +387,46 @@ TEST_CASE("who is behind many ways is asked at a rate", "[peis][KH-01]") {
   CHECK(sent() - before >= 600);
 }
 
+TEST_CASE(
+    "what is announced is dialled in the listed networks only, and a few of one sender at a time",
+    "[peis][TCP-03][security]") {
+  auto config = test::lan_config_of(1);
+  config.network.addresses = {tcp_address("eth0", false, {10, 0, 0, 1}, 8000)};
+  config.network.connections.networks = {{{10, 0, 0, 0}, 8}};
+  kernel self(config, random_stream(1), instant{});
+  std::map<std::string, std::size_t> dialled; // by the network
+  const auto count = [&](const outputs& all, instant at) {
+    for (const auto& x : all)
+      if (const auto* wanted = std::get_if<connect_to>(&x)) {
+        ++dialled[wanted->url.substr(0, 10)];
+        static_cast<void>(self.on_attempt_failed(wanted->attempt, at));
+      }
+  };
+  const auto announce = [&](int id, std::array<std::uint8_t, 4> address, ipv4_address from,
+                            instant at) {
+    host_record other;
+    other.id = peer_id{id};
+    other.magic = id;
+    other.host_name = "h" + std::to_string(id);
+    other.cluster = id;
+    other.addresses = {tcp_address("eth0", false, address, 8000)};
+    count(self.on_announcement(encode(announcement{protocol_version, "test", other}), at, from),
+          at);
+  };
+  int id = 100;
+  for (instant at{}; at < instant{60s}; at += 100ms) {
+    const auto low = static_cast<std::uint8_t>(id % 250 + 1);
+    announce(++id, {192, 168, 1, low}, {10, 0, 0, 66}, at);
+    announce(++id, {10, 66, 0, low}, {10, 0, 0, 66}, at);
+    if (at == instant{40s})
+      announce(++id, {10, 77, 0, 1}, {10, 0, 0, 77}, at);
+    count(self.on_time(at), at);
+  }
+  CHECK(dialled["tcp://192."] == 0);
+  CHECK(self.counters().network.announcements_foreign == 600);
+  CHECK(dialled["tcp://10.6"] >= 10);
+  CHECK(dialled["tcp://10.6"] <= 25); // not two a second
+  CHECK(dialled["tcp://10.7"] >= 1);  // another sender's are followed all the same
+}
+
 } // namespace rubicon::peis

@@ -14,10 +14,13 @@ namespace {
 
 constexpr duration value_period = 100ms;
 
-/// Real kernels tell their routes every 10 s and at the end of a link, and take nobody for marked.
+/// Real kernels tell their routes every 10 s and at the end of a link, take any way that they are
+/// told, and take nobody for marked.
 kernel_config original_config_of(std::int32_t id) {
   auto config = lan_config_of(id);
   auto& network = config.network;
+  network.metric_limit = 10;
+  network.tables.probes = 0;
   network.trigger_gap = network.routing_period;
   network.lost_timeout = 35s;
   network.connections.manager = false;
@@ -195,6 +198,172 @@ TEST_CASE("a real kernel that stood still is heard again within five seconds", "
   check_healing(
       kinds, [=](chain& x) { x.w.pause(x.peers[stopped]); },
       [=](chain& x) { x.w.resume(x.peers[stopped]); });
+}
+
+/// A real kernel with neighbours of either kind, of which those of its kind notice late that it was
+/// killed.
+struct company {
+  static constexpr peer_id killed{50};
+  world w;
+  std::vector<peer_id> peers;
+  std::vector<link_id> noticed_late;
+
+  /// @param is_chain it is at the end of a chain; else all have links to all
+  company(const std::string& kinds, bool is_chain, std::uint64_t seed) : w(seed) {
+    add(killed, 'r');
+    for (std::size_t i = 0; i < kinds.size(); ++i)
+      add(peer_id{static_cast<std::int32_t>(10 * (i + 6))}, kinds[i]);
+    for (std::size_t i = 0; i < peers.size(); ++i)
+      for (std::size_t k = i + 1; k < (is_chain ? std::min(i + 2, peers.size()) : peers.size());
+           ++k) {
+        const auto link = w.connect(peers[i], peers[k]);
+        if (i == 0 && kinds[k - 1] == 'r')
+          noticed_late.push_back(link);
+      }
+  }
+
+  void add(peer_id id, char kind) {
+    auto config = kind == 'r' ? original_config_of(id.value) : config_of(id.value);
+    config.network.connections.manager = config.network.connections.announces = false;
+    peers.push_back(w.add(std::move(config)));
+    if (kind == 'r')
+      w.unmarked.insert(id);
+  }
+
+  void kill() {
+    w.power_off(killed);
+    for (const auto x : peers)
+      if (w.alive(x) && !w.unmarked.contains(x))
+        for (const auto& link : w.at(x).links())
+          if (link.neighbour == killed)
+            w.cut(link.link);
+    w.run_for(19s);
+    for (const auto link : noticed_late)
+      w.cut(link);
+  }
+
+  [[nodiscard]] bool is_known(peer_id at) {
+    return std::ranges::any_of(w.at(at).hosts(), [](const auto* x) { return x->id == killed; });
+  }
+};
+
+TEST_CASE("a killed real kernel is forgotten as soon as by its kind, whoever is beside",
+          "[peis][RTE-07][KH-05]") {
+  const auto [kinds, is_chain] = GENERATE(table<std::string, bool>({{"o", false},
+                                                                    {"or", false},
+                                                                    {"oor", false},
+                                                                    {"orr", false},
+                                                                    {"oorr", false},
+                                                                    {"ooorr", false},
+                                                                    {"orrr", false},
+                                                                    {"oo", true},
+                                                                    {"or", true},
+                                                                    {"ro", true},
+                                                                    {"roo", true},
+                                                                    {"oro", true}}));
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    CAPTURE(kinds, is_chain, seed);
+    company x(kinds, is_chain, seed);
+    x.w.run_for(45s + seed * 3s);
+    for (const auto id : x.peers)
+      REQUIRE(x.is_known(id));
+    const auto begun = x.w.now();
+    x.kill();
+    x.w.run_for(begun + 64s - x.w.now());
+    for (const auto id : x.peers)
+      if (!x.w.unmarked.contains(id)) {
+        INFO("peer " << id.value);
+        CHECK(!x.is_known(id));
+      }
+    x.w.run_for(3min); // nor does anybody bring it back
+    for (const auto id : x.peers)
+      CHECK((id == company::killed || !x.is_known(id)));
+  }
+}
+
+TEST_CASE(
+    "a real kernel that was killed and is back at another port is linked to as it announces itself",
+    "[peis][RTE-08][TCP-03]") {
+  const auto [ours, its] = GENERATE(table<int, int>({{10, 20}, {20, 10}}));
+  const bool has_others = GENERATE(false, true);
+  CAPTURE(ours, its, has_others);
+  const peer_id own{ours};
+  const peer_id other{its};
+  world w;
+  w.vacant = {"tcp://" + std::to_string(its) + ".0.0.1:8000"};
+  auto config = lan_config_of(ours);
+  config.network.addresses = {tcp_address("eth0", false, {10, 0, 0, 9}, 8000)};
+  w.add(config);
+  if (has_others) // which still believe in it
+    w.add(original_config_of(30));
+  const auto octet = static_cast<std::uint8_t>(its);
+  auto original = original_config_of(its);
+  original.network.addresses = {tcp_address("eth0", false, {octet, 0, 0, 1}, 8000)};
+  original.network.connections.announces = false;
+  w.add(original);
+  w.unmarked = {other, peer_id{30}};
+  w.connect(other, own);
+  if (has_others) {
+    w.connect(other, peer_id{30});
+    w.connect(own, peer_id{30});
+  }
+  w.run_for(25s);
+  REQUIRE(w.at(own).knows_present(other));
+  if (has_others) {
+    w.power_off(other);
+    for (const auto& link : w.at(own).links())
+      if (link.neighbour == other)
+        w.cut(link.link);
+  } else {
+    w.kill(other);
+  }
+  w.run_for(1s);
+  w.config(other).network.addresses[0] = tcp_address("eth0", false, {octet, 0, 0, 1}, 8001);
+  w.restart(other);
+  w.run_for(4s);
+  REQUIRE(!w.at(own).knows_present(other));
+  auto record = *w.at(other).hosts().at(0);
+  record.marked = false;
+  for (int i = 0; i < 10 && !w.at(own).knows_present(other); ++i) {
+    if (i % 10 == 0)
+      w.perform(own, w.at(own).on_announcement(
+                         encode(announcement{protocol_version, "test", record}), w.now()));
+    w.run_for(100ms);
+  }
+  CHECK(w.at(own).knows_present(other));
+}
+
+TEST_CASE("a relay that is back at another port is found at the address that it tells",
+          "[peis][AUT-01][LEA-03]") {
+  const bool is_leaf = GENERATE(false, true); // else it has no manager
+  const bool is_original = GENERATE(false, true);
+  CAPTURE(is_leaf, is_original);
+  const peer_id relay{20};
+  world w;
+  const std::string configured = "tcp://20.0.0.1:8000";
+  auto config = lan_config_of(10);
+  config.network.addresses = {tcp_address("eth0", false, {10, 0, 0, 9}, 8000)};
+  config.network.connections.always = {configured};
+  config.network.connections.leaf = is_leaf;
+  config.network.connections.manager = is_leaf;
+  w.add(config);
+  auto original = is_original ? original_config_of(20) : lan_config_of(20);
+  original.network.addresses = {tcp_address("eth0", false, {20, 0, 0, 1}, 8000)};
+  original.network.connections.manager = false;
+  w.add(original);
+  if (is_original)
+    w.unmarked = {relay};
+  w.run_for(20s);
+  REQUIRE(w.at(peer_id{10}).knows_present(relay));
+  w.kill(relay);
+  w.vacant = {configured};
+  w.run_for(30s);
+  w.config(relay).network.addresses[0] = tcp_address("eth0", false, {20, 0, 0, 1}, 8001);
+  w.restart(relay);
+  w.run_for(5s);
+  CHECK(w.at(peer_id{10}).knows_present(relay));
+  REQUIRE(w.at(peer_id{10}).links().size() == 1);
+  CHECK(w.at(peer_id{10}).links()[0].neighbour == relay);
 }
 
 } // namespace rubicon::peis::test
