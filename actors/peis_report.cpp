@@ -33,6 +33,8 @@ void add_limits(report::cause_counts& to, const peis::kernel_counters& counted) 
       {"stale_removed", tuples.stale_removed},
       {"resyncs", tuples.resyncs},
       {"pushes_given_up", tuples.pushes_given_up},
+      {"values_overtaken", tuples.pushes_overtaken},
+      {"announcements_foreign", x.announcements_foreign},
       {"absent_forgotten", tuples.absent_forgotten}};
   for (const auto& [name, count] : all) {
     if (count > 0)

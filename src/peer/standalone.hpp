@@ -128,6 +128,10 @@ public:
 
   [[nodiscard]] bool has_subscriber(std::string_view key) const;
 
+  /// Does the present value of an own tuple still wait for room on its way to a subscriber?
+  /// set_tuple() never waits: the next value takes its place.
+  [[nodiscard]] bool is_waiting(std::string_view key) const { return kernel_.is_waiting(key); }
+
   // Messages.
 
   /// [sendMessage] To one port of one peer.

@@ -304,6 +304,10 @@ public:
   /// Does anyone subscribe to our tuple of this key (TUP-23)? Local subscriptions count too.
   [[nodiscard]] bool has_subscriber(std::string_view key) const;
 
+  /// Does the present value of an own tuple still wait for room on its way to a subscriber? If
+  /// another is set now, that one never gets this: a writer that wants all to arrive waits.
+  [[nodiscard]] bool is_waiting(std::string_view key) const;
+
   /// Keys and patterns, in lower case, by which somebody subscribes to our tuples and whose first
   /// part is this one; catch-all patterns name nothing. @param first_part in lower case
   [[nodiscard]] std::set<std::string> subscribed(std::string_view first_part) const {

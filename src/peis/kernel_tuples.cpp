@@ -243,6 +243,11 @@ std::vector<tuple_pointer> kernel::find_tuples(peer_id owner, std::string_view p
   return parsed ? tuples_.find_all(prototype_of(owner, *parsed)) : std::vector<tuple_pointer>();
 }
 
+bool kernel::is_waiting(std::string_view name) const {
+  const auto parsed = key::parse(name);
+  return parsed && tuples_.is_waiting(*parsed);
+}
+
 bool kernel::has_subscriber(std::string_view name) const {
   const auto parsed = key::parse(name);
   return parsed && tuples_.has_subscriber(*parsed);

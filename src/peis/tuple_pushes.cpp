@@ -79,8 +79,11 @@ void tuple_space::push(const tuple& x, instant now, tuple_events& out) {
       continue;
     }
     ++counters_.pushes_sent;
-    if (const auto debtor = debts_.find(host); debtor != debts_.end())
-      missed_ -= debtor->second.missed.erase(x.name.folded());
+    if (const auto debtor = debts_.find(host); debtor != debts_.end()) {
+      const auto overtaken = debtor->second.missed.erase(x.name.folded());
+      missed_ -= overtaken;
+      counters_.pushes_overtaken += overtaken;
+    }
     auto to_host = message;
     to_host.destination = host;
     out.push_back(in_flight(std::move(to_host), {}, {}));
@@ -102,6 +105,7 @@ tuple_space::debt* tuple_space::waiting_for_way(peer_id host, instant now) {
 void tuple_space::miss_unreached(peer_id host, debt& x, const tuple& changed) {
   const bool all_is_owed = !x.walks.empty() && x.after.empty();
   if (all_is_owed) {
+    ++counters_.pushes_overtaken;
     counters_.pushes_given_up += changed.expiry == deleted ? 1 : 0; // no walk finds it
   } else if (x.missed.size() < missed_unreached_max) {
     miss(host, changed.name.folded(), std::nullopt);
@@ -117,13 +121,26 @@ void tuple_space::miss(peer_id host, const std::string& folded,
                        std::optional<instant> failing_since) {
   auto& x = debts_[host];
   const auto [at, first] = x.missed.try_emplace(folded, failing_since);
-  if (!first)
+  if (!first) {
     at->second = at->second ? at->second : failing_since;
+    ++counters_.pushes_overtaken;
+  }
   missed_ += first ? 1 : 0;
   const auto total_max = missed_total_factor * config_.missed_max;
   const bool many_in_all = missed_ > total_max && x.missed.size() > missed_ / debts_.size();
   if (x.missed.size() > config_.missed_max || many_in_all)
     resynchronise(host, x);
+}
+
+bool tuple_space::is_waiting(const key& name) const {
+  const auto* held = store_.find(self_, name);
+  if (held == nullptr || debts_.empty())
+    return false;
+  return std::ranges::any_of(subscribers_of(*held->content), [&](peer_id host) {
+    const auto owed = debts_.find(host);
+    return owed != debts_.end() &&
+           (owed->second.missed.contains(name.folded()) || !owed->second.walks.empty());
+  });
 }
 
 /// Tries again when somebody may have found a way to that host.

@@ -79,7 +79,9 @@ struct tuple_counters {
   std::uint64_t pushes_retried = 0;
   std::uint64_t pushes_given_up = 0;
   std::uint64_t pushes_deferred = 0; ///< had to wait for room: only the newest value leaves then
-  std::uint64_t resyncs = 0;         ///< a host missed too many: all it wants is sent again
+  /// Values that some subscriber never gets: a newer one took their place while they waited.
+  std::uint64_t pushes_overtaken = 0;
+  std::uint64_t resyncs = 0; ///< a host missed too many: all it wants is sent again
   std::uint64_t expired = 0;
   std::uint64_t appends = 0; ///< to own tuples, by us and others
   std::uint64_t append_notices_sent = 0;
@@ -103,11 +105,11 @@ struct tuple_counters {
 };
 RUBICON_FIELDS(tuple_counters, tuples, subscriptions, subscribers, subscribers_octets, held_octets,
                written_octets, pushes_octets, debtors, steps, sets, remote_sets, pushes_sent,
-               pushes_received, pushes_retried, pushes_given_up, pushes_deferred, resyncs, expired,
-               appends, append_notices_sent, append_notices_received, appends_collapsed,
-               append_gaps, malformed, unwanted, outdated, refused, absent_forgotten, overflow,
-               subscribers_refused, strangers_refused, orphans_removed, stale_removed,
-               appends_refused, append_gaps_given_up, bad_meta_tuples);
+               pushes_received, pushes_retried, pushes_given_up, pushes_deferred, pushes_overtaken,
+               resyncs, expired, appends, append_notices_sent, append_notices_received,
+               appends_collapsed, append_gaps, malformed, unwanted, outdated, refused,
+               absent_forgotten, overflow, subscribers_refused, strangers_refused, orphans_removed,
+               stale_removed, appends_refused, append_gaps_given_up, bad_meta_tuples);
 
 /// Knows which hosts are there (on_host_appeared, on_host_vanished), but neither links nor routes.
 class tuple_space {
@@ -201,6 +203,9 @@ public:
         store_.walk_on(self_, key(), after, [&](const auto& x) { return visit(*x.content); }));
   }
   [[nodiscard]] bool has_subscriber(const key& name) const;
+  /// Does the present value of an own tuple still wait for room on its way to somebody? Another one
+  /// would overtake it.
+  [[nodiscard]] bool is_waiting(const key& name) const;
   [[nodiscard]] bool is_watched(const key& name) const; ///< or a callback here
   /// Who has subscribed to what here, ascending by host, owner, key.
   [[nodiscard]] std::vector<std::pair<peer_id, prototype>> subscribers() const;

@@ -388,7 +388,8 @@ struct peer_report {
   /// neighbour was not read until it was within its budget again), `turns` (times a link was not
   /// read until its turn came), `hosts_refused`, `routes_refused`, `tables_put_off`,
   /// `questions_refused`, `fragments_refused`, `greetings_evicted`, `newcomers_referred`,
-  /// `connections_refused`, `connections_foreign` (of none of the `networks` of its listener),
+  /// `connections_refused`, `connections_foreign` (links and announcements from none of its
+  /// `networks`), `announcements_foreign` (of peers with no address there),
   /// `claims_refused` (said by others in the name of a neighbour that is
   /// alive), `rivals_refused` (claimed its id); of the tuple space `tuples_full` (tuples of others,
   /// or written by others, without room), `tuples_malformed`, `subscriptions_full`, `strangers`

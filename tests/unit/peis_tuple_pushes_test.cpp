@@ -155,6 +155,28 @@ TEST_CASE("of values that found no room only the newest is sent, deletions too",
   CHECK(b.counted().debtors == 0);
 }
 
+TEST_CASE("each value that a newer one overtakes is counted, and a writer can wait instead",
+          "[peis][TUP-18]") {
+  tuple_space_config config;
+  config.pushes.messages_max = 4;
+  const bool waits = GENERATE(false, true);
+  lone_space b(config);
+  b.subscribe(robot, "a");
+  for (std::size_t i = 0; i < 100; ++i) {
+    while (waits && b.x.is_waiting(name_of("a"))) {
+      b.acknowledge();
+      b.turn();
+    }
+    b.set("a", i + 1);
+    CHECK(!b.x.is_waiting(name_of("b")));
+  }
+  CHECK(b.x.is_waiting(name_of("a")) == !waits);
+  b.work_off();
+  CHECK(!b.x.is_waiting(name_of("a")));
+  CHECK(b.told + b.counted().pushes_overtaken == 100);
+  CHECK(b.told == (waits ? 100 : 5));
+}
+
 TEST_CASE("a deletion that found no room is told later", "[peis][TUP-16]") {
   tuple_space_config config;
   config.pushes.messages_max = 1;
