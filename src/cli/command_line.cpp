@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <sstream>
 #include <string_view>
 #include <system_error>
@@ -17,8 +18,10 @@
 #include "cli/certs_command_line.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/network_command_line.hpp"
+#include "cli/original_options.hpp"
 #include "cli/serial_command_line.hpp"
 #include "cli/version.hpp"
+#include "config/load.hpp"
 #include "config/units.hpp"
 #include "core/ipv4_network.hpp"
 #include "core/printable.hpp"
@@ -127,6 +130,17 @@ CLI::Option* add_view(CLI::App& app, std::optional<page_place>& x) {
       ->expected(0, 1);
 }
 
+/// `--control` or `--control=kernel`
+CLI::Option* add_control(CLI::App& app, watch_wishes& x, const std::string& what) {
+  const auto said = std::make_shared<std::string>();
+  return app.add_flag("--control", *said, what)
+      ->check(CLI::IsMember({"true", "kernel"}))
+      ->each([&x, said](const std::string& text) {
+        x.control = true;
+        x.control_kernel = text == "kernel";
+      });
+}
+
 CLI::App& add_run(CLI::App& app, run_command& x) {
   auto& run = *app.add_subcommand("run", "Run an ecology to its end and report");
   auto& options = x.options;
@@ -160,8 +174,9 @@ CLI::App& add_run(CLI::App& app, run_command& x) {
              [&](const auto& text) { x.watch.csv_every = parse_length(text, "--csv-every"); })
       ->needs(csv);
   auto* const view = add_view(run, x.watch.view);
-  run.add_flag("--control", x.watch.control,
-               "Let the page cause faults and changes, and set tuples; in wall time")
+  add_control(run, x.watch,
+              "Let the page cause faults and changes, and set tuples, with =kernel also kernel.* "
+              "ones; in wall time")
       ->needs(view);
   run.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
@@ -209,6 +224,9 @@ CLI::App& add_run(CLI::App& app, run_command& x) {
                "Run twice, the second time on one thread, and compare the trace hashes");
   run.footer(
       "What is not given here is as the file says; LEVEL is warn, N of --threads one a core.\n"
+      "The options of an original PEIS kernel (--peis-id N, --peis-connect URL, ...) take the "
+      "place "
+      "of\nwhat the file says of its peer (docs/peis.md).\n"
       "In wall time events are told on standard error as they happen, but with --log off.");
   return run;
 }
@@ -530,7 +548,50 @@ const std::vector<std::string>& options_not_repeated() {
   return names;
 }
 
+namespace {
+
+constexpr std::size_t options_octets_max = 65'536;
+
+/// Those that join a network as a guest have options of their own for what is said.
+std::vector<std::string> as_of_guest(const original_options& x) {
+  std::vector<std::string> words;
+  if (!x.connect.empty())
+    words.insert(words.end(),
+                 {"--connect", x.connect.front().substr(x.connect.front().find("://") + 3)});
+  if (x.network)
+    words.insert(words.end(), {"--network", *x.network});
+  if (x.id)
+    words.insert(words.end(), {"--id", std::to_string(x.id->value)});
+  return words;
+}
+
+command parse_words(std::span<const char* const> arguments, const original_options& original);
+
+} // namespace
+
 command parse_command_line(std::span<const char* const> arguments) {
+  std::vector<std::string> words(arguments.begin(), arguments.end());
+  const auto taken = take_original_options(
+      words, [](const auto& file) { return config::read_file(file, options_octets_max).text; });
+  if (const auto* why = std::get_if<std::string>(&taken))
+    return refused_command{printable(*why) + '\n'};
+  const auto& original = std::get<original_options>(taken);
+  const auto name = words.size() > 1 ? words[1] : std::string();
+  constexpr std::string_view guests[] = {"top", "hosts", "tuples", "route", "ping"};
+  if (std::ranges::find(guests, name) != std::end(guests))
+    std::ranges::move(as_of_guest(original), std::back_inserter(words));
+  else if (!original.said.empty() && name != "run")
+    return refused_command{
+        "options of --peis- are for `run` and for commands that join a network\n"};
+  std::vector<const char*> rest;
+  for (const auto& word : words)
+    rest.push_back(word.c_str());
+  return parse_words(rest, original);
+}
+
+namespace {
+
+command parse_words(std::span<const char* const> arguments, const original_options& original) {
   CLI::App app(about, "rubicon");
   app.set_version_flag("--version", std::string("rubicon ") + version);
   app.require_subcommand(1);
@@ -581,6 +642,9 @@ command parse_command_line(std::span<const char* const> arguments) {
     run.instead.seed = run.options.seed;
     run.instead.mode = run.options.mode;
     run.deciding = repeated_options(run_app);
+    run.original = original;
+    for (const auto& word : original.said)
+      run.deciding += (run.deciding.empty() ? "" : " ") + shell_word(word);
   } catch (const CLI::ParseError& error) {
     std::ostringstream out;
     std::ostringstream err;
@@ -610,9 +674,13 @@ command parse_command_line(std::span<const char* const> arguments) {
     return *std::move(asked);
   if (auto asked = serial.parsed())
     return *std::move(asked);
-  if (auto asked = network.parsed())
+  if (auto asked = network.parsed()) {
+    asked->with.without_effect = original.without_effect;
     return *std::move(asked);
+  }
   return run;
 }
+
+} // namespace
 
 } // namespace rubicon::cli

@@ -10,6 +10,7 @@
 
 #include "actors/run.hpp"
 #include "cli/network_command.hpp"
+#include "cli/original_options.hpp"
 #include "cli/serial_command.hpp"
 #include "cli/swarm.hpp"
 #include "cli/watch_wishes.hpp"
@@ -39,6 +40,7 @@ struct run_command {
   duration elapsed{};             ///< with `host`: the others have run for so long
   std::string part_file; ///< with `host`: reports go there, as deploy reads them; empty: printed
   std::string log_level = "warn"; ///< trace, debug, info, warn, error or off
+  original_options original;      ///< --peis-id and so on
   /// The options that decide what runs, as they were given, but --seed and --for.
   std::string deciding;
 };

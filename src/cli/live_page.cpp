@@ -17,6 +17,7 @@
 #include "explain/traces.hpp"
 #include "io/loop.hpp"
 #include "io/signal_watch.hpp"
+#include "peis/key.hpp"
 #include "report/expectations.hpp"
 #include "view/page_files.hpp"
 #include "view/recorded.hpp"
@@ -107,7 +108,7 @@ view::controls::outcome hand_made::take(wish x) {
   if (++taken_ > taken_max)
     return {false, "so much has been done by hand that no more is taken"};
   waiting_.push_back(std::move(x));
-  return {true, "it happens now"};
+  return {true, "accepted"};
 }
 
 std::shared_ptr<const view::controls> hand_made::controls(std::string why_no_tuples) {
@@ -123,13 +124,31 @@ std::shared_ptr<const view::controls> hand_made::controls(std::string why_no_tup
                                              const std::string& value) -> view::controls::outcome {
     if (!why.empty())
       return {false, why};
-    if (key.empty())
-      return {false, "a tuple has a key"};
-    if (key.size() + value.size() > tuple_octets_max)
-      return {false, "that is too long"};
-    return take({.owner = owner, .key = key, .value = value});
+    wish wanted{.owner = owner, .key = key, .value = value};
+    if (auto refusal = refusal_of(wanted); !refusal.empty())
+      return {false, std::move(refusal)};
+    return take(std::move(wanted));
   };
   return x;
+}
+
+/// Why this tuple cannot be set; empty: it can.
+std::string hand_made::refusal_of(const wish& x) const {
+  if (x.key.empty())
+    return "a tuple has a key";
+  if (x.key.size() + x.value.size() > tuple_octets_max)
+    return "that is too long";
+  const auto name = peis::key::parse(x.key);
+  if (!name)
+    return "no key: one has up to 7 parts between dots and 127 characters, and `*` only as a whole "
+           "part of a pattern";
+  if (name->is_pattern())
+    return "a pattern stands for many tuples: one at a time is set, by its whole key";
+  if (!owners_.contains(x.owner))
+    return "there is no peer `" + x.owner + '`';
+  if (peis::is_reserved(*name) && !kernels_)
+    return "`" + x.key + "` is its kernel's own: `--control=kernel` lets it be set";
+  return {};
 }
 
 std::vector<std::string> hand_made::perform(const performer& by, instant now) {
@@ -192,6 +211,7 @@ live_page::live_page(const page_place& where, const std::string& ecology,
   site.files = files_of_page(picture);
   auto about = std::make_shared<const view::introduction>(
       view::introduction_of(view::with_facts(ecology, facts, mode)));
+  const bool may_control = controls != nullptr;
   site.on_session = [timeline = timeline_, about = std::move(about),
                      controls = std::move(controls)] {
     return std::make_unique<page_session>(view::conversation(timeline, about, controls));
@@ -204,6 +224,9 @@ live_page::live_page(const page_place& where, const std::string& ecology,
   server_ = std::move(std::get<io::web_server>(opened));
   url_ = "http://" + (where.address == "0.0.0.0" ? "127.0.0.1" : where.address) + ':' +
          std::to_string(server_->port()) + '/' + token + '/';
+  if (!where.address.starts_with("127."))
+    say("the page is not encrypted: who hears the network reads all that it shows" +
+        std::string(may_control ? ", and its address, with which he can do what it can" : ""));
   say("watch it at " + url_);
 }
 

@@ -30,8 +30,12 @@ namespace rubicon::cli {
 class hand_made {
 public:
   /// @param what the ecology that sentences are about
-  hand_made(deploy::bundle what, config::extensions known)
-      : what_(std::move(what)), known_(std::move(known)) {}
+  /// @param owners of tuples that there can be
+  /// @param kernels whether tuples may be set that steer a kernel (TUP-22)
+  hand_made(deploy::bundle what, config::extensions known, std::set<std::string> owners = {},
+            bool kernels = false)
+      : what_(std::move(what)), known_(std::move(known)), owners_(std::move(owners)),
+        kernels_(kernels) {}
 
   /// For conversations. @pre this outlives them
   /// @param why_no_tuples said to whoever wants to set one; empty: it can be set
@@ -69,9 +73,12 @@ private:
   };
 
   view::controls::outcome take(wish x);
+  [[nodiscard]] std::string refusal_of(const wish& x) const;
 
   deploy::bundle what_;
   config::extensions known_;
+  std::set<std::string> owners_;
+  bool kernels_ = false;
   mutable std::mutex lock_;
   std::vector<wish> waiting_;
   std::size_t taken_ = 0;

@@ -21,6 +21,7 @@ struct network_options {
   std::optional<peer_id> id;       ///< ours; unset: a high one by chance
   duration timeout = 5s;           ///< of each wait
   bool json = false;
+  std::vector<std::string> without_effect = {}; ///< `--peis-net-metric`, to be told
 };
 
 /// A peer by its id or its name; by neither: whichever fits alone.

@@ -19,6 +19,8 @@ exit_status answer(const std::string& text) {
 }
 
 exit_status perform(const network_command& x) {
+  for (const auto& option : x.with.without_effect)
+    static_cast<void>(print(stderr, printable(option) + " has no effect here\n"));
   io::loop loop;
   auto joined = join_network(loop, x.with);
   if (const auto* why = std::get_if<std::string>(&joined))

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -123,12 +124,27 @@ std::string floor_plan_of(const std::string& file, const config::ecology_descrip
   return (std::filesystem::path(file).parent_path() / x.plan->picture).string();
 }
 
+/// Who has tuples: gateways and peers.
+std::set<std::string> owners_of(const config::ecology_description& x) {
+  std::set<std::string> names;
+  for (const auto& island : x.islands) {
+    names.insert(island.gateway_name);
+    for (const auto& alias : island.aliases)
+      names.insert(alias.name);
+  }
+  for (const auto& peer : x.peers)
+    names.insert(peer.name);
+  return names;
+}
+
 /// What the page may do to the run by hand, if it may.
-std::optional<hand_made> hands_of(const run_command& x) {
+std::optional<hand_made> hands_of(const run_command& x,
+                                  const config::ecology_description& ecology) {
   if (!x.watch.control)
     return std::nullopt;
   auto packed = deploy::pack(x.file, x.instead, x.options.length, x.known);
-  return std::optional<hand_made>(std::in_place, std::move(packed.what), x.known);
+  return std::optional<hand_made>(std::in_place, std::move(packed.what), x.known,
+                                  owners_of(ecology), x.watch.control_kernel);
 }
 
 /// Whether a record costs nothing that anybody would notice: time passes slowly, for few.
@@ -170,7 +186,7 @@ private:
 class viewed_run {
 public:
   viewed_run(const run_command& x, const config::ecology_description& ecology)
-      : record_(x.options.record_file), hands_(hands_of(x)),
+      : record_(x.options.record_file), hands_(hands_of(x, ecology)),
         keeps_own_(record_.empty() && has_time_for_record(x, ecology)),
         page_(*x.watch.view, view::ecology_json(ecology),
               {.file = x.file,
@@ -418,6 +434,12 @@ exit_status perform(const run_command& wanted) {
   auto file = load_or_complain(x.file, x.instead, x.known, x.is_bundled);
   if (!file)
     return exit_status::refused;
+  for (const auto& option : x.original.without_effect)
+    static_cast<void>(print(stderr, printable(option) + " has no effect here\n"));
+  if (const auto why = take_over(x.original, file->ecology); !why.empty()) {
+    static_cast<void>(print(stderr, printable(why) + '\n'));
+    return exit_status::refused;
+  }
   if (x.is_strict && !file->doubts.empty()) {
     complain({std::nullopt, file->doubts}, x.file);
     return exit_status::refused;

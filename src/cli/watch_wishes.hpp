@@ -22,6 +22,7 @@ struct watch_wishes {
   std::optional<duration> csv_every; ///< between two samples; unset: a hundredth of the run
   std::optional<page_place> view;    ///< serves the live page
   bool control = false;              ///< which lets faults happen, and tuples be set
+  bool control_kernel = false;       ///< also those by which kernels are steered
 };
 
 } // namespace rubicon::cli
