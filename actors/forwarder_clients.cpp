@@ -1,16 +1,18 @@
 #include "actors/forwarder_clients.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace rubicon {
 
 std::variant<std::unique_ptr<forwarder_clients>, std::string>
 forwarder_clients::open(io::loop& where, const std::string& address, std::uint16_t port,
-                        callbacks x) {
-  auto out = std::unique_ptr<forwarder_clients>(new forwarder_clients(std::move(x)));
+                        callbacks x, std::vector<ipv4_network> networks) {
+  auto out =
+      std::unique_ptr<forwarder_clients>(new forwarder_clients(std::move(x), std::move(networks)));
   auto found = io::tcp_listener::open(
-      where, address, port, [self = out.get()](io::tcp_stream stream, const ipv4_address&) {
-        self->accept(std::move(stream));
+      where, address, port, [self = out.get()](io::tcp_stream stream, const ipv4_address& from) {
+        self->accept(std::move(stream), from);
       });
   if (auto* why = std::get_if<std::string>(&found))
     return std::move(*why);
@@ -21,10 +23,15 @@ forwarder_clients::open(io::loop& where, const std::string& address, std::uint16
   return out;
 }
 
-void forwarder_clients::accept(io::tcp_stream stream) {
+void forwarder_clients::accept(io::tcp_stream stream, const ipv4_address& from) {
+  const auto is_of = [&from](const ipv4_network& each) { return each.contains(from); };
+  if (!networks_.empty() && std::ranges::none_of(networks_, is_of)) {
+    ++counters_.foreign;
+    return; // and so it is closed
+  }
   if (clients_.size() >= clients_max) {
     ++counters_.refused;
-    return; // and so it is closed
+    return;
   }
   const auto number = next_++;
   auto& x = clients_[number];

@@ -8,8 +8,10 @@
 #include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "core/fields.hpp"
+#include "core/ipv4_network.hpp"
 #include "io/tcp_listener.hpp"
 #include "serial/forwarder.hpp"
 
@@ -19,8 +21,9 @@ struct forwarder_counters {
   std::uint64_t slow = 0;      ///< clients closed because they did not read
   std::uint64_t bad_input = 0; ///< clients closed because of what they sent
   std::uint64_t refused = 0;   ///< clients closed because there were enough
+  std::uint64_t foreign = 0;   ///< clients closed because they are of none of the networks
 };
-RUBICON_FIELDS(forwarder_counters, slow, bad_input, refused);
+RUBICON_FIELDS(forwarder_counters, slow, bad_input, refused, foreign);
 
 /// Each client gets each packet of the sink. Of what clients send, one packet of each is handed out
 /// at a time, and no more is read of one that waits: so none of them is in the way of others.
@@ -40,9 +43,11 @@ public:
   static constexpr std::size_t room = std::size_t{64} * 1024;
 
   /// @param where must outlive it
+  /// @param networks from where clients may come; empty: from anywhere
   /// @returns why it cannot listen there, if it cannot
   [[nodiscard]] static std::variant<std::unique_ptr<forwarder_clients>, std::string>
-  open(io::loop& where, const std::string& address, std::uint16_t port, callbacks x);
+  open(io::loop& where, const std::string& address, std::uint16_t port, callbacks x,
+       std::vector<ipv4_network> networks = {});
 
   /// To all of them. @param packet dispatch octet first
   void forward(byte_view packet);
@@ -62,13 +67,15 @@ private:
     bool under_way = false;    ///< one is handed out
   };
 
-  explicit forwarder_clients(callbacks x) : to_user_(std::move(x)) {}
+  forwarder_clients(callbacks x, std::vector<ipv4_network> networks)
+      : to_user_(std::move(x)), networks_(std::move(networks)) {}
 
-  void accept(io::tcp_stream stream);
+  void accept(io::tcp_stream stream, const ipv4_address& from);
   void on_octets(std::uint64_t number, byte_view octets);
   void hand_out(std::uint64_t number, client& from);
 
   callbacks to_user_;
+  std::vector<ipv4_network> networks_;
   std::map<std::uint64_t, client> clients_;
   std::uint64_t next_ = 1;
   forwarder_counters counters_;

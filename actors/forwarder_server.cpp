@@ -29,7 +29,8 @@ void listen(server_pointer self) {
                                },
                                [ecology = arguments.ecology, who = self->path()](std::string what) {
                                  post(ecology, notable_event{who, std::move(what)});
-                               }});
+                               }},
+                              arguments.networks);
   if (auto* why = std::get_if<std::string>(&found))
     self->send(arguments.ecology, request_unmet{self->path(), std::move(*why)});
   else

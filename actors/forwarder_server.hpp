@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "actors/forwarder_clients.hpp"
 #include "actors/messages/serial.hpp"
@@ -13,7 +14,8 @@
 namespace rubicon {
 
 struct forwarder_server_arguments {
-  std::string where;        ///< ADDRESS:PORT
+  std::string where; ///< ADDRESS:PORT
+  std::vector<ipv4_network> networks;
   io::loop* loop = nullptr; ///< must outlive the actor
   island_id island;
   ecology_actor ecology;

@@ -416,10 +416,10 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   }
   gateway.ecology = ecology_handle(self);
   if (!is_alias && !island.exported.forwarder.empty()) {
-    gateway.forwarder =
-        spawn_child(*self->state.pcs, self, "forwarder_server/" + island.name, forwarder_server,
-                    forwarder_server_arguments{island.exported.forwarder, self->state.process.loop,
-                                               island.id, ecology_handle(self)});
+    gateway.forwarder = spawn_child(
+        *self->state.pcs, self, "forwarder_server/" + island.name, forwarder_server,
+        forwarder_server_arguments{island.exported.forwarder, island.exported.networks,
+                                   self->state.process.loop, island.id, ecology_handle(self)});
     peer.programs.push_back(gateway.forwarder.strong());
   }
   const auto path = "gateway/" + island.name + (is_alias ? '/' + peer.name : std::string());

@@ -97,6 +97,14 @@ void read_export(table_reader& island, const surroundings& with, island_descript
                    in.problems().add(in.at("forwarder"),
                                      "expected ADDRESS:PORT with an IPv4 address of this computer, "
                                      "as in \"127.0.0.1:9002\"");
+                 in.optional(
+                     "networks", list_of<network_text>{{}, 0, networks_max}, out.exported.networks,
+                     {"from where programs may connect; others are closed at once", "anywhere"});
+                 const auto address = found ? parse_ipv4_address(found->host) : errc::bad_value;
+                 if (address && address->at(0) != 127 && out.exported.networks.empty())
+                   in.problems().doubt(in.at("forwarder"),
+                                       where + " is not of this computer alone: whoever reaches it "
+                                               "commands the motes; `networks` says who may");
                });
 }
 

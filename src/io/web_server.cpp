@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <exception>
+#include <list>
 #include <thread>
 #include <utility>
 
@@ -71,9 +72,20 @@ private:
   sigset_t before_{};
 };
 
+/// One that can be closed for another.
+class closable {
+public:
+  closable() = default;
+  virtual ~closable() = default;
+  closable(const closable&) = delete;
+  closable& operator=(const closable&) = delete;
+  virtual void close() = 0;
+};
+
 struct served {
   web_site site;
   std::size_t connections = 0;
+  std::list<closable*> strangers; ///< who have not shown the token, the oldest first
 };
 
 /// One that is counted while it lives.
@@ -180,11 +192,19 @@ private:
   bool is_over_ = false;
 };
 
-class http_connection : public std::enable_shared_from_this<http_connection> {
+class http_connection : public closable, public std::enable_shared_from_this<http_connection> {
 public:
   http_connection(tcp::socket socket, served& all)
       : all_(all), place_(all), stream_(std::move(socket)),
-        buffer_(web_server::request_octets_max + 1) {}
+        buffer_(web_server::request_octets_max + 1) {
+    all_.strangers.push_back(this);
+  }
+  ~http_connection() override { all_.strangers.remove(this); }
+
+  void close() override {
+    all_.strangers.remove(this);
+    stream_.close();
+  }
 
   void read() {
     parser_.emplace();
@@ -210,6 +230,7 @@ private:
         !is_same(target.substr(1, slash - 1), all_.site.token))
       return refuse(http::status::not_found,
                     "nothing here: open the address that rubicon prints\n");
+    all_.strangers.remove(this);
     const auto name = target.substr(slash + 1, target.find('?') - slash - 1);
     if (websocket::is_upgrade(request)) {
       if (name != all_.site.socket_name)
@@ -271,7 +292,7 @@ private:
 
 struct web_server::state {
   explicit state(web_site x)
-      : all{std::move(x)}, acceptor(context), pause(context), timer(context) {}
+      : all{std::move(x), 0, {}}, acceptor(context), pause(context), timer(context) {}
 
   ~state() {
     context.stop();
@@ -329,7 +350,9 @@ struct web_server::state {
         return;
       }
       accept();
-      if (all.connections >= connections_max)
+      if (all.connections >= connections_max && !all.strangers.empty())
+        all.strangers.front()->close(); // its place is free when its read has ended
+      else if (all.connections >= connections_max)
         return;
       error_code ignored;
       socket.set_option(tcp::no_delay(true), ignored); // answers are small, and waited for

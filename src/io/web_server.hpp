@@ -60,7 +60,8 @@ struct web_site {
 /// nothing else (Content-Security-Policy).
 class web_server {
 public:
-  static constexpr std::size_t connections_max = 64;         ///< more are closed at once
+  /// Beyond, one that has not shown the token is closed for the next, the oldest first.
+  static constexpr std::size_t connections_max = 256;
   static constexpr std::size_t question_octets_max = 65'536; ///< longer ones end the WebSocket
   static constexpr std::size_t request_octets_max = 16'384;  ///< of the head of a request
   static constexpr duration patience = 30s; ///< with who says nothing, or does not read

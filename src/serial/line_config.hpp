@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/ipv4_network.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::serial {
@@ -53,7 +54,8 @@ struct outside_config {
 
 /// Where TinyOS's programs find an island's sink, as a serial forwarder has it.
 struct export_config {
-  std::string forwarder; ///< ADDRESS:PORT to listen at; empty: nowhere
+  std::string forwarder;              ///< ADDRESS:PORT to listen at; empty: nowhere
+  std::vector<ipv4_network> networks; ///< clients from elsewhere are closed at once; empty: none
 };
 
 /// How long `octets` occupy one direction of a line. @pre baud > 0

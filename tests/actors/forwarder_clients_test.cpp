@@ -37,7 +37,7 @@ struct tool {
 };
 
 struct forwarder_fixture {
-  forwarder_fixture() {
+  explicit forwarder_fixture(const std::vector<ipv4_network>& networks = {}) {
     for (std::uint16_t tries = 0; !clients && tries < 50; ++tries) {
       port = static_cast<std::uint16_t>(port + 7);
       auto x = forwarder_clients::open(loop, "127.0.0.1", port,
@@ -45,7 +45,8 @@ struct forwarder_fixture {
                                           senders.push_back(from);
                                           for_sink.push_back(std::move(octets));
                                         },
-                                        [this](std::string what) { told.push_back(what); }});
+                                        [this](std::string what) { told.push_back(what); }},
+                                       networks);
       if (std::holds_alternative<std::unique_ptr<forwarder_clients>>(x))
         clients = std::get<std::unique_ptr<forwarder_clients>>(std::move(x));
     }
@@ -123,6 +124,16 @@ TEST_CASE("of a program one packet is on its way to the sink, whatever it sends,
     run(x.loop, [&] { return x.for_sink.size() == std::size_t{2} + i; });
     CHECK(x.for_sink.back() == packet(i));
   }
+}
+
+TEST_CASE("a program of none of the listed networks is closed at once",
+          "[actors][serial][security]") {
+  const bool is_listed = GENERATE(false, true);
+  forwarder_fixture x({{{10, 0, 0, 0}, 8}, {{127, 0, 0, 1}, static_cast<std::uint8_t>(32)}});
+  forwarder_fixture closed(std::vector<ipv4_network>{{{10, 0, 0, 0}, 8}});
+  auto& used = is_listed ? x : closed;
+  CHECK(used.connect().closed != is_listed);
+  CHECK(used.clients->counters().foreign == (is_listed ? 0 : 1));
 }
 
 TEST_CASE("what a program has sent before it closed is delivered", "[actors][serial][GW-17]") {

@@ -60,6 +60,22 @@ TEST_CASE("an island may have a real sink, and then no air", "[config][GW-17]") 
   CHECK(behind.islands.at(0).exported.forwarder == "127.0.0.1:9003");
 }
 
+TEST_CASE("an export to other computers is doubted unless it says to which", "[config][security]") {
+  const auto doubts = [](const std::string& more) {
+    const auto x =
+        load_text(with("serial.forwarder = \"localhost:9002\"\n[island.export]\n" + more), "t");
+    REQUIRE(x.ecology);
+    return x.doubts.size();
+  };
+  CHECK(doubts("forwarder = \"127.0.0.1:9003\"\n") == 0);
+  CHECK(doubts("forwarder = \"0.0.0.0:9003\"\n") == 1);
+  CHECK(doubts("forwarder = \"0.0.0.0:9003\"\nnetworks = [\"10.0.0.0/8\"]\n") == 0);
+  const auto listed =
+      good(with("serial.forwarder = \"localhost:9002\"\n"
+                "export = { forwarder = \"10.0.0.1:9003\", networks = [\"10.0.0.7\"] }\n"));
+  CHECK(listed.islands.at(0).exported.networks.size() == 1);
+}
+
 TEST_CASE("an island may leave its gateway to another program", "[config][GW-17]") {
   const auto x = good(with("serial = { pty = \"run/sink\", octet_error = 0.01 }\n"
                            "[[island.mote]]\nid = 2\ntype = 1\nposition_m = [1, 2]\n"));
