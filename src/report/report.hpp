@@ -395,8 +395,9 @@ struct peer_report {
   /// or written by others, without room), `tuples_malformed`, `subscriptions_full`, `strangers`
   /// (messages of hosts that nobody knows), `appends_refused`, `orphans` (own tuples removed
   /// because their writers are gone), `stale_removed`, `resyncs` (a host missed too many values:
-  /// all it wants was looked at again), `pushes_given_up`, `absent_forgotten` (hosts whose
-  /// subscriptions were kept for their return, and no longer); none that is 0
+  /// all it wants was looked at again), `values_overtaken` (a newer one took their place while they
+  /// waited for room on their way to a subscriber), `pushes_given_up`, `absent_forgotten` (hosts
+  /// whose subscriptions were kept for their return, and no longer); none that is 0
   cause_counts limits = {};
   cause_counts counters = {}; ///< all that its kernel counts, `part.name`; none that is 0
 };
