@@ -202,9 +202,9 @@ struct peer_app_spawner {
   }
 
   void operator()(const proxy::rules_config& x) const {
-    spawn_component(
-        "rules", static_cast<std::uint32_t>(number),
-        std::make_shared<proxy::rules_component>(proxy::rules(x.rules, x.retry, x.clock_changes), peer.away_since));
+    spawn_component("rules", static_cast<std::uint32_t>(number),
+                    std::make_shared<proxy::rules_component>(
+                        proxy::rules(x.rules, x.retry, x.clock_changes), peer.away_since));
   }
 
   void operator()(const apps::app_config&) const {} // all in one actor

@@ -26,10 +26,11 @@ inline auto keys_of(const sampler_config*) {
       keys::optional("only_subscribed", &sampler_config::only_subscribed, keys::flag{},
                      "it sends only while somebody in the PEIS network subscribes to its output "
                      "tuple, by its key or a pattern that begins with `devices`"),
-      keys::optional("stamped", &sampler_config::stamped, keys::flag{},
-                     "after the counts, say when that was (D1.1 2.1): 4 octets, big-endian, the low 32 bits "
-                     "of the [network time](gateway.md#time) in milliseconds; a "
-                     "[field](#proxyfield) with `encoding = \"stamp\"` has the whole time"));
+      keys::optional(
+          "stamped", &sampler_config::stamped, keys::flag{},
+          "after the counts, say when that was (D1.1 2.1): 4 octets, big-endian, the low 32 bits "
+          "of the [network time](gateway.md#time) in milliseconds; a "
+          "[field](#proxyfield) with `encoding = \"stamp\"` has the whole time"));
 }
 
 inline auto keys_of(const actuator_config*) {

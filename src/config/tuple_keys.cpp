@@ -71,8 +71,8 @@ public:
         own(field.name + ".unit");
       if (what.settings.stale_after > 0s)
         own(field.name + ".freshness");
-      if (field.stream || std::ranges::find(what.stamped_channels, field.channel) !=
-                              what.stamped_channels.end())
+      if (field.stream ||
+          std::ranges::find(what.stamped_channels, field.channel) != what.stamped_channels.end())
         own(field.name + ".latency");
     }
     for (const auto& input : what.inputs) {

@@ -41,8 +41,8 @@ using field_counts = std::vector<std::pair<const field*, std::int64_t>>;
 [[nodiscard]] result<field_counts> counts_in(const proxy_class& what, std::uint16_t channel,
                                              byte_view payload);
 
-/// The time at the end of a message on one of the class's stamped channels, in milliseconds; nothing
-/// if it does not go beyond the fields.
+/// The time at the end of a message on one of the class's stamped channels, in milliseconds;
+/// nothing if it does not go beyond the fields.
 [[nodiscard]] std::optional<std::uint32_t> stamp_in(const proxy_class& what, std::uint16_t channel,
                                                     byte_view payload);
 

@@ -47,13 +47,13 @@ struct clock_change {
 };
 
 struct rules_config {
-  std::vector<rule> rules; ///< at least one
-  duration retry = 5s;     ///< after an actuation has failed; 0: never
+  std::vector<rule> rules;                      ///< at least one
+  duration retry = 5s;                          ///< after an actuation has failed; 0: never
   std::vector<clock_change> clock_changes = {}; ///< in order
 };
 
-/// The first moment, `from` or later, at which a rule's time of day comes. It comes once a day: what
-/// a change leaves out comes at the change, what it repeats comes the first time.
+/// The first moment, `from` or later, at which a rule's time of day comes. It comes once a day:
+/// what a change leaves out comes at the change, what it repeats comes the first time.
 [[nodiscard]] instant next_daily(duration daily, const std::vector<clock_change>& changes,
                                  instant from);
 

@@ -48,7 +48,7 @@ TEST_CASE("a field is read from a stream", "[proxy][PXY-18]") {
   CHECK(aut.watches().size() == face(climate(), identity()).watches().size());
   CHECK(told(aut.on_record(2, -15, 0, start)) ==
         lines{base + "outside = -1.5", base + "outside.freshness = fresh"});
-  CHECK(aut.on_record(7, 1, 0, start).empty());            // of no field
+  CHECK(aut.on_record(7, 1, 0, start).empty());         // of no field
   CHECK(told(aut.on_output(2, bytes{1}, start + 5s)) == // channel 2 is not stream 2
         lines{base + "state = on", base + "state.freshness = fresh"});
   CHECK(told(aut.on_time(start + 10s)) == lines{base + "outside.freshness = stale"});
