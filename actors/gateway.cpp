@@ -68,6 +68,16 @@ struct performer {
                                         serial::encode(packet), now(self)));
   }
 
+  void operator()(gateway::answer_sink& x) const {
+    auto& port = self->state.port;
+    if (auto* time = std::get_if<network::time_answer>(&x.answer))
+      time->held = std::chrono::floor<std::chrono::microseconds>(port.wait(now(self)));
+    const serial::am_packet packet{network::broadcast_mote.value, 0,
+                                   static_cast<std::uint8_t>(island().value),
+                                   network::am::sink_event, network::encode(x.answer)};
+    perform(self, port.send_urgent(serial::encode(packet), now(self)));
+  }
+
   void operator()(const gateway::to_plain& x) const {
     const acting_on its(x.from);
     auto& state = self->state;

@@ -30,7 +30,7 @@ struct performer {
   sink_pointer self;
   std::size_t line = 0; ///< whose port it is
 
-  void write(const bytes& packet, std::size_t to) const;
+  void write(const bytes& packet, std::size_t to, serial::urgency how) const;
 
   void operator()(network::frame_out& x) const {
     const acting_on its(x.from);
@@ -45,9 +45,13 @@ struct performer {
                              static_cast<std::uint8_t>(address.island.value), x.am_type,
                              std::move(x.payload)};
     const auto octets = serial::encode(packet);
+    const auto how = x.urgent ? serial::urgency::before_others : serial::urgency::none;
     for (std::size_t i = 0; i < self->state.ports.size(); ++i) {
-      if (x.line.value_or(i) == i)
-        write(octets, i);
+      if (x.line.value_or(i) != i)
+        continue;
+      if (x.asks_time)
+        self->state.sink.on_question_delayed(self->state.ports[i].wait(now(self)));
+      write(octets, i, how);
     }
   }
 
@@ -98,8 +102,8 @@ void perform(sink_pointer self, serial::mote_port_outputs todo, std::size_t line
   follow(self);
 }
 
-void performer::write(const bytes& packet, std::size_t to) const {
-  perform(self, self->state.ports[to].send(packet, now(self)), to);
+void performer::write(const bytes& packet, std::size_t to, serial::urgency how) const {
+  perform(self, self->state.ports[to].send(packet, now(self), how), to);
 }
 
 /// Octets of one of its lines, which is known by its actor.

@@ -1,9 +1,6 @@
 #include "cli/event_lines.hpp"
 
 #include <algorithm>
-#include <array>
-#include <chrono>
-#include <cstdio>
 #include <utility>
 
 #include "cli/progress_bar.hpp"
@@ -13,22 +10,11 @@
 
 namespace rubicon::cli {
 
-namespace {
-
-/// `00:01:05.004`
-std::string stamp(duration x) {
-  const auto all_ms = std::chrono::floor<std::chrono::milliseconds>(x).count();
-  std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "%02lld:%02d:%02d.%03d",
-                static_cast<long long>(all_ms / 3'600'000), static_cast<int>(all_ms / 60'000 % 60),
-                static_cast<int>(all_ms / 1000 % 60), static_cast<int>(all_ms % 1000));
-  return text.data();
-}
-
-} // namespace
-
 std::string event_line(const report::logged_event& x, duration shift) {
-  return printable(stamp(x.at.time_since_epoch() + shift) + "  " + x.who + "  " + x.what);
+  constexpr std::size_t width = 9; // below an hour
+  auto time = report::run_time(x.at + shift);
+  time.insert(0, width - std::min(width, time.size()), ' ');
+  return printable(time + "  " + x.who + "  " + x.what);
 }
 
 std::string wall_progress_text(duration reached, duration end, double events_per_s,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstdio>
 
 #include "report/figures.hpp"
 #include "report/text_layout.hpp"
@@ -33,17 +32,12 @@ std::string bar(double share, std::size_t width) {
   return text + std::string(width - used, ' ') + "▏ ";
 }
 
-/// Hours, minutes and seconds, as many as `longest` has: `2:05`, `0:02:05`.
+/// As wide as that of `longest`, so that nothing moves while time goes on.
 std::string clock_text(duration x, duration longest) {
-  const auto all_s = std::chrono::duration_cast<std::chrono::seconds>(x).count();
-  std::array<char, 64> text{};
-  const auto length =
-      longest < 1h ? std::snprintf(text.data(), text.size(), "%2d:%02d",
-                                   static_cast<int>(all_s / 60), static_cast<int>(all_s % 60))
-                   : std::snprintf(text.data(), text.size(), "%2lld:%02d:%02d",
-                                   static_cast<long long>(all_s / 3600),
-                                   static_cast<int>(all_s / 60 % 60), static_cast<int>(all_s % 60));
-  return {text.data(), static_cast<std::size_t>(length)};
+  const auto width = report::clock_text(longest).size();
+  auto text = report::clock_text(x);
+  text.insert(0, width - std::min(width, text.size()), ' ');
+  return text;
 }
 
 std::string time_left(duration real, double share) {

@@ -58,14 +58,14 @@ std::string branches_below(std::string_view where) {
 /// Nothing is cut off: where it went is all there is to tell.
 std::string drawn(const tree& path, const paper& on) {
   constexpr std::size_t what_min = 30;
-  std::size_t time_width = report::display_width("seconds");
+  std::size_t time_width = report::display_width("time");
   std::size_t after_width = report::display_width("after");
   std::size_t where_width = report::display_width("where");
   auto rows = path.rows();
   for (auto& x : rows) {
     x.where = printable(x.where);
     x.what = printable(x.what);
-    time_width = std::max(time_width, clock(x.time).size());
+    time_width = std::max(time_width, report::run_time(x.time).size());
     after_width = std::max(after_width, span(x.after).size());
     where_width = std::max(where_width, report::display_width(x.where));
   }
@@ -80,9 +80,9 @@ std::string drawn(const tree& path, const paper& on) {
            report::painted(padded(where, where_width), how, on.colour) + "  " +
            report::painted(wrapped(what, what_width, lead), how, on.colour) + '\n';
   };
-  auto text = line("seconds", "after", "where", "what", look::faint);
+  auto text = line("time", "after", "where", "what", look::faint);
   for (const auto& x : rows)
-    text += line(clock(x.time), x.is_first ? "" : span(x.after), x.where, x.what, x.look);
+    text += line(report::run_time(x.time), x.is_first ? "" : span(x.after), x.where, x.what, x.look);
   return text;
 }
 
@@ -115,7 +115,7 @@ std::string conclusion(const traces& all, const message& x, const paper& on) {
     if (x.acknowledged)
       text += ", acknowledged after " + span(*x.acknowledged - all.nodes[x.root].begin);
     else if (x.failed)
-      text += "; yet the sender was told at " + clock(*x.failed) + " s that it failed";
+      text += "; yet the sender was told at " + report::run_time(*x.failed) + " that it failed";
     else if (x.is_reliable)
       text += ", no acknowledgement reached the sender";
     break;
@@ -123,7 +123,7 @@ std::string conclusion(const traces& all, const message& x, const paper& on) {
     how = look::bad;
     text = "lost" + (y.where.empty() ? ": " : " between " + y.where + ": ") + y.why;
     if (x.failed)
-      text += "; reported failed to the sender at " + clock(*x.failed) + " s";
+      text += "; reported failed to the sender at " + report::run_time(*x.failed);
     break;
   case message_status::refused:
     how = look::bad;
@@ -151,7 +151,7 @@ std::string around(const traces& all, instant from, instant to, const paper& on,
                           x.text.starts_with("battery") ||
                           (!key.empty() && x.text.starts_with(key + " = "));
     if (is_fault && x.time + shortly >= from && x.time <= to && ++lines <= lines_max)
-      rows.add({clock(x.time), names::of(x.from), printable(x.text)});
+      rows.add({report::run_time(x.time), names::of(x.from), printable(x.text)});
   }
   return rows.empty() ? "" : '\n' + rows.render(never_cut, on.colour);
 }
@@ -229,14 +229,14 @@ std::string tuple_text(const traces& all, std::size_t index, const paper& on) {
 
 std::string values_text(const traces& all, const std::vector<std::size_t>& indices,
                         std::size_t limit, const paper& on) {
-  report::table rows({{"seconds", align::right}, {"value"}, {"by"}, {"heard by"}});
+  report::table rows({{"time", align::right}, {"value"}, {"by"}, {"heard by"}});
   const auto first = limit != 0 && indices.size() > limit ? indices.size() - limit : 0;
   for (auto i = first; i < indices.size(); ++i) {
     const auto& x = all.tuples[indices[i]];
     std::string heard;
     for (const auto& who : audience_of(all, x))
       heard += (heard.empty() ? "" : ", ") + who.who + (who.after ? "" : " (not)");
-    rows.add({clock(all.nodes[x.root].begin),
+    rows.add({report::run_time(all.nodes[x.root].begin),
               x.is_deletion ? "deleted" : value_text(x.value, x.is_text), names::of(x.writer),
               x.set ? heard : "never set"});
   }
@@ -307,7 +307,7 @@ std::string histogram(const traces& all, const listing& asked, const paper& on) 
 } // namespace
 
 std::string list_text(const traces& all, const listing& asked, const paper& on) {
-  report::table rows({{"seconds", align::right},
+  report::table rows({{"time", align::right},
                       {"message"},
                       {"to"},
                       {"content"},
@@ -326,7 +326,7 @@ std::string list_text(const traces& all, const listing& asked, const paper& on) 
     const auto how = outcome_of(all, x);
     const bool is_bad = how.status == message_status::lost || how.status == message_status::refused;
     rows.add(
-        {clock(all.nodes[x.root].begin),
+        {report::run_time(all.nodes[x.root].begin),
          x.name,
          all.known.of(x.destination),
          x.content || is_event(x) ? content_text(x) : "",
@@ -339,7 +339,7 @@ std::string list_text(const traces& all, const listing& asked, const paper& on) 
   const auto total = of(message_status::delivered) + of(message_status::lost) +
                      of(message_status::refused) + of(message_status::in_flight);
   auto text = title(printable(all.about.ecology) + ", seed " + std::to_string(all.about.seed) +
-                        ", " + clock(all.end) + " s: " + report::counted(total, "message") +
+                        ", " + report::run_time(all.end) + ": " + report::counted(total, "message") +
                         (asked.from.empty() ? "" : " from " + printable(asked.from)) + ", " +
                         std::to_string(of(message_status::delivered)) + " delivered, " +
                         std::to_string(of(message_status::lost) + of(message_status::refused)) +
@@ -366,7 +366,7 @@ std::string list_text(const traces& all, const listing& asked, const paper& on) 
     --left;
     tuples.add({printable(x.key), all.known.of(x.owner), std::to_string(entry.first),
                 x.is_deletion ? "deleted" : value_text(x.value, x.is_text),
-                clock(all.nodes[x.root].begin)});
+                report::run_time(all.nodes[x.root].begin)});
   }
   return text + '\n' + tuples.render(never_cut, on.colour) + cut_note(all);
 }

@@ -155,8 +155,4 @@ std::string span(duration x) {
   return ms < 1000 ? report::fixed(ms, 1) + " ms" : report::fixed(ms / 1000, 1) + " s";
 }
 
-std::string clock(instant x) {
-  return report::fixed(seconds(x.time_since_epoch()), 3);
-}
-
 } // namespace rubicon::explain

@@ -28,9 +28,6 @@ namespace rubicon::explain {
 /// `12.3 ms`, `1.2 s`
 [[nodiscard]] std::string span(duration x);
 
-/// Seconds with three decimals.
-[[nodiscard]] std::string clock(instant x);
-
 /// `AM type 2`, or what it is on a channel or in a tunnel.
 [[nodiscard]] std::string kind_of(const message& x);
 

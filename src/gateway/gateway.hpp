@@ -53,6 +53,11 @@ struct to_sink {
   provenance from = {};
 };
 
+/// Answer its question at once: it is of no use when it is late.
+struct answer_sink {
+  network::sink_event answer; ///< `held` of a time_answer is for who knows the line
+};
+
 /// What has been written to an input of a mote with a plain program; on_plain_done() says how it
 /// has ended.
 struct to_plain {
@@ -102,8 +107,8 @@ struct line_changed {
   duration silence{}; ///< how long it was not heard, when it is up again
 };
 
-using output = std::variant<publish, erase, to_sink, to_plain, to_gateway, relay_to, announce,
-                            member_changed, line_changed, lead_changed>;
+using output = std::variant<publish, erase, to_sink, answer_sink, to_plain, to_gateway, relay_to,
+                            announce, member_changed, line_changed, lead_changed>;
 using outputs = std::vector<output>;
 
 struct gateway_config {

@@ -94,8 +94,7 @@ outputs gateway::on_event(const network::time_request& x, instant now) {
     return {};
   const auto time =
       std::chrono::floor<std::chrono::microseconds>(now.time_since_epoch() + *clock_offset_);
-  return {to_sink{broadcast_mote, network::am::sink_event,
-                  network::encode(network::time_answer{x.number, time})}};
+  return {answer_sink{network::time_answer{x.number, time}}};
 }
 
 outputs gateway::on_event(const network::gateway_poll& x, instant now) {
@@ -104,8 +103,7 @@ outputs gateway::on_event(const network::gateway_poll& x, instant now) {
     return {};
   }
   const auto change = lead_.on_poll(x, now);
-  outputs out{to_sink{broadcast_mote, network::am::sink_event,
-                      network::encode(network::sink_event(lead_.answer()))}};
+  outputs out{answer_sink{lead_.answer()}};
   change_lead(change, out);
   return out;
 }

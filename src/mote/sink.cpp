@@ -38,7 +38,7 @@ sink::sink(network::router_config network, registrar_config members, const duty_
 
 sink_outputs sink::start(instant now) {
   store_.term = lines_.term();
-  sink_outputs out{store_nonvolatile{store_}, event_for(network::sink_started{}, std::nullopt)};
+  sink_outputs out{store_nonvolatile{store_}, event_for(network::sink_started{})};
   append(out, take(registrar_.start(now), now));
   return finish(std::move(out), now);
 }
@@ -83,7 +83,7 @@ sink_outputs sink::on_event(const network::sink_event& x, instant now, std::size
   if (const auto* wanted = std::get_if<network::describe>(&x))
     return finish(take(registrar_.on_describe(wanted->mote, now), now), now);
   if (const auto* answer = std::get_if<network::time_answer>(&x)) {
-    time_.on_answer(answer->number, answer->since_1970, now);
+    time_.on_answer(answer->number, answer->since_1970, now, answer->held);
     tell_time(now);
     return finish({}, now);
   }
@@ -110,8 +110,16 @@ void sink::on_clock_leapt(duration by) {
   time_.on_clock_leapt(in_us(by));
 }
 
-to_gateway sink::event_for(const network::sink_event& x, std::optional<std::size_t> line) const {
-  return {self_, network::am::sink_event, encode(x), line};
+to_gateway sink::event_for(const network::sink_event& x) const {
+  return {self_, network::am::sink_event, encode(x)};
+}
+
+/// Its answer is of no use when it is late.
+to_gateway sink::question(const network::sink_event& x, std::size_t line) const {
+  auto out = event_for(x);
+  out.line = line;
+  out.urgent = true;
+  return out;
 }
 
 /// The island's clock tells what the gateway says the time is (CLK-08).
@@ -127,9 +135,12 @@ sink_outputs sink::on_time(instant now) {
   auto from_packets = take(packets_.on_time(now), now);
   append(out, remember());
   for (const auto& x : polls)
-    out.emplace_back(event_for(x.what, x.line));
-  if (const auto number = time_.on_time(now))
-    out.emplace_back(event_for(network::time_request{*number}, lines_.leader()));
+    out.emplace_back(question(x.what, x.line));
+  if (const auto number = time_.on_time(now)) {
+    auto asks = question(network::time_request{*number}, lines_.leader());
+    asks.asks_time = true;
+    out.emplace_back(std::move(asks));
+  }
   append(out, std::move(from_packets));
   return finish(std::move(out), now);
 }
@@ -219,7 +230,7 @@ sink_outputs sink::take(registrar_outputs from_registrar, instant now) {
         append(out, take(packets_.send_management(x.mote, encode(x.message), now), now));
       },
       [&](const double_refused& x) { out.emplace_back(x); },
-      [&](const network::sink_event& x) { out.emplace_back(event_for(x, std::nullopt)); },
+      [&](const network::sink_event& x) { out.emplace_back(event_for(x)); },
   };
   for (const auto& x : from_registrar)
     std::visit(act, x);

@@ -29,6 +29,8 @@ struct to_gateway {
   std::uint8_t am_type = 0;
   bytes payload;                        ///< at most network::frame_payload_max octets
   std::optional<std::size_t> line = {}; ///< nothing: up all of them
+  bool urgent = false;                  ///< goes before others
+  bool asks_time = false;               ///< on_question_delayed() says how long the line is in use
 };
 
 using sink_output = std::variant<network::frame_out, to_gateway, store_nonvolatile, double_refused>;
@@ -69,6 +71,9 @@ public:
   [[nodiscard]] sink_outputs on_packet(std::uint8_t am_type, byte_view payload, instant now,
                                        std::size_t line = 0);
 
+  /// A question about the time waits so long for its line.
+  void on_question_delayed(duration by) { time_.on_delayed(by); }
+
   /// Its clock has leapt forward by so much, or back; its timers have not.
   void on_clock_leapt(duration by);
 
@@ -90,8 +95,8 @@ private:
   [[nodiscard]] sink_outputs take(registrar_outputs from_registrar, instant now);
   [[nodiscard]] sink_outputs on_event(const network::sink_event& x, instant now, std::size_t line);
   [[nodiscard]] sink_outputs remember();
-  [[nodiscard]] to_gateway event_for(const network::sink_event& x,
-                                     std::optional<std::size_t> line) const;
+  [[nodiscard]] to_gateway event_for(const network::sink_event& x) const;
+  [[nodiscard]] to_gateway question(const network::sink_event& x, std::size_t line) const;
   void tell_time(instant now);
   [[nodiscard]] sink_outputs from_island(const packet_in& x, instant now);
   [[nodiscard]] sink_outputs to_island(const network::island_packet& x, instant now);

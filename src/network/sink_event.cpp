@@ -40,7 +40,7 @@ struct encoder {
   void operator()(const describe& x) const { start(kind::describe).big(x.mote.value); }
   void operator()(const sink_started&) const { start(kind::started); }
   void operator()(const time_request& x) const {
-    start(kind::time_request).big(x.number).big(std::uint64_t{0});
+    start(kind::time_request).big(x.number).big(std::uint64_t{0}).big(std::uint32_t{0});
   }
   void operator()(const gateway_poll& x) const {
     start(kind::gateway_poll).big(x.life).big(x.term).octet(x.leads ? 1 : 0);
@@ -49,7 +49,10 @@ struct encoder {
     start(kind::gateway_answer).big(x.life).big(x.term);
   }
   void operator()(const time_answer& x) const {
-    start(kind::time_answer).big(x.number).big(static_cast<std::uint64_t>(x.since_1970.count()));
+    start(kind::time_answer)
+        .big(x.number)
+        .big(static_cast<std::uint64_t>(x.since_1970.count()))
+        .big(static_cast<std::uint32_t>(x.held.count()));
   }
 };
 
@@ -102,7 +105,7 @@ result<sink_event> decode_roster(byte_reader& in) {
 
 result<sink_event> decode_time_request(byte_reader& in) {
   const time_request x{in.big<std::uint16_t>()};
-  if (in.big<std::uint64_t>() != 0)
+  if (in.big<std::uint64_t>() != 0 || in.big<std::uint32_t>() != 0)
     return errc::bad_value;
   return finish(in, x);
 }
@@ -112,7 +115,8 @@ result<sink_event> decode_time_answer(byte_reader& in) {
   const auto us = in.big<std::uint64_t>();
   if (us >> 52 != 0)
     return errc::bad_value;
-  const time_answer x{number, std::chrono::microseconds(static_cast<std::int64_t>(us))};
+  const time_answer x{number, std::chrono::microseconds(static_cast<std::int64_t>(us)),
+                      std::chrono::microseconds(in.big<std::uint32_t>())};
   return finish(in, x);
 }
 

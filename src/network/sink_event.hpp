@@ -73,7 +73,7 @@ struct sink_started {
 };
 
 /// Up: what is the time? As long as its answer: then both take the line equally long, and the
-/// answer was true in the middle between question and answer, at any baud rate.
+/// answer was true in the middle between the moments at which they began to leave, at any baud rate.
 struct time_request {
   std::uint16_t number = 0; ///< of this question
 
@@ -84,6 +84,7 @@ struct time_request {
 struct time_answer {
   std::uint16_t number = 0;               ///< the request's
   std::chrono::microseconds since_1970{}; ///< 0 to 2^52 - 1, which is 142 years
+  std::chrono::microseconds held{};       ///< from then until the line was free; 0 to 2^32 - 1
 
   friend bool operator==(const time_answer&, const time_answer&) = default;
 };

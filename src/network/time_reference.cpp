@@ -17,7 +17,13 @@ std::optional<std::uint16_t> time_reference::on_time(instant now) {
   return ++number_;
 }
 
-void time_reference::on_answer(std::uint16_t number, duration since_1970, instant now) {
+void time_reference::on_delayed(duration by) {
+  if (asked_)
+    *asked_ += by;
+}
+
+void time_reference::on_answer(std::uint16_t number, duration since_1970, instant now,
+                               duration held) {
   if (!asked_ || number != number_) {
     ++counters_.strays;
     return;
@@ -25,7 +31,7 @@ void time_reference::on_answer(std::uint16_t number, duration since_1970, instan
   ++counters_.answered;
   const auto sent = *asked_;
   asked_.reset();
-  const auto round_trip = now - sent;
+  const auto round_trip = now - sent - held;
   const answer x{sent + round_trip / 2, since_1970 - (sent + round_trip / 2).time_since_epoch(),
                  round_trip};
   if (!is_good(round_trip)) {
@@ -52,8 +58,8 @@ void time_reference::on_answer(std::uint16_t number, duration since_1970, instan
 }
 
 bool time_reference::is_good(duration round_trip) {
-  if (round_trip > config_.answer_max)
-    return false;
+  if (round_trip < 0s || round_trip > config_.answer_max)
+    return false; // or who answers is wrong about its line
   round_trips_.push_back(round_trip);
   if (round_trips_.size() > answers_max)
     round_trips_.pop_front();

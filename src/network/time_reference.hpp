@@ -35,9 +35,10 @@ struct time_reference_counters {
 };
 RUBICON_FIELDS(time_reference_counters, asked, answered, good, slow, doubtful, strays, leaps);
 
-/// Two-way exchanges, as NTP and PTP have them. Question and answer are equally long, so that a
-/// good answer was true in the middle between them: what the shortest round trip of late does not
-/// explain was spent in a queue of either end, and half of it is the most that the middle is wrong.
+/// Two-way exchanges, as NTP and PTP have them. Question and answer are equally long, and each end
+/// says how long its own line kept it waiting, so that a good answer was true in the middle between
+/// them: what the shortest round trip of late does not explain was spent elsewhere on the line, and
+/// half of it is the most that the middle is wrong.
 /// A straight line through the last good answers gives offset and drift; it lasts while no answer
 /// comes, whose questions are not asked more often for that. An answer far off the line is ignored,
 /// two in succession that agree start a new line.
@@ -57,8 +58,12 @@ public:
   [[nodiscard]] std::optional<std::uint16_t> on_time(instant now);
   [[nodiscard]] instant deadline() const { return next_; }
 
-  /// @param since_1970 when the question came there, or the answer left, which is the same
-  void on_answer(std::uint16_t number, duration since_1970, instant now);
+  /// The line was in use: the question leaves so much later than on_time() returned its number.
+  void on_delayed(duration by);
+
+  /// @param since_1970 when the question came there
+  /// @param held so much later the answer left
+  void on_answer(std::uint16_t number, duration since_1970, instant now, duration held = {});
 
   /// The time there, since 1970; nothing before the first answer.
   [[nodiscard]] std::optional<duration> at(instant own) const;

@@ -205,8 +205,7 @@ std::string expectations_of(const run_page& x) {
                  {each.text, false, "long"},
                  {each.measured, false, "long"}});
     if (!each.command.empty())
-      commands += element("p", each.text + ", at " + report::run_time(each.at, x.report.simulated) +
-                                   (x.report.simulated < 1h ? " s" : "") + ", is explained by") +
+      commands += element("p", each.text + ", at " + report::run_time(each.at) + ", is explained by") +
                   element("pre", each.command) + '\n';
   }
   return section("expectations", "Expectations", wide("<table>" + rows + "</table>") + commands);
@@ -221,12 +220,12 @@ std::string violations_of(const run_page& x) {
   if (all.empty())
     return {};
   auto rows = head_row(
-      {{x.report.simulated < 1h ? "seconds" : "time", true}, {"what must hold"}, {"what was"}});
+      {{"time", true}, {"what must hold"}, {"what was"}});
   const auto shown = std::min(all.size(), violations_shown);
   for (std::size_t i = 0; i < shown; ++i)
-    rows += row({{report::run_time(all[i].first.at, x.report.simulated), true},
+    rows += row({{report::run_time(all[i].first.at), true},
                  {all[i].first.invariant, false, "long bad"},
-                 {report::detail_of(all[i], x.report.simulated), false, "long"}});
+                 {report::detail_of(all[i]), false, "long"}});
   auto out = wide("<table>" + rows + "</table>");
   if (shown < all.size())
     out += element("p", "… and " + with_thousands(all.size() - shown) + " more", "class='soft'");

@@ -45,15 +45,11 @@ std::string look_of(const std::string& what) {
                                            : "event";
 }
 
-std::string time_text(const run_page& x, instant at) {
-  return report::run_time(at, x.report.simulated) + (x.report.simulated < 1h ? " s" : "");
-}
-
 lane violations(const run_page& x) {
   lane out{"violated", {}};
   for (const auto& each : x.report.violations)
     out.marks.push_back({seconds(each.at.time_since_epoch()), "violated",
-                         time_text(x, each.at) + "  " + each.invariant + ": " + each.detail});
+                         report::run_time(each.at) + "  " + each.invariant + ": " + each.detail});
   return out;
 }
 
@@ -68,7 +64,7 @@ lane faults(const run_page& x) {
       break;
     const auto text = config::fault_text(rows.at(plan[i].index));
     out.marks.push_back(
-        {seconds(plan[i].at), "fault", time_text(x, instant{} + plan[i].at) + "  " + text});
+        {seconds(plan[i].at), "fault", report::run_time(instant{} + plan[i].at) + "  " + text});
   }
   return out;
 }
@@ -91,7 +87,7 @@ std::vector<lane> events(const run_page& x) {
     auto& lane = all[name];
     lane.name = name;
     lane.marks.push_back({seconds(each.at.time_since_epoch()), look_of(each.what),
-                          time_text(x, each.at) + "  " + each.who + "  " + each.what});
+                          report::run_time(each.at) + "  " + each.who + "  " + each.what});
   }
   std::vector<lane> lanes;
   for (const auto& name : order)
@@ -165,9 +161,9 @@ std::string log_of(const run_page& x) {
                                            " between them are left out"
                                      : ""));
   std::string rows =
-      head_row({{x.report.simulated < 1h ? "seconds" : "time", true}, {"who"}, {"what"}});
+      head_row({{"time", true}, {"who"}, {"what"}});
   for (const auto& each : log)
-    rows += row({{report::run_time(each.at, x.report.simulated), true},
+    rows += row({{report::run_time(each.at), true},
                  {each.who, false, "name"},
                  {each.what, false, "long"}});
   return out + wide("<table>" + rows + "</table>") + "</details>\n";

@@ -44,7 +44,7 @@ bool keeps_below(double share, double bound) {
 }
 
 std::string at_text(instant x) {
-  return "at " + fixed(seconds(x.time_since_epoch()), 3) + " s";
+  return "at " + run_time(x);
 }
 
 std::string seconds_text(duration x) {

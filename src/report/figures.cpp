@@ -80,8 +80,7 @@ std::string real_time(double wall_s) {
 }
 
 std::string span_text(duration length, instant from) {
-  return real_time(seconds(length)) + " from " +
-         with_thousands(static_cast<std::uint64_t>(from.time_since_epoch() / 1s)) + " s";
+  return real_time(seconds(length)) + " from " + clock_text(from.time_since_epoch());
 }
 
 std::string clock_text(duration x) {
@@ -92,14 +91,10 @@ std::string clock_text(duration x) {
          padded_two(whole_s % 60);
 }
 
-std::string run_time(instant x, duration whole) {
-  const auto since = x.time_since_epoch();
-  if (whole < 1h)
-    return fixed(seconds(since), 3);
-  const auto text = clock_text(since);
-  if (since >= 10h)
-    return text;
-  return (since >= 1h ? "0" : since >= 10min ? "00:" : "00:0") + text;
+std::string run_time(instant x) {
+  const auto since = std::max(x.time_since_epoch(), duration{});
+  const auto ms = static_cast<std::uint64_t>(since / 1ms % 1000);
+  return clock_text(since) + (ms < 100 ? ".0" : ".") + padded_two(ms);
 }
 
 std::string life_time(double hours) {

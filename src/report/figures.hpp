@@ -25,15 +25,14 @@ namespace rubicon::report {
 /// A length of real time: `1.2 ms`, `0.84 s`, `2 min 05 s`, `3 h 10 min`.
 [[nodiscard]] std::string real_time(double wall_s);
 
-/// A length of the run and when it began: `8 h 24 min from 6,673 s`.
+/// A length of the run and when it began: `8 h 24 min from 1:51:13`.
 [[nodiscard]] std::string span_text(duration length, instant from);
 
 /// A time of a run in whole seconds: `0:05`, `12:30`, from an hour on `1:02:03`.
 [[nodiscard]] std::string clock_text(duration x);
 
-/// The same as tables have it: seconds with three decimals in runs below an hour, else `01:02:03`.
-/// @param whole length of the run
-[[nodiscard]] std::string run_time(instant x, duration whole);
+/// The same to the millisecond, as whatever people read shows a time of a run: `12:30.004`, `1:02:03.004`.
+[[nodiscard]] std::string run_time(instant x);
 
 /// A life time given in hours: `7.5 h`, `31 d`, `1.4 y`. Not finite or negative: `–`.
 [[nodiscard]] std::string life_time(double hours);

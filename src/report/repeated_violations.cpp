@@ -21,11 +21,11 @@ std::vector<repeated_violation> repeated(const std::vector<violation>& all) {
   return out;
 }
 
-std::string detail_of(const repeated_violation& x, duration length) {
+std::string detail_of(const repeated_violation& x) {
   if (x.count == 1)
     return x.first.detail;
   return x.first.detail + "; " + with_thousands(x.count) + " times, the last at " +
-         run_time(x.last, length) + (length < 1h ? " s" : "");
+         run_time(x.last);
 }
 
 } // namespace rubicon::report

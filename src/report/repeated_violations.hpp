@@ -20,7 +20,7 @@ struct repeated_violation {
 /// In the order of their first ones.
 [[nodiscard]] std::vector<repeated_violation> repeated(const std::vector<violation>& all);
 
-/// `its detail; 48 times, the last at 12.000`. @param length of the run
-[[nodiscard]] std::string detail_of(const repeated_violation& x, duration length);
+/// `its detail; 48 times, the last at 0:12.000`.
+[[nodiscard]] std::string detail_of(const repeated_violation& x);
 
 } // namespace rubicon::report

@@ -138,7 +138,7 @@ void add_expectations(report_page& page, const run_report& x) {
   for (const auto& each : x.expectations) {
     if (each.command.empty())
       continue;
-    page.line("  " + each.text + ", at " + page.time_text(each.at) + ", is explained by");
+    page.line("  " + each.text + ", at " + run_time(each.at) + ", is explained by");
     const auto cut = std::min(each.command.find(link), each.command.size());
     page.line("    " + each.command.substr(0, cut) + (cut < each.command.size() ? " &&" : ""),
               look::faint);

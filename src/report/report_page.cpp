@@ -13,10 +13,10 @@ constexpr std::size_t width_min = 60;
 
 } // namespace
 
-report_page::report_page(const text_options& options, duration run_length)
+report_page::report_page(const text_options& options)
     : width_(std::max(options.width, width_min)),
       room_(options.cuts ? width_ : std::numeric_limits<std::size_t>::max()),
-      colour_(options.colour), full_(options.full), run_length_(run_length) {}
+      colour_(options.colour), full_(options.full) {}
 
 void report_page::heading(std::string_view title) {
   const auto used = display_width(title) + 4;
@@ -62,18 +62,6 @@ std::size_t report_page::shown(std::size_t rows, std::size_t rows_max) const {
 void report_page::add_rest(table& rows, std::size_t all, std::size_t shown) {
   if (all > shown)
     rows.add_note("… and " + with_thousands(all - shown) + " more; --full shows all");
-}
-
-std::string report_page::time(instant x) const {
-  return run_time(x, run_length_);
-}
-
-std::string report_page::time_text(instant x) const {
-  return time(x) + (run_length_ < 1h ? " s" : "");
-}
-
-std::string report_page::time_heading() const {
-  return run_length_ < 1h ? "seconds" : "time";
 }
 
 } // namespace rubicon::report

@@ -13,8 +13,7 @@ namespace rubicon::report {
 
 class report_page {
 public:
-  /// @param run_length decides how its times are written
-  report_page(const text_options& options, duration run_length);
+  explicit report_page(const text_options& options);
 
   /// `── Event log ─────────` over the whole width, after a blank line.
   void heading(std::string_view title);
@@ -34,11 +33,6 @@ public:
   /// Below a table of which only so many rows are shown.
   static void add_rest(table& rows, std::size_t all, std::size_t shown);
 
-  /// `12.004`, or `01:02:03` in a run of an hour or more; the same with its unit in a text.
-  [[nodiscard]] std::string time(instant x) const;
-  [[nodiscard]] std::string time_text(instant x) const;
-  [[nodiscard]] std::string time_heading() const; ///< of a column of times
-
   [[nodiscard]] std::string finish() { return std::move(text_); }
 
 private:
@@ -47,7 +41,6 @@ private:
   std::size_t room_; ///< of a line; more than the width in a file, where nothing is cut
   bool colour_;
   bool full_;
-  duration run_length_;
 };
 
 } // namespace rubicon::report

@@ -34,7 +34,7 @@ void add_title(report_page& page, const run_report& x) {
 }
 
 /// Lines that tell the same become one: `fan and 2 others`, or `fan` so many times.
-logged_event told_once(const report_page& page, std::vector<logged_event>::const_iterator first,
+logged_event joined_line(std::vector<logged_event>::const_iterator first,
                        std::vector<logged_event>::const_iterator last) {
   std::set<std::string> others;
   for (auto x = first; x != last; ++x)
@@ -46,13 +46,12 @@ logged_event told_once(const report_page& page, std::vector<logged_event>::const
     line.who += " and " + counted(others.size(), "other");
   if (others.size() + 1 < count)
     line.what += ", " + counted(count, "time");
-  line.what += ", the last at " + page.time(std::prev(last)->at);
+  line.what += ", the last at " + run_time(std::prev(last)->at);
   return line;
 }
 
 /// Neighbouring lines that tell the same of several become one.
-std::vector<logged_event> told_briefly(const report_page& page,
-                                       const std::vector<logged_event>& log) {
+std::vector<logged_event> brief_log(const std::vector<logged_event>& log) {
   std::vector<logged_event> brief;
   for (auto first = log.begin(); first != log.end();) {
     const auto last = std::find_if(
@@ -61,7 +60,7 @@ std::vector<logged_event> told_briefly(const report_page& page,
     if (count < alike_min) {
       brief.insert(brief.end(), first, last);
     } else {
-      brief.push_back(told_once(page, first, last));
+      brief.push_back(joined_line(first, last));
     }
     first = last;
   }
@@ -72,11 +71,11 @@ void add_event_log(report_page& page, const run_report& x) {
   if (x.event_log.empty())
     return;
   page.heading("Event log");
-  table rows({{page.time_heading(), align::right}, {"who"}, {"what"}});
-  auto log = page.is_full() ? x.event_log : told_briefly(page, x.event_log);
+  table rows({{"time", align::right}, {"who"}, {"what"}});
+  auto log = page.is_full() ? x.event_log : brief_log(x.event_log);
   const auto thinned = page.is_full() ? 0 : thin(log, log_lines_max);
   for (const auto& line : log)
-    rows.add({{page.time(line.at), look::faint}, line.who, line.what});
+    rows.add({{run_time(line.at), look::faint}, line.who, line.what});
   if (thinned > 0)
     rows.add_note("… " + counted(thinned, "line") +
                   " left out, where most was told; --full shows them");
@@ -115,12 +114,12 @@ void add_silence_note(table& rows, const island_report& island) {
 }
 
 /// `  led by kitchen-gateway: 2 times, 512.4 s, at the end; kitchen-gateway-2: ...`
-void add_lead_note(const report_page& page, table& rows, const island_report& island) {
+void add_lead_note(table& rows, const island_report& island) {
   std::string text;
   for (const auto& x : island.gateways) {
     text += (text.empty() ? "" : "; ") + x.name + ": " + counted(x.lead.led, "time");
     if (x.lead.led > 0)
-      text += ", " + page.time_text(instant(x.lead.leading));
+      text += ", " + real_time(seconds(x.lead.leading));
     if (x.lead.leads)
       text += ", at the end";
   }
@@ -194,7 +193,7 @@ void add_islands(report_page& page, const run_report& x) {
     add_membership_notes(rows, x.islands[i]);
     add_silence_note(rows, x.islands[i]);
     add_measuring_note(rows, alone);
-    add_lead_note(page, rows, x.islands[i]);
+    add_lead_note(rows, x.islands[i]);
     add_loss_notes(rows, x.islands[i]);
   }
   page.add_rest(rows, x.islands.size(), shown);
@@ -504,14 +503,14 @@ void add_verdict(report_page& page, const run_report& x) {
     return;
   }
   page.line("  ✗ " + counted(x.violations.size(), "violation"), look::bad);
-  table rows({{page.time_heading(), align::right}, {"invariant"}, {"detail"}});
+  table rows({{"time", align::right}, {"invariant"}, {"detail"}});
   const auto all = repeated(x.violations);
   const auto shown = page.shown(all.size(), violations_shown);
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& violation = all[i].first;
-    rows.add({{page.time(violation.at), look::faint},
+    rows.add({{run_time(violation.at), look::faint},
               {violation.invariant, look::bad},
-              detail_of(all[i], x.simulated)});
+              detail_of(all[i])});
   }
   page.add_rest(rows, all.size(), shown);
   page.add(rows);
@@ -524,7 +523,7 @@ std::string to_text(const run_report& x, std::size_t width, bool colour) {
 }
 
 std::string to_text(const run_report& x, const text_options& options) {
-  report_page page(options, x.simulated);
+  report_page page(options);
   add_title(page, x);
   add_event_log(page, x);
   add_islands(page, x);

@@ -74,6 +74,14 @@ outputs host_port::send(packet_id id, bytes packet, instant now) {
   return out;
 }
 
+outputs host_port::send_urgent(byte_view packet, instant now) {
+  assert(!objection_to(packet, config_.payload_max));
+  auto wire = encode(frame{frame_type::packet, 0, bytes(packet.begin(), packet.end())});
+  line_free_ = std::max(now, line_free_) + on_line(wire.size());
+  ++counters_.urgent;
+  return {to_line{std::move(wire)}};
+}
+
 outputs host_port::on_bytes(byte_view octets, instant now) {
   outputs out;
   for (const auto octet : octets)

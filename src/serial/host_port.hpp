@@ -1,6 +1,7 @@
 // The PC side of a TinyOS serial line (tinyos.md 1.1 to 1.3; A-50, GW-16).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -75,13 +76,14 @@ struct host_port_counters {
   std::uint64_t refused = 0;  ///< too long or malformed
   std::uint64_t attempts = 0; ///< packet frames written, repeats included
   std::uint64_t acks_written = 0;
+  std::uint64_t urgent = 0;          ///< packets written at once, without asking for an ack
   std::uint64_t received = 0;        ///< packets passed up
   std::uint64_t empty = 0;           ///< received without a dispatch octet, not passed up
   std::uint64_t stray_acks = 0;      ///< for no attempt of the outstanding packet
   std::uint64_t unknown_answers = 0; ///< the mote did not know a frame's type
 };
 RUBICON_FIELDS(host_port_counters, accepted, sent, no_ack, queue_full, refused, attempts,
-               acks_written, received, empty, stray_acks, unknown_answers);
+               acks_written, urgent, received, empty, stray_acks, unknown_answers);
 
 /// Framing, acks both ways, a packet or two at a time. Every send ends in exactly one sent or lost.
 /// Each attempt has a sequence number of its own, so that an ack tells which attempt it answers;
@@ -99,6 +101,14 @@ public:
 
   /// @param packet dispatch octet first
   [[nodiscard]] outputs send(packet_id id, bytes packet, instant now);
+
+  /// Writes a packet at once, behind the frames that are being written, without asking for an ack:
+  /// for answers that are of no use when they are late. @pre objection_to() has none
+  [[nodiscard]] outputs send_urgent(byte_view packet, instant now);
+
+  /// How long such a packet waits for the line.
+  [[nodiscard]] duration wait(instant now) const { return std::max(line_free_, now) - now; }
+
   [[nodiscard]] outputs on_bytes(byte_view octets, instant now);
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
 

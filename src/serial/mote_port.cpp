@@ -23,13 +23,13 @@ constexpr auto asks_for_none = static_cast<std::uint8_t>(frame_type::packet);
 
 mote_port::mote_port(mote_port_config config)
     : config_(config), buffers_(config.receive_buffers), acks_(config.acks_max),
-      packets_(config.queue_max) {
+      urgent_(config.urgent_max), packets_(config.queue_max) {
   assert(config_.baud > 0 && config_.receive_buffers > 0);
   for (auto& x : buffers_)
     x.octets.resize(am_header_octets + config_.payload_max);
 }
 
-mote_port_outputs mote_port::send(bytes packet, instant now) {
+mote_port_outputs mote_port::send(bytes packet, instant now, urgency how) {
   assert(!packet.empty() && packet.size() <= packet_octets_max);
   mote_port_outputs out;
   clock_ = std::max(clock_, now);
@@ -38,7 +38,8 @@ mote_port_outputs mote_port::send(bytes packet, instant now) {
     note_loss(loss::line_failed);
     return out;
   }
-  if (!packets_.push({std::move(packet)})) {
+  auto& queue = how == urgency::before_others ? urgent_ : packets_;
+  if (!queue.push({std::move(packet)})) {
     ++counters_.queue_full;
     note_loss(loss::line_failed);
   }
@@ -66,14 +67,15 @@ mote_port_outputs mote_port::on_time(instant now) {
 }
 
 std::optional<instant> mote_port::deadline() const {
-  if (acks_.empty() && packets_.empty())
+  if (acks_.empty() && queued() == 0)
     return {};
   return uart_free_at_;
 }
 
 void mote_port::stop() {
-  counters_.discarded += acks_.size() + packets_.size();
+  counters_.discarded += acks_.size() + queued();
   acks_.clear();
+  urgent_.clear();
   packets_.clear();
   end_frame(state::inactive);
 }
@@ -220,7 +222,7 @@ void mote_port::pass_up(mote_port_outputs& out) {
 }
 
 void mote_port::transmit(instant now, mote_port_outputs& out) {
-  if (now < uart_free_at_ || (acks_.empty() && packets_.empty()))
+  if (now < uart_free_at_ || (acks_.empty() && queued() == 0))
     return;
   to_line next;
   if (!acks_.empty()) {
@@ -228,7 +230,7 @@ void mote_port::transmit(instant now, mote_port_outputs& out) {
     next.octets = encode(frame{frame_type::ack, acks_.pop(), {}});
   } else {
     ++counters_.packets_sent;
-    auto first = packets_.pop();
+    auto first = urgent_.empty() ? packets_.pop() : urgent_.pop();
     next = {encode(frame{frame_type::packet, 0, std::move(first.packet)}), first.from};
   }
   uart_free_at_ = now + transmission_time(next.octets.size(), config_.baud);

@@ -1,6 +1,7 @@
 // The mote's side of a TinyOS serial line, quirks included (tinyos.md 1.3, 1.4; GW-16).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -27,7 +28,11 @@ struct mote_port_config {
   duration service_time = 1ms; ///< how long a received packet keeps its buffer
   std::size_t acks_max = 5;    ///< acks waiting for the UART
   std::size_t queue_max = 12;  ///< packets waiting for the UART (tinyos.md 3)
+  std::size_t urgent_max = 4;  ///< of those that go before others
 };
+
+/// Packets of the line itself must not wait behind the readings that fill it.
+enum class urgency : std::uint8_t { none, before_others };
 
 struct mote_port_counters {
   std::uint64_t frames_received = 0; ///< good CRC
@@ -50,7 +55,7 @@ RUBICON_FIELDS(mote_port_counters, frames_received, received, bad_crc, too_short
                packets_sent, queue_full, discarded);
 
 /// The serial stack of a sink. A frame occupies the UART for its time at the baud rate; acks go
-/// before packets, packets go out without asking for an ack.
+/// before urgent packets, these before others. Packets go out without asking for an ack.
 ///
 ///   no_sync --flag--> type --44--> sequence --octet--> body --flag, bad--> type
 ///      ^ ^              |  `--45-----------------------^ |
@@ -70,7 +75,7 @@ public:
   explicit mote_port(mote_port_config config);
 
   /// @pre packet has 1..packet_octets_max octets, dispatch first
-  [[nodiscard]] mote_port_outputs send(bytes packet, instant now);
+  [[nodiscard]] mote_port_outputs send(bytes packet, instant now, urgency how = urgency::none);
 
   /// Octets that came in one after the other at the baud rate, the last one now.
   [[nodiscard]] mote_port_outputs on_bytes(byte_view octets, instant now);
@@ -82,7 +87,12 @@ public:
   void stop();  ///< the mote is off: forgets what waits, hears nothing
   void start(); ///< after stop(); a new port is started
 
-  [[nodiscard]] std::size_t queued() const { return packets_.size(); }
+  /// How long an urgent packet sent now waits for the frame that the UART is writing.
+  [[nodiscard]] duration wait(instant now) const {
+    return std::max(uart_free_at_, now) - now;
+  }
+
+  [[nodiscard]] std::size_t queued() const { return urgent_.size() + packets_.size(); }
   [[nodiscard]] const mote_port_counters& counters() const { return counters_; }
 
 private:
@@ -119,6 +129,7 @@ private:
     bytes packet;
     provenance from = {};
   };
+  bounded_queue<waiting> urgent_;
   bounded_queue<waiting> packets_;
   instant uart_free_at_ = instant::min();
   mote_port_counters counters_;

@@ -143,8 +143,8 @@ TEST_CASE("--full shows every row", "[cli]") {
 
 TEST_CASE("times of a long run are those of a clock", "[cli]") {
   const auto x = run("'" RUBICON_CONFIG_DIR "/intel-lab.toml' --for 61min");
-  CHECK(contains(x.out, "\n      time  who"));
-  CHECK(contains(x.out, "  00:00:0"));
+  CHECK(contains(x.out, "\n        time  who"));
+  CHECK(contains(x.out, "  0:0"));
 }
 
 TEST_CASE("a swarm has a page too", "[cli]") {
@@ -177,7 +177,7 @@ TEST_CASE("a run in wall time tells its events as they happen, and tables have t
   REQUIRE(told.size() > 10);
   bool joined = false;
   for (const auto& line : told) {
-    CHECK(line.starts_with("00:00:"));
+    CHECK(line.starts_with(" 0:"));
     CHECK_FALSE(contains(line, "\033"));
     joined = joined || line.ends_with("  kitchen/fan  joined");
   }

@@ -12,7 +12,7 @@ TEST_CASE("a progress text tells how far, how fast and how long still", "[cli]")
   CHECK(progress_text(2s, 0s, 10min, 80) ==
         "▕                    ▏    0%   0:00 of 10:00  0.0 ×  –");
   CHECK(progress_text(100s, 10min, 24h, 80) ==
-        "▕▏                   ▏    0%   0:10:00 of 24:00:00  6.0 ×  3 h 58 min left");
+        "▕▏                   ▏    0%     10:00 of 24:00:00  6.0 ×  3 h 58 min left");
 }
 
 TEST_CASE("a progress text fits its terminal", "[cli]") {

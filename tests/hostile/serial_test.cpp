@@ -138,6 +138,11 @@ private:
         packet.payload = down->payload;
         open.insert(++packets_);
         perform(uart.send(serial::packet_id{packets_}, serial::encode(packet), island.now()));
+      } else if (const auto* answer = std::get_if<gateway::answer_sink>(&x)) {
+        serial::am_packet packet;
+        packet.am_type = network::am::sink_event;
+        packet.payload = encode(answer->answer);
+        perform(uart.send_urgent(serial::encode(packet), island.now()));
       } else if (const auto* tuple = std::get_if<gateway::publish>(&x)) {
         const auto text = to_string(tuple->value);
         acked += tuple->key.ends_with(".status") && text.ends_with(" acknowledged") ? 1U : 0U;
@@ -244,7 +249,8 @@ private:
     case 5:
       x.payload = encode(network::sink_event(network::time_answer{
           static_cast<std::uint16_t>(rng_.below(64)),
-          std::chrono::microseconds(static_cast<std::int64_t>(rng_.next() >> 12))}));
+          std::chrono::microseconds(static_cast<std::int64_t>(rng_.next() >> 12)),
+          std::chrono::microseconds(rng_.chance(0.5) ? 0 : rng_.below(0x100000000))}));
       break;
     case 6:
       x.payload = encode(network::sink_event(network::gateway_poll{small, small, true}));

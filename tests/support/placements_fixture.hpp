@@ -206,6 +206,10 @@ private:
         agenda_.add(now_ + 1ms, [this, from, y = std::move(*packet)] {
           island(from).down(y.am_type, y.payload);
         });
+      } else if (const auto* event = std::get_if<gateway::answer_sink>(&x)) {
+        agenda_.add(now_ + 1ms, [this, from, y = encode(event->answer)] {
+          island(from).down(network::am::sink_event, y);
+        });
       } else if (auto* message = std::get_if<gateway::to_gateway>(&x)) {
         post(gateway_of(from), message->peer, std::move(message->octets));
       } else if (auto* tuple = std::get_if<gateway::publish>(&x)) {

@@ -137,7 +137,7 @@ TEST_CASE("a message that no frame brings to the sink is lost there", "[explain]
   const auto text = message_text(all, 0, wide);
   CHECK(contains(text, "attempt 1 of 2: LOST, 4 tries: 4 × out of range"));
   CHECK(contains(text, "lost between kitchen/far → sink: 4 tries: 4 × out of range; "
-                       "reported failed to the sender at 2.032 s; 6 radio repeats; "
+                       "reported failed to the sender at 0:02.032; 6 radio repeats; "
                        "2 attempts end to end"));
   listing asked;
   asked.lost_only = true;

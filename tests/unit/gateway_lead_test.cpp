@@ -114,7 +114,7 @@ TEST_CASE("an only gateway always leads, and answers no polls", "[gateway][GW-14
   config.island = kitchen;
   gateway::gateway x(config, random_stream(1));
   CHECK(published(x.start({}), "devices.role") == "nothing");
-  CHECK(pick<to_sink>(lead(x)).empty());
+  CHECK(pick<answer_sink>(lead(x)).empty());
   CHECK(x.counters().unknown_type == 1);
 }
 

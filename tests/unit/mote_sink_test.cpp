@@ -149,6 +149,8 @@ TEST_CASE("a sink asks for the time and gives it to its island's clock", "[mote]
   REQUIRE(asked.size() == 1);
   CHECK(asked[0].source == island_fixture::sink_id);
   CHECK(asked[0].am_type == network::am::sink_event);
+  CHECK(asked[0].urgent);
+  CHECK(asked[0].asks_time);
   CHECK_FALSE(x.time().at(instant(1s)));
   const auto number =
       std::get<network::time_request>(*network::decode_sink_event(asked[0].payload)).number;
@@ -158,6 +160,16 @@ TEST_CASE("a sink asks for the time and gives it to its island's clock", "[mote]
   CHECK(x.time().at(instant(1s + 5ms)) == 1000s);
   run_until(instant(4s));
   CHECK(x.packets().router().clock().network_time(instant(4s)) == 1003s - 5ms);
+
+  run_until(instant(5s)); // the line is in use for 80 ms, later for 40 ms that the answer tells
+  REQUIRE(asked.size() > 1);
+  x.on_question_delayed(80ms);
+  const auto last =
+      std::get<network::time_request>(*network::decode_sink_event(asked.back().payload)).number;
+  static_cast<void>(x.on_packet(
+      network::am::sink_event,
+      encode(network::sink_event(network::time_answer{last, 1003s + 80ms, 40ms})), now + 130ms));
+  CHECK(x.time().counters().slow == 0);
 }
 
 TEST_CASE("fragments of packets of two motes do not mix", "[mote][NET-14]") {

@@ -11,10 +11,11 @@ TEST_CASE("every event between sink and gateway survives the line", "[network][D
       {roster{4, 1, 2, {{mote_id{7}, 2}, {mote_id{8}, 0}}}, "0300040102000700000002000800000000"},
       {roster{5, 0, 1, {}}, "0300050001"},
       {describe{mote_id{7}}, "040007"},
-      {time_request{0x0102}, "0601020000000000000000"},
+      {time_request{0x0102}, "060102000000000000000000000000"},
       {gateway_poll{1, 0x0203, true}, "08000000010000020301"},
       {gateway_answer{1, 0x0203}, "090000000100000203"},
-      {time_answer{0x0102, std::chrono::microseconds(0x0304050607)}, "0701020000000304050607"},
+      {time_answer{0x0102, std::chrono::microseconds(0x0304050607), std::chrono::microseconds(0x08090a0b)},
+       "070102000000030405060708090a0b"},
   };
   for (const auto& [event, octets] : rows) {
     CHECK(to_hex(encode(event)) == octets);

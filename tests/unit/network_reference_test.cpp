@@ -18,14 +18,16 @@ struct fixture {
   duration ahead = 1'000'000'000s; ///< network time minus real time
   duration way = 6ms;              ///< of question and of answer
   double busy = 0;                 ///< chance that either waits in a queue,
-  duration queue_max = 40ms;       ///< so long at most
+  duration queue_max = 40ms;       ///< so long at most,
+  bool is_said = false;            ///< which its end says
   bool answers = true;
   duration now{};
   random_stream rng{1};
   time_reference reference;
   std::optional<std::uint16_t> question = {};
   duration there{}; ///< when the question is there,
-  duration back{};  ///< and its answer here
+  duration back{};  ///< and its answer here,
+  duration held{};  ///< which left so late
 
   explicit fixture(double off_ppm, std::uint64_t seed = 1)
       : ppm(off_ppm), rng(seed), reference({}, own()) {}
@@ -41,13 +43,17 @@ struct fixture {
   void run_for(duration length) {
     for (const auto end = now + length; now < end; now += 100us) {
       if (question && now >= back) {
-        reference.on_answer(*question, there + ahead, own());
+        reference.on_answer(*question, there + ahead, own(), is_said ? held : 0s);
         question.reset();
       }
       if (const auto number = reference.on_time(own()); number && answers) {
         question = number;
-        there = now + queue() + way;
-        back = there + queue() + way;
+        const auto wait = queue();
+        if (is_said)
+          reference.on_delayed(wait);
+        there = now + wait + way;
+        held = queue();
+        back = there + held + way;
       }
     }
   }
@@ -66,6 +72,28 @@ TEST_CASE("a root knows the time of its gateway from the first answer on", "[net
   REQUIRE(x.reference.at(x.own()));
   CHECK(x.error() < 200us);
   CHECK(x.reference.counters().good == 1);
+}
+
+TEST_CASE("a line that is never free does not matter if its ends say so", "[network][CLK-08]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 11)));
+  fixture x(80, seed);
+  x.busy = 1;
+  x.queue_max = 400ms;
+  x.is_said = true;
+  x.run_for(5s);
+  CHECK(x.error() < 300us);
+  x.run_for(5min);
+  CHECK(x.error() < 100us);
+  CHECK(x.reference.counters().slow == 0);
+}
+
+TEST_CASE("an answer that was held longer than it took tells nothing", "[network][CLK-08]") {
+  fixture x(0);
+  x.run_for(1s + 200us);
+  REQUIRE(x.question);
+  x.reference.on_answer(*x.question, x.ahead + 1s, x.own(), 1h);
+  CHECK_FALSE(x.reference.at(x.own()));
+  CHECK(x.reference.counters().slow == 1);
 }
 
 TEST_CASE("it asks every second at first, then every ten", "[network][CLK-08]") {

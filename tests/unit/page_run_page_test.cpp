@@ -134,7 +134,7 @@ TEST_CASE("an expectation that is not met is told once, with its command, and on
   CHECK(contains(html, "1 violation"));
   CHECK(contains(html, "<td class='unmet'>✗</td><td class='long'>joined within 20 s</td>"));
   CHECK(contains(html, "rubicon explain run.rec --lost"));
-  CHECK(contains(html, "<title>20.000 s  expected: joined within 20 s: 5 motes</title>"));
+  CHECK(contains(html, "<title>0:20.000  expected: joined within 20 s: 5 motes</title>"));
   CHECK_FALSE(contains(html, "<section id='violations'>"));
   x.violations.push_back({instant{}, "radio copies balance", "sent 1, delivered 0"});
   html = page_of(x);

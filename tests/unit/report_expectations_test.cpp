@@ -178,7 +178,7 @@ TEST_CASE("clocks are compared from a time on, and each counts", "[report][expec
   const auto unmet = x.result();
   CHECK(unmet.outcome == verdict::unmet);
   CHECK(unmet.at == at(70s));
-  CHECK(unmet.measured == "33.333% of 3 samples, worst 3 ms (kitchen/climate-7 at 80.000 s)");
+  CHECK(unmet.measured == "33.333% of 3 samples, worst 3 ms (kitchen/climate-7 at 1:20.000)");
   for (int i = 0; i < 100; ++i)
     x.judge.on_sample(at(i * 10s));
   CHECK_FALSE(x.judge.next_sample()); // the run is over
@@ -192,7 +192,7 @@ TEST_CASE("motes are to join in time, and to stay", "[report][expect]") {
   const auto unmet = x.result();
   CHECK(unmet.outcome == verdict::unmet);
   CHECK(unmet.at == at(20s));
-  CHECK(unmet.measured == "kitchen/lamp-9 at 21.000 s; 1 of 3 motes late");
+  CHECK(unmet.measured == "kitchen/lamp-9 at 0:21.000; 1 of 3 motes late");
   one again(joined_expectation{of_climate_7, 20s});
   again.judge.on_joined(climate_7, at(3s));
   again.judge.on_joined(climate_7, at(300s));
@@ -252,7 +252,7 @@ TEST_CASE("lines of the event log count that the report has left out", "[report]
   x.judge.on_event({at(4s), "kitchen/lamp-9", "joined"});
   x.judge.on_event({at(5s), "kitchen/fan", "left: silence"});
   CHECK(x.met(run));
-  CHECK(x.result(run).measured == "3 lines, the last at 2.000 s");
+  CHECK(x.result(run).measured == "3 lines, the last at 0:02.000");
 }
 
 TEST_CASE("a run that broke off is not judged", "[report][expect]") {

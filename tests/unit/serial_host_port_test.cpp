@@ -116,6 +116,26 @@ TEST_CASE("the queue takes its limit and loses the next", "[serial][GW-16][NFR-0
   CHECK(pc.counters().accepted == limit + 1);
 }
 
+TEST_CASE("an urgent packet overtakes what waits, and nobody acknowledges it", "[serial][CLK-08]") {
+  host_port pc;
+  CHECK(pc.wait(start) == 0s);
+  static_cast<void>(pc.send(id(1), packet(1), start));
+  CHECK(pc.send(id(2), packet(2), start).empty());
+  const auto wait = pc.wait(start);
+  CHECK(wait > 0s);
+  const auto out = pc.send_urgent(packet(3), start);
+  REQUIRE(out.size() == 1);
+  const auto frames = decode_all(all<to_line>(out).at(0).octets);
+  REQUIRE(frames.size() == 1);
+  CHECK(frames[0].type == frame_type::packet);
+  CHECK(number_of(frames[0].packet) == 3);
+  CHECK(pc.wait(start) > wait); // the next one waits for it too
+  CHECK(pc.wait(start + 1s) == 0s);
+  CHECK(pc.queued() == 1);
+  CHECK(pc.counters().urgent == 1);
+  CHECK(pc.counters().accepted == 2);
+}
+
 TEST_CASE("a packet that would not do the sink good is refused", "[serial][GW-16]") {
   struct row {
     const char* what;

@@ -256,6 +256,33 @@ TEST_CASE("a mote's transmit queue drops the newest beyond twelve", "[serial][GW
   CHECK_FALSE(mote.port.deadline());
 }
 
+TEST_CASE("an urgent packet waits for the frame that is being written alone", "[serial][CLK-08]") {
+  bench mote;
+  heard x;
+  CHECK(mote.port.wait(mote.now) == 0s);
+  for (std::uint32_t i = 0; i < 13; ++i)
+    note(x, mote.port.send(numbered_packet(i, 10), mote.now));
+  const auto wait = mote.port.wait(mote.now);
+  CHECK(wait == *mote.port.deadline() - mote.now);
+  for (std::uint32_t i = 20; i < 24; ++i)
+    note(x, mote.port.send(numbered_packet(i, 10), mote.now, urgency::before_others));
+  CHECK(mote.port.counters().queue_full == 0);
+  note(x, mote.port.send(numbered_packet(24, 10), mote.now, urgency::before_others));
+  CHECK(mote.port.counters().queue_full == 1);
+  mote.wait(x, wait);
+  REQUIRE(x.packets.size() == 2);
+  CHECK(number_of(x.packets[1]) == 20);
+  mote.wait(x, 1s);
+  REQUIRE(x.packets.size() == 17);
+  CHECK(number_of(x.packets[4]) == 23);
+  CHECK(number_of(x.packets[5]) == 1);
+
+  note(x, mote.port.send(numbered_packet(1, 10), mote.now));
+  note(x, mote.port.send(numbered_packet(2, 10), mote.now, urgency::before_others));
+  mote.port.stop();
+  CHECK(mote.port.counters().discarded == 1);
+}
+
 TEST_CASE("acks overtake packets, and at most five wait", "[serial][A-50][NFR-03]") {
   mote_port_config config;
   config.service_time = 0ms;
