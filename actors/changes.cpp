@@ -13,6 +13,7 @@
 #include "actors/mote.hpp"
 #include "config/change_text.hpp"
 #include "config/debug_selection.hpp"
+#include "report/figures.hpp"
 
 namespace rubicon {
 
@@ -29,6 +30,15 @@ void refuse(ecology_pointer self, const std::string& who, const std::string& why
 
 std::shared_ptr<const mote_arguments> with_period(mote_arguments of, const config::rate_change& x) {
   config::set_period(of.apps, x);
+  return std::make_shared<const mote_arguments>(std::move(of));
+}
+
+std::shared_ptr<const mote_arguments> with_keys(mote_arguments of,
+                                                const config::network_keys_change& x) {
+  auto& settings = of.smepp->settings;
+  settings.network_key = x.network_key;
+  if (x.network_mac)
+    settings.network_mac = x.network_mac;
   return std::make_shared<const mote_arguments>(std::move(of));
 }
 
@@ -108,6 +118,29 @@ void change_applier::operator()(const proxy::class_change& x) const {
     for (const auto& manager : peer.managers)
       self->send(manager, change_class{x});
   note_event(self, self->path(), "proxy class " + x.class_name + ": " + proxy::to_text(x));
+}
+
+/// A mote that is off now has them when it starts.
+void change_applier::operator()(const config::network_keys_change& x) const {
+  const auto gets = [&x](const mote_arguments& mote) {
+    return mote.smepp &&
+           (x.motes.empty() || std::ranges::find(x.motes, mote.address) != x.motes.end());
+  };
+  std::size_t count = 0;
+  for (auto& [address, mote] : self->state.motes) {
+    if (!gets(*mote.arguments))
+      continue;
+    ++count;
+    mote.arguments = with_keys(*mote.arguments, x);
+    const auto& settings = mote.arguments->smepp->settings;
+    if (mote.handle)
+      self->send(mote.handle, set_network_keys{std::make_shared<const smepp::key_pair>(
+                                  smepp::key_pair{*settings.network_key, *settings.network_mac})});
+  }
+  for (auto& [fault, next] : self->state.successors)
+    if (gets(*next))
+      next = with_keys(*next, x);
+  note_event(self, self->path(), "network keys changed on " + report::counted(count, "mote"));
 }
 
 } // namespace rubicon

@@ -16,6 +16,7 @@ struct change_applier {
   void operator()(const config::rate_change& x) const;
   void operator()(const config::link_change& x) const;
   void operator()(const proxy::class_change& x) const;
+  void operator()(const config::network_keys_change& x) const;
 };
 
 /// The debug log has messages of these only from now on (NFR-02). A pattern that means nobody is

@@ -11,6 +11,7 @@
 #include "actors/program_note.hpp"
 #include "actors/statuses.hpp"
 #include "core/device_keys.hpp"
+#include "network/am.hpp"
 #include "serial/packet.hpp"
 #include "serial/raw_packet.hpp"
 
@@ -72,7 +73,7 @@ struct performer {
     auto& port = self->state.port;
     if (auto* time = std::get_if<network::time_answer>(&x.answer))
       time->held = std::chrono::floor<std::chrono::microseconds>(port.wait(now(self)));
-    const serial::am_packet packet{network::broadcast_mote.value, 0,
+    const serial::am_packet packet{broadcast_mote.value, 0,
                                    static_cast<std::uint8_t>(island().value),
                                    network::am::sink_event, network::encode(x.answer)};
     perform(self, port.send_urgent(serial::encode(packet), now(self)));

@@ -515,6 +515,11 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
       },
       [self](const step_clock& x) { on_clock_step(self, x.by); },
       [self](const set_period& x) { on_period(self, x); },
+      [self](const set_network_keys& x) {
+        if (self->state.groups && !self->state.flat)
+          perform(self, self->state.groups->node.set_network_keys(
+                            *x.keys, self->state.groups->own(now(self))));
+      },
       [self](end_battery) {
         on_battery_low(self);
         const auto left = self->state.node ? last_words_time : duration{};

@@ -2,12 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "actors/messages/air.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/serial.hpp"
 #include "communication/remote_messages.hpp"
 #include "core/address.hpp"
+
+namespace rubicon::smepp {
+struct key_pair;
+} // namespace rubicon::smepp
 
 namespace rubicon {
 
@@ -75,9 +80,16 @@ struct set_period {
 };
 RUBICON_FIELDS(set_period, messenger, number, period);
 
-struct mote_interface
-    : extends<radio_user_interface, attach_program, program_commands, move_mote, crash_now,
-              end_battery, step_clock, set_period, timer_expired, status_request> {};
+/// From the plan: other network keys of SMEPP Light. The keys are no field: no trace, record or log
+/// has them.
+struct set_network_keys {
+  std::shared_ptr<const smepp::key_pair> keys; ///< never nullptr
+};
+RUBICON_FIELDS(set_network_keys);
+
+struct mote_interface : extends<radio_user_interface, attach_program, program_commands, move_mote,
+                                crash_now, end_battery, step_clock, set_period, set_network_keys,
+                                timer_expired, status_request> {};
 using mote_actor = ref<mote_interface>;
 
 /// From whoever spawned both: the program's mote runs, for the first time or again.

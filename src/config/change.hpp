@@ -13,6 +13,7 @@
 #include "core/address.hpp"
 #include "core/time.hpp"
 #include "proxy/class_change.hpp"
+#include "smepp/member_config.hpp"
 
 namespace rubicon::config {
 
@@ -38,14 +39,23 @@ struct link_change {
   std::optional<double> gain_db = {};
 };
 
+/// Motes with the program `member` have other network keys, in this life and in later ones
+/// (SMP-02).
+struct network_keys_change {
+  smepp::key network_key;
+  std::optional<smepp::key> network_mac = {}; ///< nothing: as before
+  std::vector<mote_address> motes = {};       ///< empty: all that have the program
+};
+
 /// What a `kind` of a change may be.
-inline constexpr std::array<std::string_view, 4> change_kinds{"debug", "rate", "link",
-                                                              "proxy_class"};
+inline constexpr std::array<std::string_view, 5> change_kinds{"debug", "rate", "link",
+                                                              "proxy_class", "network_keys"};
 
 /// Why there is no such kind, if it is something that does not change while an ecology runs; else
 /// empty.
 [[nodiscard]] std::string_view why_fixed(std::string_view kind);
 
-using change = std::variant<debug_change, rate_change, link_change, proxy::class_change>;
+using change =
+    std::variant<debug_change, rate_change, link_change, proxy::class_change, network_keys_change>;
 
 } // namespace rubicon::config

@@ -7,6 +7,7 @@
 #include "config/change_text.hpp"
 #include "config/debug_selection.hpp"
 #include "config/file_readers.hpp"
+#include "config/secret_key.hpp"
 #include "proxy/class_keys.hpp"
 
 namespace rubicon::config {
@@ -117,6 +118,15 @@ auto link_keys() {
                      {"received dBm at 0 dBm sent", "as before"}));
 }
 
+auto network_keys_keys() {
+  return of(required("network_key", &network_keys_change::network_key,
+                     secret_key{"smepp.network_key"}, "encrypts all frames from then on"),
+            optional("network_mac", &network_keys_change::network_mac,
+                     secret_key{"smepp.network_mac"}, {"authenticates them", "as before"}),
+            optional("motes", &network_keys_change::motes, list_of<mote_name>{{}, 1},
+                     {"who gets the keys; others are left behind", "all motes with `member`"}));
+}
+
 class change_reader {
 public:
   change_reader(const ecology_description& all, change& out) : all_(all), out_(out) {}
@@ -132,7 +142,8 @@ public:
                                                 "none: nobody's")))},
                       {"rate", one(rate_keys())},
                       {"link", one(link_keys())},
-                      {"proxy_class", one(class_keys())}},
+                      {"proxy_class", one(class_keys())},
+                      {"network_keys", one(network_keys_keys())}},
               within);
   }
 
@@ -261,6 +272,21 @@ private:
     check_field(in, x, *found);
     if (in.sound() && proxy::to_text(x).empty())
       in.problems().add(in.at(), "nothing of the class is to change: say what");
+  }
+
+  void check(table_reader& in, network_keys_change& x) const {
+    const auto is_member = [](const mote_description& mote) {
+      return std::ranges::any_of(mote.apps, [](const mote_app& app) {
+        return std::holds_alternative<smepp::member_config>(app);
+      });
+    };
+    for (const auto& each : x.motes)
+      if (const auto* mote = find(each); mote != nullptr && !is_member(*mote))
+        refuse(in, "motes", '`' + mote->name + "` has no program `member`, and so no such keys");
+    if (std::ranges::none_of(all_.islands, [&](const island_description& island) {
+          return std::ranges::any_of(island.motes, is_member);
+        }))
+      in.problems().add(in.at(), "no mote has the program `member`: there are no network keys");
   }
 
   static void check_field(table_reader& in, const proxy::class_change& x,

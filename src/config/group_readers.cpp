@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "config/file_readers.hpp"
+#include "config/secret_key.hpp"
 #include "config/secrets.hpp"
 #include "core/random.hpp"
 #include "smepp/member_keys.hpp"
@@ -13,26 +14,6 @@ namespace rubicon::config {
 namespace {
 
 constexpr duration period_max = 65s;
-
-/// 128 bits as 32 hexadecimal digits. What is wrong is told without what was found.
-struct secret_key {
-  std::string name; ///< as secrets_of() calls it
-
-  [[nodiscard]] std::optional<smepp::key> read(const node& x, const asker& who) const {
-    const auto* found = x.as<std::string>();
-    auto out = found == nullptr ? std::nullopt : smepp::key::from_hex(*found);
-    if (!out)
-      who.complain(x, '`' + std::string(who.key) + "` must be a key of 32 hexadecimal digits");
-    else
-      who.in.seen.secrets.push_back({name, x.at});
-    return out;
-  }
-  /// `writeOnly` is how a schema says that a value is secret.
-  [[nodiscard]] static form takes() {
-    return {"key of 32 hexadecimal digits",
-            with_member(pattern_schema("[0-9A-Fa-f]{32}"), "writeOnly", "true")};
-  }
-};
 
 smepp::key drawn_key(std::uint64_t seed, const std::string& what) {
   random_stream rng(seed, "smepp/" + what);
@@ -77,6 +58,22 @@ smepp::group_description read_group(table_reader& in, std::uint64_t seed, name_c
 }
 
 } // namespace
+
+std::optional<smepp::key> secret_key::read(const node& x, const asker& who) const {
+  const auto* found = x.as<std::string>();
+  auto out = found == nullptr ? std::nullopt : smepp::key::from_hex(*found);
+  if (!out)
+    who.complain(x, '`' + std::string(who.key) + "` must be a key of 32 hexadecimal digits");
+  else
+    who.in.seen.secrets.push_back({name, x.at});
+  return out;
+}
+
+/// `writeOnly` is how a schema says that a value is secret.
+form secret_key::takes() {
+  return {"key of 32 hexadecimal digits",
+          with_member(pattern_schema("[0-9A-Fa-f]{32}"), "writeOnly", "true")};
+}
 
 smepp::group_settings read_smepp(table_reader& root, std::uint64_t seed) {
   enum class authenticated : std::uint8_t { group, sender };

@@ -97,6 +97,8 @@ private:
       return last == "fault" || last == "change";
     if (path_.size() == 2 && path_[0] == "radio")
       return last == "link";
+    if (path_.size() == 2 && path_[0] == "smepp")
+      return last == "network_key" || last == "network_mac";
     if (path_.size() == 3 && path_[0] == "proxy")
       return (path_[1] == "qos" && among(qos, last)) || (path_[1] == "field" && among(field, last));
     const auto* app = table.find("app");
@@ -227,6 +229,14 @@ void compare_classes(const ecology_description& before, const ecology_descriptio
   }
 }
 
+void compare_network_keys(const ecology_description& before, const ecology_description& now,
+                          std::vector<change>& out) {
+  const auto& a = before.smepp;
+  const auto& b = now.smepp;
+  if (a.network_key != b.network_key || a.network_mac != b.network_mac)
+    out.emplace_back(network_keys_change{b.network_key.value_or(smepp::key()), b.network_mac, {}});
+}
+
 /// When a table of the plan happens for the first time.
 duration time_of(const node& table) {
   for (const auto* key : {"at", "from"})
@@ -328,6 +338,7 @@ reloaded followed_file::read(std::string_view toml, duration now) {
   compare_links(described_, *loaded.ecology, radio == nullptr ? root.at : radio->at, out.changes,
                 refused);
   compare_classes(described_, *loaded.ecology, out.changes);
+  compare_network_keys(described_, *loaded.ecology, out.changes);
   std::vector<fault_description> faults;
   std::vector<fault_description> changes;
   for (const auto& x : loaded.ecology->faults)

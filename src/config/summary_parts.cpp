@@ -105,6 +105,12 @@ struct fault_cells {
             [](const proxy::class_change& y) {
               return row{"proxy_class", y.class_name + ": " + proxy::to_text(y)};
             },
+            [this](const network_keys_change& y) {
+              std::string motes;
+              for (const auto& each : y.motes)
+                motes += (motes.empty() ? "of " : ", ") + mote(each);
+              return row{"network_keys", motes.empty() ? "of all members" : motes};
+            },
         },
         x);
   }

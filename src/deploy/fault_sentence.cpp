@@ -70,7 +70,7 @@ std::variant<std::string, std::string> parsed(std::string_view sentence, const s
   return std::variant<std::string, std::string>(std::in_place_index<0>, std::move(table));
 }
 
-/// `"debug", "rate", "link" or "proxy_class"`
+/// `"debug", "rate", "link", "proxy_class" or "network_keys"`
 std::string change_words() {
   std::string text;
   for (std::size_t i = 0; i < config::change_kinds.size(); ++i)
@@ -88,6 +88,11 @@ const config::fault_description* last_of(const std::vector<config::fault_descrip
     return each.at == duration{} && config::is_change(each) == change;
   });
   return found == planned.rend() ? nullptr : &*found;
+}
+
+bool holds_keys(const config::fault& x) {
+  const auto* change = std::get_if<config::change>(&x);
+  return change != nullptr && std::holds_alternative<config::network_keys_change>(*change);
 }
 
 bool needs_radio_from_the_start(const config::fault& x) {
@@ -129,6 +134,10 @@ std::variant<config::fault, std::string> fault_of(const bundle& x, std::string_v
   const auto* last = last_of(loaded.ecology->faults, is_change_sentence(sentence));
   if (last == nullptr)
     return std::string("it does not fit to the file");
+  if (holds_keys(last->what))
+    return std::string(
+        "logs show what is done by hand, and keys are secret: write them in the file, "
+        "as a [[change]] or as those of [smepp] with `run --reload`");
   if (needs_radio_from_the_start(last->what))
     return std::string("that one needs a radio that is there from the start: plan it in the file");
   return last->what;

@@ -82,7 +82,8 @@ std::string drawn(const tree& path, const paper& on) {
   };
   auto text = line("time", "after", "where", "what", look::faint);
   for (const auto& x : rows)
-    text += line(report::run_time(x.time), x.is_first ? "" : span(x.after), x.where, x.what, x.look);
+    text +=
+        line(report::run_time(x.time), x.is_first ? "" : span(x.after), x.where, x.what, x.look);
   return text;
 }
 
@@ -338,13 +339,14 @@ std::string list_text(const traces& all, const listing& asked, const paper& on) 
   const auto of = [&](message_status x) { return counts[static_cast<std::size_t>(x)]; };
   const auto total = of(message_status::delivered) + of(message_status::lost) +
                      of(message_status::refused) + of(message_status::in_flight);
-  auto text = title(printable(all.about.ecology) + ", seed " + std::to_string(all.about.seed) +
-                        ", " + report::run_time(all.end) + ": " + report::counted(total, "message") +
-                        (asked.from.empty() ? "" : " from " + printable(asked.from)) + ", " +
-                        std::to_string(of(message_status::delivered)) + " delivered, " +
-                        std::to_string(of(message_status::lost) + of(message_status::refused)) +
-                        " lost, " + std::to_string(of(message_status::in_flight)) + " in flight",
-                    on);
+  auto text =
+      title(printable(all.about.ecology) + ", seed " + std::to_string(all.about.seed) + ", " +
+                report::run_time(all.end) + ": " + report::counted(total, "message") +
+                (asked.from.empty() ? "" : " from " + printable(asked.from)) + ", " +
+                std::to_string(of(message_status::delivered)) + " delivered, " +
+                std::to_string(of(message_status::lost) + of(message_status::refused)) + " lost, " +
+                std::to_string(of(message_status::in_flight)) + " in flight",
+            on);
   text += histogram(all, asked, on) + rows.render(never_cut, on.colour);
   if (fits > shown.size())
     text += "  … and " + std::to_string(fits - shown.size()) + " before (--limit 0 shows all)\n";

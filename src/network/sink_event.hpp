@@ -73,7 +73,8 @@ struct sink_started {
 };
 
 /// Up: what is the time? As long as its answer: then both take the line equally long, and the
-/// answer was true in the middle between the moments at which they began to leave, at any baud rate.
+/// answer was true in the middle between the moments at which they began to leave, at any baud
+/// rate.
 struct time_request {
   std::uint16_t number = 0; ///< of this question
 

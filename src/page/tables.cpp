@@ -205,8 +205,9 @@ std::string expectations_of(const run_page& x) {
                  {each.text, false, "long"},
                  {each.measured, false, "long"}});
     if (!each.command.empty())
-      commands += element("p", each.text + ", at " + report::run_time(each.at) + ", is explained by") +
-                  element("pre", each.command) + '\n';
+      commands +=
+          element("p", each.text + ", at " + report::run_time(each.at) + ", is explained by") +
+          element("pre", each.command) + '\n';
   }
   return section("expectations", "Expectations", wide("<table>" + rows + "</table>") + commands);
 }
@@ -219,8 +220,7 @@ std::string violations_of(const run_page& x) {
   const auto all = report::repeated(others);
   if (all.empty())
     return {};
-  auto rows = head_row(
-      {{"time", true}, {"what must hold"}, {"what was"}});
+  auto rows = head_row({{"time", true}, {"what must hold"}, {"what was"}});
   const auto shown = std::min(all.size(), violations_shown);
   for (std::size_t i = 0; i < shown; ++i)
     rows += row({{report::run_time(all[i].first.at), true},

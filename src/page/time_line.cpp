@@ -160,12 +160,10 @@ std::string log_of(const run_page& x) {
                                      ? "; " + report::with_thousands(x.report.event_log_left_out) +
                                            " between them are left out"
                                      : ""));
-  std::string rows =
-      head_row({{"time", true}, {"who"}, {"what"}});
+  std::string rows = head_row({{"time", true}, {"who"}, {"what"}});
   for (const auto& each : log)
-    rows += row({{report::run_time(each.at), true},
-                 {each.who, false, "name"},
-                 {each.what, false, "long"}});
+    rows += row(
+        {{report::run_time(each.at), true}, {each.who, false, "name"}, {each.what, false, "long"}});
   return out + wide("<table>" + rows + "</table>") + "</details>\n";
 }
 

@@ -31,7 +31,8 @@ namespace rubicon::report {
 /// A time of a run in whole seconds: `0:05`, `12:30`, from an hour on `1:02:03`.
 [[nodiscard]] std::string clock_text(duration x);
 
-/// The same to the millisecond, as whatever people read shows a time of a run: `12:30.004`, `1:02:03.004`.
+/// The same to the millisecond, as whatever people read shows a time of a run: `12:30.004`,
+/// `1:02:03.004`.
 [[nodiscard]] std::string run_time(instant x);
 
 /// A life time given in hours: `7.5 h`, `31 d`, `1.4 y`. Not finite or negative: `–`.

@@ -35,7 +35,7 @@ void add_title(report_page& page, const run_report& x) {
 
 /// Lines that tell the same become one: `fan and 2 others`, or `fan` so many times.
 logged_event joined_line(std::vector<logged_event>::const_iterator first,
-                       std::vector<logged_event>::const_iterator last) {
+                         std::vector<logged_event>::const_iterator last) {
   std::set<std::string> others;
   for (auto x = first; x != last; ++x)
     others.insert(x->who);

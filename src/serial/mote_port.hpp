@@ -88,9 +88,7 @@ public:
   void start(); ///< after stop(); a new port is started
 
   /// How long an urgent packet sent now waits for the frame that the UART is writing.
-  [[nodiscard]] duration wait(instant now) const {
-    return std::max(uart_free_at_, now) - now;
-  }
+  [[nodiscard]] duration wait(instant now) const { return std::max(uart_free_at_, now) - now; }
 
   [[nodiscard]] std::size_t queued() const { return urgent_.size() + packets_.size(); }
   [[nodiscard]] const mote_port_counters& counters() const { return counters_; }

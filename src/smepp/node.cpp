@@ -123,6 +123,13 @@ node_outputs node::on_sent(std::uint64_t id, bool acked, instant at, instant now
   return settle(std::move(from_peer), now);
 }
 
+node_outputs node::set_network_keys(const key_pair& x, instant now) {
+  network_ = x;
+  outputs from_peer;
+  peer_.set_network_keys(x.confidentiality, x.integrity, now, from_peer);
+  return settle(std::move(from_peer), now);
+}
+
 node_outputs node::on_time(instant now) {
   outputs from_peer;
   peer_.on_time(now, from_peer);

@@ -66,6 +66,8 @@ public:
                                       instant now);
   /// @param at when the start-of-frame delimiter of a send_frame was on the air
   [[nodiscard]] node_outputs on_sent(std::uint64_t id, bool acked, instant at, instant now);
+  /// Frames under the keys before are still taken for a while (SMP-02).
+  [[nodiscard]] node_outputs set_network_keys(const key_pair& x, instant now);
   [[nodiscard]] node_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const;
 

@@ -144,12 +144,19 @@ struct empty_state {};
 
 mote_actor::behavior_type empty_mote(scheduler::actor_pointer<empty_state, mote_actor>) {
   return {
-      [](const frame_received&) {}, [](const radio_done&) {},
-      [](battery_low) {},           [](battery_flat) {},
-      [](const attach_program&) {}, [](const program_commands&) {},
-      [](const move_mote&) {},      [](crash_now) {},
-      [](end_battery) {},           [](const set_period&) {},
-      [](const step_clock&) {},     [](const timer_expired&) {},
+      [](const frame_received&) {},
+      [](const radio_done&) {},
+      [](battery_low) {},
+      [](battery_flat) {},
+      [](const attach_program&) {},
+      [](const program_commands&) {},
+      [](const move_mote&) {},
+      [](crash_now) {},
+      [](end_battery) {},
+      [](const set_period&) {},
+      [](const set_network_keys&) {},
+      [](const step_clock&) {},
+      [](const timer_expired&) {},
       [](status_request) {},
   };
 }

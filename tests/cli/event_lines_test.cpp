@@ -32,8 +32,7 @@ TEST_CASE("events stand above the progress, which stays below them", "[cli]") {
   CHECK(
       log.update(2s + live_log::redrawn_every - 1ns, instant{} + 3s, instant{} + 10s, 999).empty());
   const report::logged_event left{instant{} + 3s, "kitchen/fan", "left: silent"};
-  CHECK(log.tell(3s, left) == std::string(erase_line) +
-                                  " 0:03.000  kitchen/fan  left: silent\n" +
+  CHECK(log.tell(3s, left) == std::string(erase_line) + " 0:03.000  kitchen/fan  left: silent\n" +
                                   drawn.substr(erase_line.size()));
   CHECK(log.update(4s, instant{} + 4s, instant{} + 10s, 300) ==
         std::string(erase_line) + "0:04 of 0:10  40%  50 events/s");

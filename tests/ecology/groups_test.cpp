@@ -69,6 +69,32 @@ report::run_report run_text(const std::string& toml, std::uint64_t seed = 1) {
 
 } // namespace
 
+TEST_CASE("network keys change in the middle of a run", "[smepp][SMP-02][ACT-10]") {
+  const std::string change = "[[change]]\nat = \"7min\"\nkind = \"network_keys\"\nnetwork_key = "
+                             "\"5e1f0a77c3d92b4486aa03f1d7e0b95c\"\n";
+  const auto before = run_text(flat("")).islands.at(0).smepp;
+  REQUIRE(before.events_received > 100);
+  const auto all = run_text(flat("", change));
+  CHECK(all.violations.empty());
+  const auto& smepp = all.islands.at(0).smepp;
+  CHECK(smepp.members == 3);
+  CHECK(smepp.events_received * 100 >= before.events_received * 97);
+  const auto noted = std::ranges::count_if(all.event_log, [](const report::logged_event& x) {
+    return x.what == "network keys changed on 3 motes";
+  });
+  CHECK(noted == 1);
+
+  // The wrist keeps the old ones: a little later nobody understands it.
+  const auto left = run_text(flat("", change + "motes = [\"flat/collector\", \"flat/relay\"]\n"));
+  CHECK(left.islands.at(0).smepp.events_received * 10 < before.events_received * 8);
+
+  // A mote that is off has them when it starts.
+  const auto later = run_text(flat("", change + "[[fault]]\nat = \"6min50s\"\nkind = \"crash\"\n"
+                                                "mote = \"flat/relay\"\nfor = \"1min\"\n"));
+  CHECK(later.islands.at(0).smepp.members == 3);
+  CHECK(later.islands.at(0).smepp.events_received * 10 >= before.events_received * 7);
+}
+
 TEST_CASE("the experiment's line of motes is a group that sleeps", "[smepp][SMP-29][SMP-23]") {
   const auto report = run(example("smepp-line.toml"));
   CHECK(report.violations.empty());

@@ -7,6 +7,7 @@
 #include "config/summary.hpp"
 #include "config_sample.hpp"
 #include "support/catch.hpp"
+#include "support/text.hpp"
 
 using namespace rubicon;
 using namespace rubicon::config;
@@ -93,6 +94,44 @@ TEST_CASE("changes arrive with their keys", "[config][ACT-10]") {
   CHECK(proxy::to_text(settings) == "period 3 s, temperature in K, add of temperature 273.15");
 }
 
+TEST_CASE("network keys may change, of motes that have some", "[config][ACT-10][SMP-02]") {
+  const std::string head = R"([ecology]
+name = "t"
+[[island]]
+name = "k"
+id = 1
+mote = [
+  { id = 2, name = "two", apps = [{ app = "member", group = "care", creates = true }] },
+  { id = 3, name = "three" }]
+[[smepp.group]]
+name = "care"
+[[change]]
+at = "1s"
+kind = "network_keys"
+)";
+  const std::string key = "network_key = \"000102030405060708090a0b0c0d0e0f\"\n";
+  const auto planned = good(head + key + "motes = [\"k/two\"]\n").faults;
+  REQUIRE(planned.size() == 1);
+  const auto& x = std::get<network_keys_change>(std::get<change>(planned[0].what));
+  CHECK(x.network_key == *smepp::key::from_hex("000102030405060708090a0b0c0d0e0f"));
+  CHECK_FALSE(x.network_mac);
+  CHECK(x.motes == std::vector{mote_address{island_id{1}, mote_id{2}}});
+  CHECK_FALSE(contains(summary(good(head + key)), "0001020304"));
+  check_mistakes(head, R"(network_key = "00"
+#             ^ `network_key` must be a key of 32 hexadecimal digits
+)");
+  check_mistakes(head + key, R"(motes = ["k/three"]
+#       ^ `three` has no program `member`, and so no such keys
+)");
+  check_mistakes(change_head, R"(
+[[change]]
+#@ 30:1: no mote has the program `member`: there are no network keys
+at = "1s"
+kind = "network_keys"
+network_key = "000102030405060708090a0b0c0d0e0f"
+)");
+}
+
 TEST_CASE("changes are planned behind the faults, which keep their numbers", "[config][ACT-10]") {
   const auto all = good(change_head + R"(
 [[change]]
@@ -161,7 +200,8 @@ kind = "mode"
 [[change]]
 at = "1s"
 kind = "lnik"
-#      ^ `kind` must be "debug", "rate", "link" or "proxy_class", not "lnik"; did you mean "link"?
+#      ^ `kind` must be "debug", "rate", "link", "proxy_class" or "network_keys", not "lnik"; did you
+#        mean "link"?
 
 [[change]]
 kind = "debug"

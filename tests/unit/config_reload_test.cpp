@@ -104,6 +104,21 @@ TEST_CASE("another period of a program follows, of each mote that has it", "[con
   CHECK(messenger.period == 7s);
 }
 
+TEST_CASE("other network keys follow", "[config][ACT-10][SMP-02]") {
+  const auto keys = [](const std::string& more) {
+    return std::string(home) + "\n[smepp]\nnetwork_key = \"" + more + "\"\n";
+  };
+  const std::string first = "000102030405060708090a0b0c0d0e0f";
+  const std::string second = "f0e1d2c3b4a5968778695a4b3c2d1e0f";
+  followed_file file(keys(first), "home.toml", {}, {});
+  CHECK(file.read(keys(first), 1min).changes.empty());
+  const auto change = only<network_keys_change>(file.read(keys(second), 1min));
+  CHECK(change.network_key == *smepp::key::from_hex(second));
+  CHECK(change.network_mac); // as before
+  CHECK(change.motes.empty());
+  CHECK(file.read(keys(second), 2min).changes.empty());
+}
+
 TEST_CASE("another link follows, and one that is new", "[config][ACT-10]") {
   auto file = follow();
   const auto link = only<link_change>(file.read(with("loss = \"10%\"", "loss = \"60%\""), 1min));

@@ -68,6 +68,8 @@ TEST_CASE("what is no fault is refused with the words of a file", "[deploy]") {
   CHECK_FALSE(refusal("kill").empty());
   CHECK(refusal("kill peer").find("keys and values") != std::string::npos);
   CHECK(refusal("kill peer nobody").find("nobody") != std::string::npos);
+  CHECK(refusal("network_keys network_key 000102030405060708090a0b0c0d0e0f") ==
+        "no mote has the program `member`: there are no network keys");
   CHECK(refusal("explode peer robot").find("explode") != std::string::npos);
   CHECK_FALSE(refusal("kill peer robot for ever").empty());
   CHECK_FALSE(refusal("kill peer robot colour red").empty());

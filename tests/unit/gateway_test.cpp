@@ -453,9 +453,9 @@ TEST_CASE("a mote that has left is asked for no outputs", "[gateway][GW-10]") {
 
 TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
   const auto ask = [](gateway::gateway& x, instant now) {
-    return pick<answer_sink>(
-        x.on_packet(the_sink, network::am::sink_event,
-                    encode(network::sink_event(network::time_request{7})), now));
+    return pick<answer_sink>(x.on_packet(the_sink, network::am::sink_event,
+                                         encode(network::sink_event(network::time_request{7})),
+                                         now));
   };
   auto x = make();
   CHECK(ask(x, instant(1s)).empty()); // its kernel has not told it
@@ -464,8 +464,7 @@ TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
   REQUIRE(out.size() == 1);
   CHECK(out[0].answer == network::sink_event(network::time_answer{7, 1005s + 1us}));
   static_cast<void>(x.on_clock(1003s, instant(5s)));
-  CHECK(ask(x, instant(6s)).at(0).answer ==
-        network::sink_event(network::time_answer{7, 1009s}));
+  CHECK(ask(x, instant(6s)).at(0).answer == network::sink_event(network::time_answer{7, 1009s}));
 
   CHECK(tell(x, network::time_answer{7, 1s}).empty());
   CHECK(x.counters().unknown_type == 1);

@@ -14,7 +14,8 @@ TEST_CASE("every event between sink and gateway survives the line", "[network][D
       {time_request{0x0102}, "060102000000000000000000000000"},
       {gateway_poll{1, 0x0203, true}, "08000000010000020301"},
       {gateway_answer{1, 0x0203}, "090000000100000203"},
-      {time_answer{0x0102, std::chrono::microseconds(0x0304050607), std::chrono::microseconds(0x08090a0b)},
+      {time_answer{0x0102, std::chrono::microseconds(0x0304050607),
+                   std::chrono::microseconds(0x08090a0b)},
        "070102000000030405060708090a0b"},
   };
   for (const auto& [event, octets] : rows) {
