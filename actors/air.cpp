@@ -185,6 +185,7 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
       [self](const radio_power& x) {
         perform(self, self->state.channel.set_power(x.radio, x.state, now(self)));
       },
+      [self](const computation& x) { self->state.channel.compute(x.radio, x.length, now(self)); },
       [self](const move_radio& x) {
         perform(self, self->state.channel.on_time(now(self)));
         self->state.channel.move(x.radio, x.place);

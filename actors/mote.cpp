@@ -148,6 +148,10 @@ struct group_performer {
     self->state.groups->relay->forward(x.channel, x.value);
     perform(self, node.settle(own_time(self)));
   }
+  void operator()(const smepp::computes& x) const {
+    const auto& arguments = *self->state.arguments;
+    self->send(arguments.air, computation{arguments.radio, x.length});
+  }
   void operator()(smepp::notable& x) const {
     self->send(self->state.arguments->ecology, notable_event{self->path(), std::move(x.what)});
   }

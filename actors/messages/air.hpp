@@ -68,6 +68,13 @@ struct radio_power {
 };
 RUBICON_FIELDS(radio_power, radio, state);
 
+/// The processor of this radio's mote computes for so long.
+struct computation {
+  radio::radio_index radio;
+  duration length{};
+};
+RUBICON_FIELDS(computation, radio, length);
+
 /// The radio is somewhere else from now on.
 struct move_radio {
   radio::radio_index radio;
@@ -119,8 +126,8 @@ RUBICON_FIELDS(change_link, from, to, loss, gain_db);
 
 /// The radio medium of one place.
 struct air_interface
-    : takes<attach_radio, radio_send, radio_power, move_radio, make_noise, lose_frames, carry_away,
-            bring_radio, change_link, timer_expired, status_request> {};
+    : takes<attach_radio, radio_send, radio_power, computation, move_radio, make_noise, lose_frames,
+            carry_away, bring_radio, change_link, timer_expired, status_request> {};
 using air_actor = ref<air_interface>;
 
 } // namespace rubicon

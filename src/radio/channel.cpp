@@ -104,6 +104,10 @@ radio_index channel::add(const radio_config& config, instant now) {
   return radio;
 }
 
+void channel::compute(radio_index radio, duration length, instant now) {
+  medium_.meter(radio).compute(length, now);
+}
+
 void channel::move(radio_index radio, position place) {
   topology_.move(radio, place);
 }

@@ -155,6 +155,9 @@ public:
   /// @pre nothing was due before `now`: call on_time(now) first when radios are at work
   radio_index add(const radio_config& config, instant now);
 
+  /// The MCU of a radio's mote computes for so long.
+  void compute(radio_index radio, duration length, instant now);
+
   /// Costs what topology::move() costs. Frames already on the air end where they started.
   /// @pre on_time() has been called for this moment
   void move(radio_index radio, position place);

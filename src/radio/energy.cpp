@@ -56,7 +56,7 @@ double used_mah(const energy_times& times, const platform& kind, double transmit
 energy_meter::energy_meter(const platform* kind, double battery_mah, double transmit_dbm,
                            instant start)
     : kind_(kind), battery_mah_(battery_mah), transmit_ma_(kind->transmit_ma(transmit_dbm)),
-      start_(start), since_(start), busy_until_(start) {
+      start_(start), since_(start), busy_until_(start), computes_until_(start) {
   assert(battery_mah > 0);
 }
 
@@ -75,7 +75,7 @@ double energy_meter::radio_ma(radio_state x) const {
 void energy_meter::restart(double used_mah, instant now) {
   times_ = {};
   used_before_mah_ = used_mah;
-  start_ = since_ = busy_until_ = now;
+  start_ = since_ = busy_until_ = computes_until_ = now;
 }
 
 void energy_meter::enter(radio_state next, instant now) {
@@ -90,21 +90,39 @@ void energy_meter::enter(radio_state next, instant now) {
 instant energy_meter::work(duration length, instant now) {
   if (stopped_)
     return now;
-  busy_until_ = std::max(busy_until_, now) + length;
-  times_.mcu_active += length;
+  extend(busy_until_, computes_until_, length, now);
   return busy_until_;
+}
+
+void energy_meter::compute(duration length, instant now) {
+  if (stopped_)
+    return;
+  extend(computes_until_, busy_until_, length, now);
+}
+
+/// Books what the other one does not cover: the MCU is active or not.
+void energy_meter::extend(instant& until, instant other, duration length, instant now) {
+  const auto before = std::max({until, other, now});
+  until = std::max(until, now) + length;
+  times_.mcu_active += std::max(until, before) - before;
+}
+
+duration energy_meter::ahead(instant now) const {
+  return std::max({busy_until_, computes_until_, now}) - now;
 }
 
 void energy_meter::drop_work(instant now) {
   if (busy_until_ <= now)
     return;
-  times_.mcu_active -= busy_until_ - now;
+  const auto both = ahead(now);
   busy_until_ = now;
+  times_.mcu_active -= both - ahead(now);
 }
 
 void energy_meter::stop(instant now) {
   enter(radio_state::off, now);
-  drop_work(now);
+  times_.mcu_active -= ahead(now);
+  busy_until_ = computes_until_ = now;
   if (!stopped_)
     stopped_ = now;
 }
@@ -113,7 +131,7 @@ energy_times energy_meter::times(instant now) const {
   const auto end = stopped_.value_or(now);
   auto x = times_;
   of(state_, x) += end - since_;
-  x.mcu_active -= std::max(busy_until_ - end, duration::zero());
+  x.mcu_active -= ahead(end);
   x.mcu_sleep = end - start_ - x.mcu_active;
   return x;
 }
@@ -127,7 +145,7 @@ instant energy_meter::empty_at(instant now) const {
   if (stopped_ || left <= 0)
     return stopped_.value_or(now);
   const auto present_ma = radio_ma(state_);
-  const auto busy = std::max(busy_until_ - now, duration::zero());
+  const auto busy = ahead(now);
   const auto for_work = charge_mah(busy, present_ma + kind_->mcu_active_ma);
   if (left <= for_work)
     return after(now, left, present_ma + kind_->mcu_active_ma);

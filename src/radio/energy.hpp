@@ -18,7 +18,7 @@ struct energy_times {
   duration radio_listen{};   ///< on and neither of the next two: back-offs and ack waits as well
   duration radio_receive{};  ///< locked on a frame, for whomever it is
   duration radio_transmit{}; ///< from the first to the last octet on the air
-  duration mcu_active{};     ///< platform::service_time for each frame received or sent
+  duration mcu_active{};     ///< platform::service_time for each frame, and long computations
   duration mcu_sleep{};
 
   friend bool operator==(const energy_times&, const energy_times&) = default;
@@ -61,6 +61,10 @@ public:
   /// @returns when that work will be done
   instant work(duration length, instant now);
 
+  /// The MCU computes for `length`, after what it already computes. Interrupts let it work
+  /// meanwhile.
+  void compute(duration length, instant now);
+
   /// The MCU drops the work it has not done yet.
   void drop_work(instant now);
 
@@ -87,6 +91,8 @@ public:
   [[nodiscard]] double battery_mah() const { return battery_mah_; }
 
 private:
+  void extend(instant& until, instant other, duration length, instant now);
+  [[nodiscard]] duration ahead(instant now) const; ///< in which the MCU is still active
   [[nodiscard]] double radio_ma(radio_state x) const;
 
   const platform* kind_ = nullptr;
@@ -96,7 +102,9 @@ private:
   instant start_;
   instant since_; ///< when state_ was entered
   instant busy_until_;
-  energy_times times_; ///< booked so far; mcu_active includes work still ahead, mcu_sleep is unused
+  instant computes_until_;
+  energy_times
+      times_; ///< booked so far; mcu_active includes what is still ahead, mcu_sleep is unused
   radio_state state_ = radio_state::off;
   std::optional<instant> stopped_;
 };

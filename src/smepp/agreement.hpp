@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/time.hpp"
 #include "smepp/key.hpp"
 #include "smepp/randomness.hpp"
 
@@ -13,8 +14,11 @@ namespace rubicon::smepp {
 /// What one side lets the other know.
 using key_share = std::array<std::uint8_t, 32>;
 
-/// One side, for one handshake. On a mote of 8 bits and 8 MHz each of share() and agree() takes
-/// about 2 s of computing; the radio is not needed meanwhile.
+/// What a mote of 8 bits and 8 MHz needs for each share() and agree() [estimate]; the radio is not
+/// needed meanwhile.
+inline constexpr duration agreement_time = 2s;
+
+/// One side, for one handshake.
 class agreement {
 public:
   using secret = std::array<std::uint8_t, 32>;

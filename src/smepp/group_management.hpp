@@ -49,7 +49,7 @@ struct group_counters {
   std::uint64_t caught_up = 0;
   std::uint64_t keys_made = 0;
   std::uint64_t keys_learned = 0;
-  std::uint64_t agreements = 0; ///< X25519 computed: of each, a mote's processor has 2 s to do
+  std::uint64_t agreements = 0;                 ///< X25519 computed, each in agreement_time
   std::map<std::string, std::uint64_t> dropped; ///< messages, by cause
 };
 RUBICON_FIELDS(group_counters, admitted, caught_up, keys_made, keys_learned, agreements, dropped);

@@ -164,6 +164,11 @@ node_outputs node::settle(outputs from_peer, instant now) {
     }
     from_peer = std::move(more);
   }
+  const auto agreements = peer_.groups().counters().agreements;
+  if (agreements > agreements_)
+    out.emplace_back(
+        computes{agreement_time * static_cast<std::int64_t>(agreements - agreements_)});
+  agreements_ = agreements;
   return out;
 }
 

@@ -37,12 +37,18 @@ struct forward_event {
   bytes value;
 };
 
+/// The mote's processor computes for so long.
+struct computes {
+  duration length{};
+};
+
 /// What people following the run would want to hear.
 struct notable {
   std::string what;
 };
 
-using node_output = std::variant<store_kept, send_frame, set_radio, forward_event, notable>;
+using node_output =
+    std::variant<store_kept, send_frame, set_radio, forward_event, computes, notable>;
 using node_outputs = std::vector<node_output>;
 
 /// The programs of a mote and their peer. Times are by the mote's own clock, which never goes back.
@@ -86,6 +92,7 @@ private:
   key_pair network_;
   std::vector<member_program> members_;
   reader reader_;
+  std::uint64_t agreements_ = 0; ///< that the battery has been charged for
 };
 
 } // namespace rubicon::smepp

@@ -104,10 +104,18 @@ TEST_CASE("the experiment's line of motes is a group that sleeps", "[smepp][SMP-
   CHECK(line.smepp.events_raised > 200);
   CHECK(line.smepp.events_received + line.smepp.events_open >= line.smepp.events_raised * 99 / 100);
   CHECK(line.smepp.events_missing() == 0);
+  duration active{};
   for (const auto& mote : line.motes) {
     INFO(mote.name);
     CHECK(mote.energy.radio_off > mote.energy.elapsed / 2);
+    active += mote.energy.mcu_active;
   }
+  // Handshakes of three that join, 7 times X25519 each, are most of what the processors do.
+  const auto agreements = line.smepp.counters.at("groups.agreements");
+  CHECK(agreements >= 21);
+  const auto computed = 2s * static_cast<std::int64_t>(agreements);
+  CHECK(active > computed);
+  CHECK(active < computed + 60s);
 }
 
 TEST_CASE("without the energy module the same happens, and radios are on", "[smepp][SMP-27]") {

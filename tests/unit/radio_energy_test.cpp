@@ -87,6 +87,27 @@ TEST_CASE("work queues up, counts as it is done, and can be dropped", "[radio][e
   CHECK(x.work(1s, instant(9s)) == instant(10s));
 }
 
+TEST_CASE("a computation costs its time once, whatever else is worked", "[radio][energy][NRG-05]") {
+  energy_meter x(&micaz, 2000, 0, instant{});
+  x.compute(2s, instant(1s));
+  CHECK(x.work(100ms, instant(2s)) == instant(2100ms)); // at once
+  CHECK(x.times(instant(2s)).mcu_active == 1s);
+  CHECK(x.times(instant(9s)).mcu_active == 2s);
+  x.compute(2s, instant(10s));
+  x.compute(2s, instant(11s)); // one after the other
+  CHECK(x.work(1s, instant(13500ms)) == instant(14500ms));
+  CHECK(x.times(instant(20s)).mcu_active == 6500ms);
+  static_cast<void>(x.work(3s, instant(30s)));
+  x.compute(1s, instant(30s));
+  x.drop_work(instant(30s)); // the radio is off: it computes on
+  CHECK(x.times(instant(40s)).mcu_active == 7500ms);
+  x.compute(9s, instant(40s));
+  x.stop(instant(41s));
+  CHECK(x.times(instant(60s)).mcu_active == 8500ms);
+  x.compute(1s, instant(61s));
+  CHECK(x.times(instant(70s)).mcu_active == 8500ms);
+}
+
 TEST_CASE("times add up to the time that has passed, always", "[radio][energy][NRG-05]") {
   random_stream rng(4);
   energy_meter x(&micaz, 2000, 0, instant(5ms));
