@@ -17,6 +17,16 @@ std::uint64_t message_tally::lost_in_all() const {
   return std::accumulate(lost.begin(), lost.end(), std::uint64_t{0});
 }
 
+namespace {
+
+bool gives_accounts = true; // NOLINT: set between runs only
+
+} // namespace
+
+void message_ledger::give_accounts(bool x) {
+  gives_accounts = x;
+}
+
 std::shared_ptr<message_ledger> message_ledger::make() {
   return std::shared_ptr<message_ledger>(new message_ledger());
 }
@@ -239,7 +249,7 @@ provenance begin_message(message_kind kind, mote_address source, mote_address de
   if (who == nullptr)
     return provenance::none();
   const auto number = who->begin("message", 0);
-  auto* const ledger = who->ledger();
+  auto* const ledger = gives_accounts ? who->ledger() : nullptr;
   return {number,
           ledger == nullptr ? account_ref() : ledger->open(number, kind, source, destination)};
 }
@@ -247,7 +257,8 @@ provenance begin_message(message_kind kind, mote_address source, mote_address de
 namespace {
 
 message_ledger* ledger_here() {
-  return provenance_here.who == nullptr ? nullptr : provenance_here.who->ledger();
+  return provenance_here.who == nullptr || !gives_accounts ? nullptr
+                                                           : provenance_here.who->ledger();
 }
 
 } // namespace

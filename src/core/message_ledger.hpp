@@ -82,6 +82,10 @@ public:
 
   [[nodiscard]] static std::shared_ptr<message_ledger> make();
 
+  /// For benchmarks of what accounts cost: messages that begin from now on, in any run of this
+  /// process, have one or not. Not while a run is in progress.
+  static void give_accounts(bool x);
+
   /// Called for each end, by any thread; must outlive the run, and must not send.
   void observe(std::function<void(const message_end&)> observer) {
     observer_ = std::move(observer);
