@@ -93,10 +93,10 @@ std::string frame_captures::capture::comment_on(const radio::overheard& x) const
   if (!frame)
     return "lost";
   if (frame->type == radio::frame_type::ack)
-    return "lost: an acknowledgement that nobody took";
+    return "lost: an unexpected acknowledgement";
   const auto from = "from " + name_of(frame->source) + " to ";
   if (frame->destination == broadcast_mote)
-    return "lost: nobody received it, " + from + "all";
+    return "lost: no radio received it, " + from + "all";
   return "lost: " + to_string(x.outcome) + ", " + from + name_of(frame->destination);
 }
 

@@ -143,10 +143,10 @@ struct performer {
         x.up ? "line_up" : "line_silent");
     if (!x.up)
       self->send(self->state.arguments.ecology,
-                 notable_event{self->path(), "hears nothing of its sink"});
+                 notable_event{self->path(), "receives nothing from its sink"});
     else if (x.silence > duration{})
       self->send(self->state.arguments.ecology,
-                 notable_event{self->path(), "hears its sink again, after " + to_text(x.silence)});
+                 notable_event{self->path(), "receives from its sink again, after " + to_text(x.silence)});
   }
 
   // what the serial port wants

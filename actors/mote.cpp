@@ -94,7 +94,7 @@ void tell_search(mote_pointer self) {
   };
   if (!since && search.rests()) {
     since = now(self);
-    tell("finds nobody who knows the time: rests, and searches ever more rarely");
+    tell("finds no neighbour that knows the time: sleeps, and searches less and less often");
   } else if (since && !search.is_lost()) {
     tell("knows the time again, after resting for " +
          to_text(now(self) - *std::exchange(since, {})));

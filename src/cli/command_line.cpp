@@ -227,7 +227,7 @@ CLI::App& add_run(CLI::App& app, run_command& x) {
       "The options of an original PEIS kernel (--peis-id N, --peis-connect URL, ...) take the "
       "place "
       "of\nwhat the file says of its peer (docs/peis.md).\n"
-      "In wall time events are told on standard error as they happen, but with --log off.");
+      "In wall time events are printed on standard error as they happen, but with --log off.");
   return run;
 }
 
@@ -332,7 +332,7 @@ CLI::App& add_deploy(CLI::App& app, deploy_command& x) {
   auto& deploy = *app.add_subcommand("deploy", "Run an ecology on the hosts of its file, as one");
   add_file(deploy, x.file);
   deploy.add_flag("--local", x.local, "Every [[host]] is a process of this computer");
-  deploy.add_flag("--dry-run", x.dry_run, "Only tell what would run where, and whether it could");
+  deploy.add_flag("--dry-run", x.dry_run, "Only print what would run where, and whether it could");
   deploy
       .add_flag("--attach", x.attach, "Follow what runs already, in the place of who deployed it")
       ->excludes("--local")
@@ -463,7 +463,7 @@ void check_combination(const run_command& x) {
                                "runs twice, --record-serial records one run");
   if (x.check_determinism && !(x.watch.page_file + x.watch.csv_folder).empty())
     throw CLI::ValidationError("--check-determinism",
-                               "runs twice, --report and --csv tell of one run");
+                               "runs twice, --report and --csv describe one run");
   if (x.check_determinism && x.watch.view)
     throw CLI::ValidationError("--check-determinism", "runs twice, --view shows one run");
   if (!x.part_file.empty() && x.watch.view)

@@ -75,7 +75,7 @@ void deployment::stop(bool interrupted) {
 void deployment::cause(const std::string& sentence) {
   for (auto& each : hosts_) {
     if (each.at != phase::following) {
-      say(each, "is not there to hear of `" + sentence + '`');
+      say(each, "is not there to receive `" + sentence + '`');
       continue;
     }
     each.faults.push_back(sentence);
@@ -129,7 +129,7 @@ void deployment::on_silence(followed& x, const std::string& why) {
   if (x.at != phase::ended)
     x.at = phase::greeting;
   for (const auto& sentence : std::exchange(x.faults, {})) // a fault that comes late is another one
-    say(x, "may not have heard of `" + sentence + '`');
+    say(x, "may not have received `" + sentence + '`');
   if (began_) {
     if (x.trouble.empty())
       say(x, why);

@@ -144,7 +144,7 @@ bool look_at_certificates(const control::tls_files& tls, findings& out) {
     found.emplace(tls);
   } catch (const std::runtime_error& why) {
     out.push_back({"certificate", why.what(),
-                   "rubicon certs list tells more; certs renew, add and init make others"});
+                   "rubicon certs list shows more; certs renew, add and init make others"});
     return false;
   }
   const auto& own = *found->identity();

@@ -112,7 +112,7 @@ std::string nobody(const network_options& wish, const search_area& area) {
          (wish.network_given ? " of the network `" + wish.network + '`' : std::string()) +
          " is found: no run on this computer takes links, nobody answers at 127.0.0.1, ports " +
          std::to_string(area.first_port) + " to " + std::to_string(last) +
-         ", and nobody announces himself; a peer takes links if its file says tcp = true, in wall "
+         ", and no peer announced itself; a peer takes links if its file says tcp = true, in wall "
          "time; say where it is with --connect HOST:PORT" +
          (wish.lan ? "" : ", or look on the local network with --lan");
 }

@@ -96,7 +96,7 @@ std::variant<peer_id, std::string> find_owner(const visit& at, const peer_wish& 
                                         [&] { return news + at.peer().hosts().size(); }));
   const auto all = holders(at, keys);
   if (all.empty())
-    return "nobody has a tuple " + words_of(keys) + "; say whose it is to be with --owner PEER";
+    return "no peer has a tuple " + words_of(keys) + "; say whose it is to be with --owner PEER";
   if (all.size() > 1)
     return "several peers have a tuple " + words_of(keys) + ": " + list(at, all) +
            "; say whose with --owner PEER";

@@ -140,7 +140,7 @@ std::vector<std::string> hosted_part::problems_of(const deploy::offer& x,
       if (!why.empty())
         out.push_back(std::string(what) + " of island `" + island.name + "` is at " +
                       outside->device + ": " + why +
-                      "; `rubicon doctor` on this host tells which ports there are");
+                      "; `rubicon doctor` on this host lists the ports");
     }
   for (auto& each : deploy::refusals(ours, with_.access))
     out.push_back(std::move(each));

@@ -154,7 +154,7 @@ network_command_line::network_command_line(CLI::App& app) {
 
   auto& set = add<write_tuple>(tuples, "set", "Set a tuple at its owner");
   add_write(last(), set);
-  last().add_flag("--wait", set.wait, "It is a proxy's input: tell how the actuation ended");
+  last().add_flag("--wait", set.wait, "It is a proxy's input: report how the actuation ended");
   auto& appended = add<write_tuple>(tuples, "append", "Add to the end of a tuple at its owner");
   appended.append = true;
   add_write(last(), appended);

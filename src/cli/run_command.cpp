@@ -60,7 +60,7 @@ report::run_report run_told(config::ecology_description ecology, run_options opt
     if (text.empty())
       return;
     if (const auto missed = out.missed(); missed > 0)
-      out.write(report::counted(missed, "line") + " not shown: nobody read them in time\n");
+      out.write(report::counted(missed, "line") + " not shown: the terminal was too slow\n");
     out.write(text);
   };
   also(options.on_event, [&](const report::logged_event& x) { show(log.tell(real(), x)); });

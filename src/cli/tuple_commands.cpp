@@ -171,7 +171,7 @@ exit_status perform(const visit& at, const get_tuple& x) {
   if (x.owner.is_any()) {
     const auto all = gather(at, std::nullopt, x.key);
     if (all.empty())
-      return fail("nobody has a tuple `" + x.key + '`');
+      return fail("no peer has a tuple `" + x.key + '`');
     if (at.with.json)
       return answer(as_json(all));
     return answer(all.size() == 1 ? value_text(*all.front()) + '\n' : as_table(all));
@@ -216,7 +216,7 @@ exit_status set_and_wait(const visit& at, peer_id owner, const write_tuple& x) {
   const auto longest_s = deadline ? report::number_of(deadline.content->text()) : std::nullopt;
   if (!longest_s)
     return fail("peer " + to_string(owner) + " has no tuple `" + x.key +
-                ".deadline`: no proxy tells how it ends");
+                ".deadline`: no proxy reports the outcome");
   is_written = true;
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
     at.peer().set_remote_tuple(owner, x.key, peis::text_content(x.value), std::move(then));
@@ -227,7 +227,7 @@ exit_status set_and_wait(const visit& at, peer_id owner, const write_tuple& x) {
       duration(static_cast<std::int64_t>(std::clamp(*longest_s, 0.0, 86'400.0) * 1e9));
   at.peer().run_until([&outcome] { return outcome.has_value(); }, longest + at.with.timeout);
   if (!outcome)
-    return fail("the proxy has not told an outcome within " + to_text(longest + at.with.timeout));
+    return fail("the proxy has not reported an outcome within " + to_text(longest + at.with.timeout));
   const auto shown = at.with.json
                          ? line_of({{"owner", owner.value}, {"key", x.key}, {"outcome", *outcome}})
                          : printable(*outcome) + '\n';
@@ -307,7 +307,7 @@ exit_status perform(const visit& at, const list_tuples& x) {
   if (x.pattern.empty() && !x.all)
     std::erase_if(all, [](const auto& y) { return is_of_kernel(*y); });
   if (all.empty())
-    return fail(x.pattern.empty() ? "no tuples" : "nobody has a tuple `" + x.pattern + '`');
+    return fail(x.pattern.empty() ? "no tuples" : "no peer has a tuple `" + x.pattern + '`');
   return answer(at.with.json ? as_json(all) : as_table(all));
 }
 

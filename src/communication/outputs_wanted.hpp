@@ -19,7 +19,7 @@ inline constexpr std::uint16_t any_channel = 0xffff;
 /// Messages on this channel are wanted, this far apart.
 struct output_wanted {
   std::uint16_t channel = 0;
-  std::chrono::milliseconds period{}; ///< 0: as the mote likes
+  std::chrono::milliseconds period{}; ///< 0: the period of the mote
 
   friend bool operator==(const output_wanted&, const output_wanted&) = default;
 };

@@ -332,7 +332,7 @@ std::string_view why_fixed(std::string_view kind) {
 std::vector<fault_description> read_changes(table_reader& root, const surroundings& /*with*/,
                                             const ecology_description& all) {
   std::vector<fault_description> out;
-  root.tables("change", "[[change]]", "what is to be another way, and from when on",
+  root.tables("change", "[[change]]", "settings that change at a given time",
               [&](table_reader& in) {
                 fault_description x;
                 change what;

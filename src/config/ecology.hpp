@@ -75,7 +75,7 @@ struct mote_description {
   const radio::platform* platform = nullptr; ///< never nullptr in a valid description
   position place;
   std::vector<waypoint> path;         ///< ascending by time; empty: it stays at `place`
-  duration step = 1s;                 ///< how often its place is brought up to date while it moves
+  duration step = 1s;                 ///< how often its position is updated while it moves
   std::optional<double> transmit_dbm; ///< unset: the platform's full power
   std::optional<double> battery_mah;  ///< unset: the platform's
   std::vector<device::transducer_config> transducers;

@@ -57,7 +57,7 @@ struct stream_expectation {
 /// Share of what was asked of the inputs of proxies that their motes have acknowledged.
 struct actuations_expectation {
   std::string proxy = "*"; ///< prefix of its keys, or all
-  std::uint64_t count = 1; ///< so many must have been asked for
+  std::uint64_t count = 1; ///< minimum number of requests
   double at_least = 1;
 };
 

@@ -102,7 +102,7 @@ expectation read_expectation(table_reader& in) {
        of(optional("proxy", &actuations_expectation::proxy, proxy_name{},
                    {"whose inputs", "`\"*\"`"}),
           optional("count", &actuations_expectation::count, whole<std::uint64_t>{1, INT64_MAX},
-                   "so many must have been asked for"),
+                   "minimum number of requests"),
           required("at_least", &actuations_expectation::at_least, ratio{}, "this share")));
   kind("tuple", of(required("within", &tuple_expectation::within, time_of_run{}, "so soon")));
   kind("clock",

@@ -53,7 +53,7 @@ private:
 
   void describe_motes() {
     kind("battery_end", of(required("mote", &battery_end_fault::mote, mote_name{true},
-                                    "it sees that its battery ends, and tells its sink; a second "
+                                    "it detects a low battery and notifies its sink; a second "
                                     "later it is flat, for good")));
     kind("crash",
          of(required("mote", &crash_fault::mote, mote_name{true},
@@ -103,7 +103,7 @@ private:
          of(required("peer", &duplicate_id_fault::peer, peer_name{}, "whose id"),
             optional(
                 "for", &duplicate_id_fault::length, span,
-                {"after this it ends without a word, its links reset", "to the end of the run"})),
+                {"after this it stops without notifying anyone, its links reset", "to the end of the run"})),
          of(required("mote", &mote_double_fault::mote, mote_name{},
                      "the mote whose address, instead"),
             required("position_m", &mote_double_fault::place, place{}, "where that second mote is"),

@@ -108,7 +108,7 @@ void read_needs(table_reader& in, const goal::pursuer_config& own, goal::state_c
   goal::condition found;
   const bool has_input =
       in.optional("input", name_text{}, found.input,
-                  {"which must be as follows before the state is entered; until then it waits", "",
+                  {"condition for entering the state; until then it waits", "",
                    "name of an input"});
   in.optional("equals", list_of<text>{{}, 1}, found.equals, "the input is one of these");
   in.optional("above", real{}, found.above, "or a number, this or more");

@@ -147,13 +147,13 @@ void island_motes::read_mote(table_reader& in) {
   mote_id id;
   const std::uint16_t least = island_.outside.has_sink() ? 0 : 1; // plain motes may have any
   const bool has_id = in.required("id", whole<std::uint16_t>{least, mote_id_max}, id,
-                                  "TinyOS id, one of a kind in the island");
+                                  "TinyOS id, unique within the island");
   const auto profile = read_profile_of(in);
   auto out = profile.mote();
   out.id = id;
   out.name = default_mote_name(out.type_name, out.id);
   if (in.optional("name", name_text{}, out.name,
-                  {"one of a kind in the island",
+                  {"unique within the island",
                    "the mote type's, or `mote`, with the id behind: `climate-7`",
                    "name, but not `sink`"}) &&
       is_sink_name(out.name))
@@ -166,7 +166,7 @@ void island_motes::read_mote(table_reader& in) {
     in.problems().add(in.at("path"), "`path` decides nothing with model = \"gains\"");
   read_path(in, has_place, out.place, out.path);
   in.optional("step", time_span{10ms, 1h}, out.step,
-              "how often its place is brought up to date while it moves");
+              "how often its position is updated while it moves");
   if (in.has("step") && !in.has("path"))
     in.problems().add(in.at("step"), "`step` means nothing without a `path`");
   if (has_id) {

@@ -24,10 +24,10 @@ std::vector<placed_app> read_sink(table_reader& in, sink_description& out) {
       "position_m", place{}, out.place,
       "in a unit disk, every mote of an island with the full stack must be within `range` of it");
   in.optional("power", power_level{-100, 30}, out.transmit_dbm,
-              {"at which it sends, as of a mote", "the platform's most", "power, as of a mote"});
+              {"at which it sends, as of a mote", "the platform's maximum", "power, as of a mote"});
   check_power(*out.platform, out.transmit_dbm, in.at("power"), in.problems());
   in.optional("promiscuous", flag{}, out.promiscuous,
-              "it takes frames of other islands and for other motes");
+              "it also accepts frames of other islands and frames addressed to other motes");
   auto apps = read_mote_apps(in);
   mote_profile as_mote;
   as_mote.like.platform = out.platform;

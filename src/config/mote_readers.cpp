@@ -174,7 +174,7 @@ void read_profile(table_reader& in, mote_profile& out) {
   if (in.optional(
           "power", power_level{-100, 30}, out.like.transmit_dbm,
           {"at which it sends: -25 to 0 dBm on a MicaZ or a TelosB, -17 to 3 dBm on an IRIS",
-           "the mote type's, or the platform's most", "power, as the platform has it"}))
+           "the mote type's, or the platform's maximum", "power, as the platform has it"}))
     out.transmit_at = in.at("power");
   read_transducers(in, out.like.transducers);
   read_actuators(in, out.like.actuators);

@@ -161,7 +161,7 @@ real_names read_real(table_reader& island, const surroundings& with, island_desc
                 mote_id id;
                 std::string name;
                 mote.required("id", whole<std::uint16_t>{0, mote_id_max}, id, "its address");
-                mote.required("name", name_text{}, name, "one of a kind in the island");
+                mote.required("name", name_text{}, name, "unique within the island");
                 if (mote.sound() && !real.motes.has(id))
                   mote.problems().add(mote.at("id"),
                                       "mote " + to_string(id) + " is not of the range of `real`");

@@ -46,7 +46,7 @@ public:
     const bool known = std::ranges::any_of(
         keys_, [&x](const known_key& each) { return may_be(each.pattern, x.key); });
     if (!known && !is_of_kernel(x.key))
-      out_.emplace_back(x.at, x.who + " `" + x.key + "`, a tuple that nobody has" +
+      out_.emplace_back(x.at, x.who + " `" + x.key + "`, a tuple that no component publishes" +
                                   (exact_.empty() ? "" : suggestion(x.key, exact_)));
   }
 

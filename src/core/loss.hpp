@@ -14,7 +14,7 @@ namespace rubicon {
   X(unknown, "No copy is left, and no part of the system has said why.")                           \
   X(duplicate, "A receiver took it for a repeat of an earlier one; no other copy arrived.")        \
   X(unanswered, "Its receiver was greeted, and has not answered; the message itself never left.")  \
-  X(not_received, "A frame that nobody acknowledges, such as a broadcast, reached no receiver.")   \
+  X(not_received, "A frame that is not acknowledged, such as a broadcast, reached no receiver.")   \
   X(false_ack, "Its sender took the acknowledgement of another frame for its own: those of "       \
                "802.15.4 name a number of 8 bits and no mote.")                                    \
   X(gave_up, "A mote repeated it to the next one until it gave up; `radio.mac_failed` says how "   \

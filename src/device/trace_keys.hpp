@@ -39,7 +39,7 @@ inline auto keys_of(const trace_format*) {
                       "hexadecimal",
                       "none: all readings are of one mote"}),
       keys::optional("name_column", &trace_format::name_column, keys::text{},
-                     {"of a file with one value a line: tells what it is a value of",
+                     {"of a file with one value a line: names the quantity",
                       "none: a line has a value of everything"}),
       keys::optional("name", &trace_format::name, keys::text{},
                      {"which of these is wanted; only with `name_column`", "the quantity"}),

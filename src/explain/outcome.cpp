@@ -21,7 +21,7 @@ std::string words_of(const std::string& outcome) {
   if (outcome == "off")
     return "a radio was off";
   if (outcome == "captured")
-    return "the receiver heard another frame";
+    return "the receiver was receiving another frame";
   if (outcome == "half_duplex")
     return "the receiver was sending";
   if (outcome == "overflow")
@@ -29,9 +29,9 @@ std::string words_of(const std::string& outcome) {
   if (outcome == "out_of_reach")
     return "out of range";
   if (outcome == "filtered")
-    return "nobody there has this address";
+    return "no mote there has this address";
   if (outcome == "nobody")
-    return "heard by nobody";
+    return "received by no radio";
   if (outcome == "channel_access_failure")
     return "the channel was busy too often";
   if (outcome == "no_ack")
@@ -88,7 +88,7 @@ bool is_given_up(const node* last) {
 std::string stuck_at(const traces& all, const node& hop) {
   const auto place = hop.to.empty() ? names::of(hop.from) : names::of(hop.to);
   if (hop.over == medium::peis)
-    return place + " has it and passes nothing on: it knows no route, or nobody there wants it";
+    return place + " received it but did not forward it: no route, or no receiver there";
   if (all.known.place_of(hop.to) != hop.to)
     return place + " has it and passes nothing on: the receiver is not listed there, or it gave up";
   return place + " has it and passes nothing on: a queue was full, or it knows no route";

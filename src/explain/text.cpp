@@ -116,7 +116,7 @@ std::string conclusion(const traces& all, const message& x, const paper& on) {
     if (x.acknowledged)
       text += ", acknowledged after " + span(*x.acknowledged - all.nodes[x.root].begin);
     else if (x.failed)
-      text += "; yet the sender was told at " + report::run_time(*x.failed) + " that it failed";
+      text += ", though reported failed to the sender at " + report::run_time(*x.failed);
     else if (x.is_reliable)
       text += ", no acknowledgement reached the sender";
     break;
@@ -219,18 +219,18 @@ std::string tuple_text(const traces& all, std::size_t index, const paper& on) {
           (*x.set > begun ? " after " + span(*x.set - begun) : "");
   const auto heard = audience_of(all, x);
   if (heard.empty())
-    text += "; nobody listens";
+    text += "; no subscriber";
   for (const auto& who : heard)
     text +=
         who.after
-            ? "\n" + printable(who.who) + " heard it after " + span(*x.set - begun + *who.after)
-            : "\n" + report::painted(printable(who.who) + " did not hear it", look::bad, on.colour);
+            ? "\n" + printable(who.who) + " received it after " + span(*x.set - begun + *who.after)
+            : "\n" + report::painted(printable(who.who) + " did not receive it", look::bad, on.colour);
   return text + '\n' + cut_note(all);
 }
 
 std::string values_text(const traces& all, const std::vector<std::size_t>& indices,
                         std::size_t limit, const paper& on) {
-  report::table rows({{"time", align::right}, {"value"}, {"by"}, {"heard by"}});
+  report::table rows({{"time", align::right}, {"value"}, {"by"}, {"received by"}});
   const auto first = limit != 0 && indices.size() > limit ? indices.size() - limit : 0;
   for (auto i = first; i < indices.size(); ++i) {
     const auto& x = all.tuples[indices[i]];

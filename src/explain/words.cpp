@@ -134,7 +134,7 @@ std::string what(const traces& all, const node& x) {
   case step::acts:
     return report::printable(x.text);
   case step::learns:
-    return x.text == "acknowledged" ? "is told that it is there" : "is told: " + x.text;
+    return x.text == "acknowledged" ? "receives the acknowledgement" : "is notified: " + x.text;
   case step::asks: {
     const auto& tuple = all.tuples[x.about.index];
     return "writes " + assignment(tuple) + " at " + all.known.of(tuple.owner);

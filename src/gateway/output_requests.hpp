@@ -43,7 +43,7 @@ public:
   /// Keys and patterns subscribed to, in lower case. Those of output tuples count.
   void on_subscribers(std::span<const std::string> keys, instant now);
 
-  /// @param period 0: as the mote likes
+  /// @param period 0: the period of the mote
   void on_period(mote_id mote, std::uint16_t channel, std::chrono::milliseconds period,
                  instant now);
 

@@ -39,7 +39,7 @@ inline auto keys_of(const plain_rule*) {
       keys::optional(
           "input", &plain_rule::input, keys::whole<std::uint8_t>{1, 255},
           {"input channel: what is written to it is sent to the mote as a packet. Its "
-           "status says `sent` when the base station has it, since the mote tells nothing",
+           "status says `sent` when the base station has it, since the mote acknowledges nothing",
            "they have none"}),
       keys::optional("input_am_type", &plain_rule::input_am_type, keys::whole<std::uint8_t>{0, 255},
                      {"AM type of such packets", "`am_type`"}),

@@ -8,7 +8,7 @@ namespace rubicon::goal {
 
 inline auto keys_of(const output_config*) {
   return keys::of(keys::optional("every", &output_config::every, keys::time_span{1ms, 24h * 10},
-                                 "how often it is told; also whenever a state sets it"),
+                                 "how often it is published; also whenever a state sets it"),
                   keys::optional("step", &output_config::step, keys::real{},
                                  "added each time; `value` must be a number then"),
                   keys::optional("until", &output_config::until, keys::real{},

@@ -27,7 +27,7 @@ std::string advice(const error_code& error) {
     return ": you may not use it; `sudo adduser $USER dialout`, then log in again";
   if (error == errc::no_such_file_or_directory || error == errc::no_such_device ||
       error == errc::no_such_device_or_address)
-    return ": is the mote plugged in? `rubicon doctor` tells which ports there are";
+    return ": is the mote plugged in? `rubicon doctor` lists the ports";
   if (error == errc::device_or_resource_busy)
     return ": another program has it; end that one";
   if (error == errc::inappropriate_io_control_operation)

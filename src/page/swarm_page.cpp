@@ -88,12 +88,12 @@ std::string distributions_of(const swarm_page& x) {
 std::string violations_of(const swarm_page& x) {
   if (x.violations.empty())
     return {};
-  auto rows = head_row({{"what must hold"}, {"times", true}});
+  auto rows = head_row({{"invariant"}, {"times", true}});
   for (const auto& [invariant, count] : x.violations)
     rows += row({{invariant, false, "long bad"}, {report::with_thousands(count), true}});
   auto out = wide("<table>" + rows + "</table>");
   rows =
-      head_row({{"seed", true}, {"what must hold"}, {"what was"}, {"the command that repeats it"}});
+      head_row({{"seed", true}, {"invariant"}, {"observed"}, {"the command that repeats it"}});
   std::size_t shown = 0;
   for (const auto& seed : x.failed)
     for (const auto& each : seed.violations) {

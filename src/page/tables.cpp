@@ -220,7 +220,7 @@ std::string violations_of(const run_page& x) {
   const auto all = report::repeated(others);
   if (all.empty())
     return {};
-  auto rows = head_row({{"time", true}, {"what must hold"}, {"what was"}});
+  auto rows = head_row({{"time", true}, {"invariant"}, {"observed"}});
   const auto shown = std::min(all.size(), violations_shown);
   for (std::size_t i = 0; i < shown; ++i)
     rows += row({{report::run_time(all[i].first.at), true},

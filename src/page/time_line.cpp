@@ -146,7 +146,7 @@ std::string legend() {
   entry("event bad", "left, failed, went out");
   entry("event", "anything else");
   entry("fault", "fault of the plan");
-  entry("violated", "what must hold did not");
+  entry("violated", "violation");
   return out + "</div>\n";
 }
 

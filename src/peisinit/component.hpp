@@ -16,7 +16,7 @@ struct component {
   std::string peer;         ///< name of the peer; empty: it is a command
   std::string command = {}; ///< for /bin/sh
   bool on = true;           ///< when its peisinit starts
-  duration delay = 3s;      ///< from an end that nobody has asked for to the next start
+  duration delay = 3s;      ///< from an unrequested end to the next start
   std::string semantics = {};
   std::string proxy = {};
   std::string arguments = {}; ///< follow the options of the kernel, see options_for()

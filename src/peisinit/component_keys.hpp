@@ -11,11 +11,11 @@ inline auto keys_of(const component*) {
                                  keys::word<bool>{{{"on", true}, {"off", false}}},
                                  "whether it starts with its init"),
                   keys::optional("delay", &component::delay, keys::time_span{100ms, 1h},
-                                 "from an end that nobody has asked for to the next start"),
+                                 "from an unrequested end to the next start"),
                   keys::optional("semantics", &component::semantics, keys::text{1000},
-                                 {"what it can do, for planners; told as a tuple", "none"}),
+                                 {"what it can do, for planners; published as a tuple", "none"}),
                   keys::optional("proxy", &component::proxy, keys::text{1000},
-                                 {"what it is a proxy of; told as a tuple", "none"}),
+                                 {"what it is a proxy of; published as a tuple", "none"}),
                   keys::optional("arguments", &component::arguments, keys::text{1000},
                                  {"extra arguments of a command", "none"}));
 }

@@ -226,7 +226,7 @@ void rules::on_time_of(const std::string& key, standing& x, instant now,
   if (x.tell_due && *x.tell_due <= now) {
     x.tell_due.reset();
     x.is_told = true;
-    tell(key + " = " + x.word + " waits: nobody has that tuple");
+    tell(key + " = " + x.word + " waits: no peer has that tuple");
   }
   if (!x.due || *x.due > now)
     return;

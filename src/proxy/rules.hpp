@@ -67,7 +67,7 @@ enum class write_end : std::uint8_t {
 ///
 /// A rule with `after` writes its `then` so much later, whatever the value is by then; one with a
 /// time of day writes on no crossing, but at that time what its level asks for. What is read `from`
-/// a tuple that nobody has is not written.
+/// a tuple that no component publishes is not written.
 ///
 /// A rule whose condition does not hold, and that has no `otherwise`, changes nothing.
 ///

@@ -8,7 +8,7 @@ namespace rubicon::radio {
 
 inline auto keys_of(const unit_disk*) {
   return keys::of(keys::optional("range", &unit_disk::range_m, keys::metres{0.1, 100'000},
-                                 "a radio farther away hears nothing"));
+                                 "a radio farther away receives nothing"));
 }
 
 inline auto keys_of(const log_distance*) {

@@ -278,7 +278,7 @@ struct expectations::judge_one {
     });
     out.explain = {"--lost"};
     if (found == run.streams.end() || !found->delivery())
-      return decide(false, found == run.streams.end() ? "nobody has written it"
+      return decide(false, found == run.streams.end() ? "no component has written it"
                                                       : "no record was produced");
     if (!found->from.empty())
       out.explain.insert(out.explain.end(), {"--from", found->from});

@@ -176,7 +176,7 @@ private:
     const auto until_text = clock_text(std::chrono::floor<std::chrono::seconds>(until));
     out_.event_log.push_back(
         {instant{} + last, host,
-         "last heard of: what its part counted until " + until_text + " is not known"});
+         "last contact: what its part counted until " + until_text + " is not known"});
     if (until - last <= 2 * part_report_every)
       return;
     const auto what = "host " + host + ": what its part counted from " +

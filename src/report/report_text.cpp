@@ -78,7 +78,7 @@ void add_event_log(report_page& page, const run_report& x) {
     rows.add({{run_time(line.at), look::faint}, line.who, line.what});
   if (thinned > 0)
     rows.add_note("… " + counted(thinned, "line") +
-                  " left out, where most was told; --full shows them");
+                  " left out where most happened; --full shows all");
   if (x.event_log_left_out > 0)
     rows.add_note("… and " + with_thousands(x.event_log_left_out) +
                   " more, of which the report has none; --csv writes all");

@@ -309,7 +309,7 @@ TEST_CASE("what samplers, messengers and listeners do is told under their own na
   x.hear_local(test::plain(neighbour, 10, to_bytes(std::string_view("dinner"))));
   REQUIRE(x.ecology.count<notable_event>() == 1);
   CHECK(x.ecology.all<notable_event>()[0].who == "mote_app/kitchen/stove/listener-10");
-  CHECK(x.ecology.all<notable_event>()[0].what == "heard \"dinner\" from mote 5/3");
+  CHECK(x.ecology.all<notable_event>()[0].what == "received \"dinner\" from mote 5/3");
   CHECK(x.world.logged("mote_app/kitchen/stove/messenger-10 event=undelivered number=1 "
                        "refused=true") == 1);
 }

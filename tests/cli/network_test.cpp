@@ -290,7 +290,7 @@ TEST_CASE("what cannot be done is told in one line, with status 1", "[cli]") {
   const auto quick = " --timeout 300ms" + peer.at();
   one_line(standard_error("tuples get room.fan --owner 7" + quick),
            "peer 7 has no tuple `room.fan`");
-  one_line(standard_error("tuples get room.fan" + quick), "nobody has a tuple `room.fan`");
+  one_line(standard_error("tuples get room.fan" + quick), "no peer has a tuple `room.fan`");
   const std::string lists = "; rubicon hosts lists them";
   one_line(standard_error("tuples set a b --owner 8" + quick),
            "no peer 8 in the network `rubicon`" + lists);
@@ -298,7 +298,7 @@ TEST_CASE("what cannot be done is told in one line, with status 1", "[cli]") {
   one_line(standard_error("route nobody" + quick),
            "no peer is called `nobody` in the network `rubicon`" + lists);
   one_line(standard_error("tuples set a b" + quick),
-           "nobody has a tuple `a`; say whose it is to be with --owner PEER");
+           "no peer has a tuple `a`; say whose it is to be with --owner PEER");
   one_line(standard_error("hosts --connect 127.0.0.1:1"), "127.0.0.1:1: Connection refused");
   const auto other = standard_error("hosts --network other" + quick);
   CHECK(other.status == 1);

@@ -46,7 +46,7 @@ TEST_CASE("the home tells all that happens", "[ecology][GEN-04][IF-07][RTG-02][P
   }
 
   // A mote of one island is heard by a mote of the other.
-  CHECK(tells(report, "listener-10", "heard \"dinner\" from mote 1/8"));
+  CHECK(tells(report, "listener-10", "received \"dinner\" from mote 1/8"));
 
   // A battery ends; the mote leaves and its proxy is lost.
   CHECK(tells(report, "bedroom/presence-3", "battery flat"));

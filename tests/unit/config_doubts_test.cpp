@@ -136,7 +136,7 @@ TEST_CASE("a good file leaves nothing to doubt", "[config]") {
             .empty());
 }
 
-TEST_CASE("what reads or writes a tuple that nobody has cannot work", "[config]") {
+TEST_CASE("what reads or writes a tuple that no component publishes cannot work", "[config]") {
   CHECK(doubts_of(home("channel = 1\n", ", { app = 'collector', keys = ['k.c-2.temprature'] }")) ==
         std::vector<std::string>{"the collector of pc reads `k.c-2.temprature`, a tuple that "
                                  "nobody has: did you mean `k.c-2.temperature`?"});
@@ -144,7 +144,7 @@ TEST_CASE("what reads or writes a tuple that nobody has cannot work", "[config]"
       doubts_of(home("channel = 1\n", ", { app = 'rules', rules = [{ when = 'k.c-2.temperature', "
                                       "above = 1, write = 'k.lamp.switch', then = 'on' }] }"));
   REQUIRE(rule.size() == 1);
-  CHECK(rule[0].starts_with("a rule of pc writes `k.lamp.switch`, a tuple that nobody has"));
+  CHECK(rule[0].starts_with("a rule of pc writes `k.lamp.switch`, a tuple that no component publishes"));
   CHECK(doubts_of(home("channel = 1\n", ", { app = 'translate', rules = [{ from = 'x.y', "
                                         "to = 'x.z' }] }, { app = 'collector', keys = ['x.z'] }"))
             .size() == 1);
@@ -383,7 +383,7 @@ TEST_CASE("states wait for what the tuples of their inputs may tell", "[config]"
                                  "tells \"off\" or \"on\""});
   toml.replace(toml.find("pc:k.lamp-2.state"), 17, "pc:k.lamp-2.stat");
   CHECK(doubts_of(toml).at(0).starts_with(
-      "an input of robot reads `k.lamp-2.stat`, a tuple that nobody has"));
+      "an input of robot reads `k.lamp-2.stat`, a tuple that no component publishes"));
 }
 
 TEST_CASE("two proxies with one key are doubted, with both motes", "[config][PXY-15]") {

@@ -37,7 +37,7 @@ TEST_CASE("a value is followed to those who hear of it, and to what they do", "[
   CHECK(contains(text, "kitchen.near.temperature = 21.5"));
   CHECK(contains(text, "pc → robot"));
   CHECK(contains(text, "sets kitchen.fan.switch = on"));
-  CHECK(contains(text, "robot/rules-1 heard it after 1.0 ms"));
+  CHECK(contains(text, "robot/rules-1 received it after 1.0 ms"));
   CHECK(contains(tuple_text(all, 1, {}), "proxy kitchen.near"));
 }
 

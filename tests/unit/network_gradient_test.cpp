@@ -228,7 +228,7 @@ TEST_CASE("who waits for a newer sequence number is noticed, and the number pass
   at.hear(mote_id{6});
   const gradient_part lost{sink, 7, no_mote, etx_infinite, 0};
   static_cast<void>(at.beacon(6, lost));
-  CHECK_FALSE(at.tree.starves(mote_id{6})); // it may not have heard of our route yet
+  CHECK_FALSE(at.tree.starves(mote_id{6})); // it may not have received our route yet
   static_cast<void>(at.beacon(6, lost));
   CHECK(at.tree.starves(mote_id{6}));
   CHECK_FALSE(at.tree.starves(mote_id{5}));

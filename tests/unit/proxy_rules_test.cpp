@@ -487,7 +487,7 @@ TEST_CASE("a word that waits is told of after a while, and replaced by the next"
   CHECK(x.story().empty());
   CHECK(x.aut.deadline() == at(10s));
   CHECK(x.aut.on_time(at(10s)).empty());
-  CHECK(x.story() == "kitchen.fan.switch = on waits: nobody has that tuple");
+  CHECK(x.story() == "kitchen.fan.switch = on waits: no peer has that tuple");
   CHECK(word_at(x.aut, "0") == "off");
   CHECK(x.story() == "kitchen.fan.switch = on is replaced by off before its owner had it");
   CHECK(x.counted() == write_counters{2, 0, 0, 1, 0});

@@ -1838,7 +1838,7 @@ function showEnergy() {
   const { hours, used_mah: used } = shown.motes;
   const left = i => hours[i] ?? 1e12;
   const order = range(model.count).sort((a, b) => left(a) - left(b) || (used[b] || 0) - (used[a] || 0));
-  put("energy-sum", `${chargeText(usedByAll())} used by ${countText(model.count)} motes at ${timeText(shown.at_s)}; hungriest first`);
+  put("energy-sum", `${chargeText(usedByAll())} used by ${countText(model.count)} motes at ${timeText(shown.at_s)}; highest consumption first`);
   tabs.energy.list.set(order);
 }
 
@@ -1986,7 +1986,7 @@ async function moteParts(i) {
   const address = addressOf(i);
   const [answer, sent] = await Promise.all([ask({ ask: "mote", address, at_s: shown.at_s }, "mote"), messagesOf(address)]);
   return [make("h2", fullName(i)), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at_s)}`),
-    faultButton("let it crash …", "crash mote", fullName(i)), factList(answer?.facts || []),
+    faultButton("crash this mote…", "crash mote", fullName(i)), factList(answer?.facts || []),
     ...energyDetails(answer), ...neighbourDetails(answer?.neighbours || [], islandOf(i)), ...sent].filter(Boolean);
 }
 
