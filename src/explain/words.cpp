@@ -145,7 +145,7 @@ std::string what(const traces& all, const node& x) {
     return (all.tuples[x.about.index].is_deletion ? "" : "sets ") +
            assignment(all.tuples[x.about.index]);
   case step::hears:
-    return "hears it";
+    return "receives it";
   }
   return {};
 }
