@@ -145,8 +145,9 @@ struct performer {
       self->send(self->state.arguments.ecology,
                  notable_event{self->path(), "receives nothing from its sink"});
     else if (x.silence > duration{})
-      self->send(self->state.arguments.ecology,
-                 notable_event{self->path(), "receives from its sink again, after " + to_text(x.silence)});
+      self->send(
+          self->state.arguments.ecology,
+          notable_event{self->path(), "receives from its sink again, after " + to_text(x.silence)});
   }
 
   // what the serial port wants

@@ -227,7 +227,8 @@ exit_status set_and_wait(const visit& at, peer_id owner, const write_tuple& x) {
       duration(static_cast<std::int64_t>(std::clamp(*longest_s, 0.0, 86'400.0) * 1e9));
   at.peer().run_until([&outcome] { return outcome.has_value(); }, longest + at.with.timeout);
   if (!outcome)
-    return fail("the proxy has not reported an outcome within " + to_text(longest + at.with.timeout));
+    return fail("the proxy has not reported an outcome within " +
+                to_text(longest + at.with.timeout));
   const auto shown = at.with.json
                          ? line_of({{"owner", owner.value}, {"key", x.key}, {"outcome", *outcome}})
                          : printable(*outcome) + '\n';

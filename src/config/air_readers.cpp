@@ -59,7 +59,8 @@ std::vector<air_description> read_airs(table_reader& root,
     std::vector<located<island_id>> members;
     if (in.required("name", name_text{}, air.name, "not that of an island outside of it"))
       air_names.claim(air.name, "air name", in.at("name"), in.problems());
-    in.required("islands", list_of<island_name>{{}, 1}, members, "each island belongs to at most one air");
+    in.required("islands", list_of<island_name>{{}, 1}, members,
+                "each island belongs to at most one air");
     placed.place(members, in.problems());
     air.islands = values_of(std::move(members));
     for (const auto& island : islands) {

@@ -101,9 +101,9 @@ private:
   void describe_either() {
     kind("duplicate_id",
          of(required("peer", &duplicate_id_fault::peer, peer_name{}, "whose id"),
-            optional(
-                "for", &duplicate_id_fault::length, span,
-                {"after this it stops without notifying anyone, its links reset", "to the end of the run"})),
+            optional("for", &duplicate_id_fault::length, span,
+                     {"after this it stops without notifying anyone, its links reset",
+                      "to the end of the run"})),
          of(required("mote", &mote_double_fault::mote, mote_name{},
                      "the mote whose address, instead"),
             required("position_m", &mote_double_fault::place, place{}, "where that second mote is"),

@@ -106,10 +106,9 @@ void note(const table_reader& in, const goal::pursuer_config& own, const goal::c
 /// input, equals, above and below of a state.
 void read_needs(table_reader& in, const goal::pursuer_config& own, goal::state_config& out) {
   goal::condition found;
-  const bool has_input =
-      in.optional("input", name_text{}, found.input,
-                  {"condition for entering the state; until then it waits", "",
-                   "name of an input"});
+  const bool has_input = in.optional(
+      "input", name_text{}, found.input,
+      {"condition for entering the state; until then it waits", "", "name of an input"});
   in.optional("equals", list_of<text>{{}, 1}, found.equals, "the input is one of these");
   in.optional("above", real{}, found.above, "or a number, this or more");
   in.optional("below", real{}, found.below,

@@ -129,7 +129,8 @@ struct device_status {
 [[nodiscard]] result<device_status> parse_device_status(std::string_view text);
 
 /// Value of `devices.$ID.output.$CH.period`: how far apart the mote's messages on the channel are
-/// to be, in decimal milliseconds; 0: the period of the mote (IF-04). @returns errc::bad_value otherwise
+/// to be, in decimal milliseconds; 0: the period of the mote (IF-04). @returns errc::bad_value
+/// otherwise
 [[nodiscard]] result<std::chrono::milliseconds> parse_output_period(std::string_view text);
 
 /// What became of a message written to `devices.$ID.input.$CH` (GW-12, IF-07).

@@ -221,10 +221,10 @@ std::string tuple_text(const traces& all, std::size_t index, const paper& on) {
   if (heard.empty())
     text += "; no subscriber";
   for (const auto& who : heard)
-    text +=
-        who.after
-            ? "\n" + printable(who.who) + " received it after " + span(*x.set - begun + *who.after)
-            : "\n" + report::painted(printable(who.who) + " did not receive it", look::bad, on.colour);
+    text += who.after ? "\n" + printable(who.who) + " received it after " +
+                            span(*x.set - begun + *who.after)
+                      : "\n" + report::painted(printable(who.who) + " did not receive it",
+                                               look::bad, on.colour);
   return text + '\n' + cut_note(all);
 }
 

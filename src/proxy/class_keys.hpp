@@ -31,9 +31,9 @@ inline auto keys_of(const proxy_settings*) {
                      {"[`FIELD.freshness`](gateway.md#of-a-proxy) becomes `stale` so long after "
                       "the newest message",
                       "never"}),
-      keys::optional("inactive_after", &proxy_settings::inactive_after,
-                     keys::time_span{1s, 24h * 10},
-                     {"the proxy is `inactive` so long after the last message of its mote", "never"}),
+      keys::optional(
+          "inactive_after", &proxy_settings::inactive_after, keys::time_span{1s, 24h * 10},
+          {"the proxy is `inactive` so long after the last message of its mote", "never"}),
       keys::optional("retire_after", &proxy_settings::retire_after, keys::time_span{1s, 24h * 10},
                      {"the proxy ends so long after its mote was lost; its tuples stay as they are",
                       "never"}));

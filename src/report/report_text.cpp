@@ -245,17 +245,15 @@ void add_groups(report_page& page, const run_report& x) {
   page.add(rows);
 }
 
-/// `  clocks: at worst 1,204 µs off, c2 at 640 s; 99.8% of 1,200 judgements below 1 ms, none
+/// `  clocks: at worst 1,204 µs off, c2 at 10:40; 99.8% of 1,200 judgements below 1 ms, none
 /// outside what motes say`
 void add_clock_note(table& rows, const clock_report& x) {
   if (x.judged == 0)
     return;
-  auto text =
-      "  clocks: at worst " + microseconds_text(x.error_max) + " off, " + x.error_max_mote +
-      " at " +
-      with_thousands(static_cast<std::uint64_t>(seconds(x.error_max_at.time_since_epoch()))) +
-      " s; " + percent(static_cast<double>(x.below_1ms), static_cast<double>(x.judged)) + " of " +
-      counted(x.judged, "judgement") + " below 1 ms, ";
+  auto text = "  clocks: at worst " + microseconds_text(x.error_max) + " off, " + x.error_max_mote +
+              " at " + clock_text(x.error_max_at.time_since_epoch()) + "; " +
+              percent(static_cast<double>(x.below_1ms), static_cast<double>(x.judged)) + " of " +
+              counted(x.judged, "judgement") + " below 1 ms, ";
   if (x.outside == 0)
     text += "none outside what motes say";
   else

@@ -10,7 +10,8 @@ inline auto keys_of(const translation*) {
   return keys::of(
       keys::optional("decimals", &translation::decimals, keys::whole<int>{0, 6},
                      "digits after the point"),
-      keys::optional("unit", &translation::unit, keys::text{16}, {"published as `TO.unit`", "none"}),
+      keys::optional("unit", &translation::unit, keys::text{16},
+                     {"published as `TO.unit`", "none"}),
       keys::optional("history", &translation::history, keys::whole<std::size_t>{1, history_max},
                      {"the newest values, in the tuple `TO.history`, or `FROM.history` without "
                       "`to`: CSV, a line each, oldest first, the time in seconds of the ecology "

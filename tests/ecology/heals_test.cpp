@@ -113,7 +113,8 @@ TEST_CASE("motes whose radios sleep for as long as `keep_alive` stay",
 TEST_CASE("a mote whose radio sleeps says that it searches ever more rarely, and when it is back",
           "[ecology][CLK-01][NRG-01]") {
   const std::string who = "hall/probe-2";
-  const std::string rests = "finds no neighbour that knows the time: sleeps, and searches less and less often";
+  const std::string rests =
+      "finds no neighbour that knows the time: sleeps, and searches less and less often";
   const std::string knows = "knows the time again, after resting for ";
   const auto what =
       describe(std::string("[ecology]\nname = \"away\"\nduration = \"40min\"\n") + two_motes +

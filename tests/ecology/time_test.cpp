@@ -118,6 +118,24 @@ TEST_CASE("a datum that was delayed is recognisably older", "[ecology][IF-06][CL
   CHECK(west.stamp_max > east.stamp_min - 1000);
 }
 
+TEST_CASE("a line that readings fill hides neither the time nor a mote", "[ecology][CLK-08][GW-01]") {
+  for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
+    CAPTURE(seed);
+    // 50 readings a second, of which the line takes some 20.
+    const auto report = run(two_islands(200, "serial = { baud = 9600 }\n"), seed);
+    CHECK(report.violations.empty());
+    const auto& west = report.islands.at(1);
+    CHECK(west.serial.lost.at("sink_queue_full") > 2000);
+    CHECK(west.network.aligned == motes);
+    CHECK(west.network.time_error_max < 1500us); // an octet of the line is 1 ms
+    CHECK(west.network.counters.at("time.good") * 10 > west.network.counters.at("time.asked") * 9);
+    for (const auto& mote : west.motes)
+      CHECK(mote.left_cause.empty());
+    for (const auto& each : report.event_log)
+      CHECK(each.what.find("left") == std::string::npos);
+  }
+}
+
 TEST_CASE("an island that no gateway tells the time has its own", "[ecology][CLK-08][CLK-01]") {
   auto islands = two_islands(60);
   islands.faults.insert(islands.faults.begin(),

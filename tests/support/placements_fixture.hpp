@@ -14,6 +14,7 @@
 #include "communication/interface.hpp"
 #include "communication/pc.hpp"
 #include "gateway/gateway.hpp"
+#include "network/am.hpp"
 #include "support/agenda.hpp"
 #include "support/island_fixture.hpp"
 #include "support/recorder.hpp"

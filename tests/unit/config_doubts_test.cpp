@@ -144,7 +144,8 @@ TEST_CASE("what reads or writes a tuple that no component publishes cannot work"
       doubts_of(home("channel = 1\n", ", { app = 'rules', rules = [{ when = 'k.c-2.temperature', "
                                       "above = 1, write = 'k.lamp.switch', then = 'on' }] }"));
   REQUIRE(rule.size() == 1);
-  CHECK(rule[0].starts_with("a rule of pc writes `k.lamp.switch`, a tuple that no component publishes"));
+  CHECK(rule[0].starts_with(
+      "a rule of pc writes `k.lamp.switch`, a tuple that no component publishes"));
   CHECK(doubts_of(home("channel = 1\n", ", { app = 'translate', rules = [{ from = 'x.y', "
                                         "to = 'x.z' }] }, { app = 'collector', keys = ['x.z'] }"))
             .size() == 1);
