@@ -10,6 +10,8 @@ namespace {
 
 /// What a full datagram takes of a socket's buffer (struct sk_buff included).
 constexpr std::size_t octets_in_system = 2304;
+/// Acknowledged before the kernel looks at it, whose answer otherwise carries that along.
+constexpr std::size_t much_at_a_time = 8 * peis::udp_datagram_max;
 
 peis::udp_secret secret_of_system() {
   std::random_device device;
@@ -121,6 +123,7 @@ void udp_links::on_address(peis::attempt_id attempt, std::uint16_t port,
 void udp_links::on_datagrams(byte_view datagrams, std::size_t each,
                              const peis::udp_address& from) {
   const auto at = now();
+  const bool much = datagrams.size() >= much_at_a_time;
   if (datagrams.empty())
     port_.on_datagram(from, datagrams, at);
   while (!datagrams.empty()) {
@@ -128,6 +131,10 @@ void udp_links::on_datagrams(byte_view datagrams, std::size_t each,
     port_.on_datagram(from, datagrams.first(size), at);
     datagrams = datagrams.subspan(size);
   }
+  if (!much)
+    return;
+  send_due(); // so that more comes while this is worked off
+  settle();
 }
 
 /// What is sent in one turn leaves together.
@@ -143,8 +150,11 @@ void udp_links::settle_soon() {
 void udp_links::settle() {
   if (const auto due = port_.deadline(); due && *due <= now())
     port_.on_time(now());
-  for (const auto& event : port_.take_events())
+  for (auto& event : port_.take_events()) {
     std::visit([this](const auto& x) { this->handle(x); }, event);
+    if (auto* received = std::get_if<peis::udp_received>(&event))
+      port_.give_back(std::move(received->octets));
+  }
   settle_due_ = false; // what was sent just now leaves now
   send_due();
   const auto due = port_.deadline();

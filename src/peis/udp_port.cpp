@@ -254,7 +254,7 @@ std::vector<udp_event> udp_port::take_events() {
     if (x.closes_until)
       continue;
     if (x.wanted && x.session.has_received())
-      events_.push_back(udp_received{token, x.session.take_received()});
+      events_.push_back(udp_received{token, x.session.take_received(std::exchange(spare_, {}))});
     if (const auto octets = x.session.take_acknowledged(); octets > 0)
       events_.push_back(udp_acknowledged{token, octets});
   }

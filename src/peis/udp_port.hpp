@@ -84,6 +84,9 @@ public:
   void close(udp_token session, instant now);
   void reset(udp_token session); ///< ends it now
 
+  /// Memory of a udp_received that was handled, for the next one.
+  void give_back(bytes x) { spare_ = std::move(x); }
+
   void on_datagram(const udp_address& from, byte_view octets, instant now);
   void on_time(instant now);
 
@@ -136,6 +139,7 @@ private:
   std::deque<udp_token> ended_;
   std::vector<udp_event> events_;
   std::vector<udp_batch> answered_;
+  bytes spare_;
   udp_counters counters_;
 };
 

@@ -25,7 +25,7 @@ bool udp_rate::queues() const {
   if (!least_)
     return false;
   const auto least = std::min(*least_, least_before_.value_or(*least_));
-  return *estimate_.mean() > 2 * least + config_.queue_delay;
+  return *estimate_.mean() > least * 5 / 4 + config_.queue_delay;
 }
 
 void udp_rate::on_report(std::uint64_t newest, std::uint64_t count, std::uint64_t sent,
@@ -44,11 +44,12 @@ void udp_rate::on_report(std::uint64_t newest, std::uint64_t count, std::uint64_
 
 void udp_rate::adapt(double lost) {
   const bool queue = queues();
-  if (lost > config_.loss_much)
-    window_ *= std::max(0.5, 1 - lost);
+  lost_ += config_.loss_weight * (lost - lost_);
+  if (lost_ > config_.loss_much)
+    window_ *= std::max(0.5, 1 - lost_);
   else if (queue && lost > config_.loss_of_queue)
     window_ *= config_.shrink_of_queue;
-  else if (limited_ && !queue && lost <= config_.loss_borne)
+  else if (limited_ && !queue && lost_ <= config_.loss_borne)
     window_ *= config_.growth;
   window_ = std::clamp(window_, config_.window_min, config_.window_max);
 }

@@ -16,9 +16,11 @@ struct udp_rate_config {
   double window_max = 1024;
   double growth = 1.1; ///< an interval, as UDP-02 has it
   /// Up to this share lost the window grows: radio loses so much without being full.
-  double loss_borne = 0.1;
-  double loss_much = 0.2; ///< beyond it the window shrinks by what was lost, to a half at most
-  /// Loss while the round trip takes longer than twice the least and this comes of a full queue.
+  double loss_borne = 0.2;
+  double loss_much = 0.25; ///< beyond it the window shrinks by what was lost, to a half at most
+  double loss_weight = 0.25; ///< of the newest interval in the share that is looked at
+  /// Loss while the round trip takes longer than the least by a quarter and this comes of a full
+  /// queue.
   duration queue_delay = 10ms;
   double loss_of_queue = 0.02;
   double shrink_of_queue = 0.85;
@@ -78,6 +80,7 @@ private:
   std::uint64_t first_count_ = 0;
   std::uint64_t end_ = 0; ///< it is over when this transmission has come, or a later one
   instant begun_{};
+  double lost_ = 0; ///< share, smoothed
   bool limited_ = false;
 };
 

@@ -13,6 +13,7 @@ constexpr unsigned retries_of_a_stall = 3;
 /// A sender without credit may ask with a part whether there is room again.
 constexpr std::size_t parts_to_spare = 16;
 constexpr std::size_t bitmap_max = 64; ///< octets
+constexpr std::size_t inbox_first = std::size_t{64} * 1024;
 
 /// What a number stands for of which only the last 32 bits were sent: the one nearest to `near`.
 std::uint64_t widened(std::uint32_t x, std::uint64_t near) {
@@ -76,14 +77,13 @@ void udp_session::note_arrival(part& x, instant now) {
   else
     --lost_;
   x.state = part_state::arrived;
+  acknowledged_ += x.content.size();
+  unacknowledged_ -= x.content.size();
 }
 
 void udp_session::acknowledge(const udp_segment& x, instant now) {
   for (; first_ < x.expected; ++first_) {
     note_arrival(parts_.front(), now);
-    const auto size = parts_.front().content.size();
-    acknowledged_ += size;
-    unacknowledged_ -= size;
     parts_.pop_front();
   }
   if (x.number != 0)
@@ -133,6 +133,8 @@ void udp_session::take_part(const udp_segment& x, udp_counters& counted) {
 }
 
 void udp_session::append_in_order(byte_view content) {
+  if (inbox_.capacity() < inbox_first)
+    inbox_.reserve(inbox_first);
   inbox_.insert(inbox_.end(), content.begin(), content.end());
   ++expected_;
   while (!early_.empty() && early_.begin()->first == expected_) {
@@ -143,8 +145,9 @@ void udp_session::append_in_order(byte_view content) {
   }
 }
 
-bytes udp_session::take_received() {
-  auto x = std::exchange(inbox_, {});
+bytes udp_session::take_received(bytes next) {
+  next.clear();
+  auto x = std::exchange(inbox_, std::move(next));
   if (given_credit_ < config_.parts_max / 2)
     report_due_ = true; // the other side may be waiting for it
   return x;

@@ -80,11 +80,11 @@ public:
   /// Appends the datagrams that may leave now. @param room that our socket has for this session
   void flush(instant now, std::uint16_t room, std::vector<udp_batch>& out, udp_counters& counted);
 
-  /// The octets that have come, in order, since the last call.
-  [[nodiscard]] bytes take_received();
+  /// The octets that have come, in order, since the last call. @param next memory for those to come
+  [[nodiscard]] bytes take_received(bytes next = {});
   [[nodiscard]] bool has_received() const { return !inbox_.empty(); }
 
-  /// Octets of send(), from the first on, that the other side has got since the last call.
+  /// How many octets of send() the other side has got since the last call, in whatever order.
   [[nodiscard]] std::size_t take_acknowledged();
 
   /// Octets of send() that the other side has not got.

@@ -22,6 +22,7 @@ import time
 CLONE_NEWNET = 0x40000000
 TUNSETIFF = 0x400454CA
 IFF_TUN_NO_PI = 0x1001
+ADDRESSES = ("10.77.0.1", "10.77.0.2")
 QUEUE_MAX = 2000  # packets under way in one direction
 
 
@@ -122,7 +123,7 @@ class Pair:
 
     def __init__(self, program, medium, devices, namespaces, loss, delay_s):
         self.network = Network(devices, loss, delay_s)
-        own = ("10.77.0.1", "10.77.0.2") if devices else ("127.0.0.1", "127.0.0.1")
+        own = ADDRESSES if devices else ("127.0.0.1", "127.0.0.1")
         more = ["--udp"] if medium == "udp" else []
         self.peers = []
         enter(namespaces[0])
@@ -186,17 +187,31 @@ def enter(namespace):
         ctypes.CDLL(None, use_errno=True).setns(namespace, CLONE_NEWNET)
 
 
+def use(control, namespaces):
+    """TCP's congestion control, of those that this system has. Debian's default is cubic."""
+    for namespace, own, other in zip(namespaces, ADDRESSES, reversed(ADDRESSES)):
+        enter(namespace)
+        done = subprocess.run(["ip", "route", "replace", other, "dev", "lossy", "src", own, "congctl", control],
+                              capture_output=True, check=False)
+        if done.returncode != 0:
+            return False
+    return True
+
+
 def measure(program, devices, namespaces, loss, delay_s, seconds, loads):
-    """Prints and returns {medium: [MB/s or p99 of each load]}."""
+    """Prints, and returns for each medium (MB/s, figures of ages) of each load."""
     results = {}
-    for medium in ("tcp", "udp"):
+    for medium, control in (("tcp", "cubic"), ("tcp", "bbr"), ("udp", "")) if devices else (("tcp", ""), ("udp", "")):
+        if control and not use(control, namespaces):
+            continue
+        name = medium + (" " + control if control else "")
         pair = Pair(program, medium, devices, namespaces, loss, delay_s)
         try:
-            results[medium] = []
+            results[name] = []
             for size, rate in loads:
                 mb_per_s, stats = pair.flow(size, rate, seconds)
-                results[medium].append((mb_per_s, stats))
-                print(f"  {medium} {size:7d} B x {rate:5d}/s: {mb_per_s:8.3f} MB/s, {stats['n'] / seconds:8.1f} values/s, "
+                results[name].append((mb_per_s, stats))
+                print(f"  {name:9} {size:7d} B x {rate:5d}/s: {mb_per_s:8.3f} MB/s, {stats['n'] / seconds:8.1f} values/s, "
                       f"age p50 {stats['p50']:9.3f} p95 {stats['p95']:9.3f} p99 {stats['p99']:9.3f} max "
                       f"{stats['max']:9.3f} ms", flush=True)
                 pair.wait(1)
@@ -208,7 +223,7 @@ def measure(program, devices, namespaces, loss, delay_s, seconds, loads):
 def make_lossy():
     home = os.open("/proc/self/ns/net", os.O_RDONLY)
     devices, namespaces = [], []
-    for own, other in (("10.77.0.1", "10.77.0.2"), ("10.77.0.2", "10.77.0.1")):
+    for own, other in zip(ADDRESSES, reversed(ADDRESSES)):
         devices.append(new_end(own, other))
         namespaces.append(os.open("/proc/self/ns/net", os.O_RDONLY))
     enter(home)
@@ -220,13 +235,15 @@ def check(program, seconds):
     devices, namespaces = make_lossy()
     print("a network of 20 ms there and back that loses 5 %:")
     lossy = measure(program, devices, namespaces, 0.05, 0.01, seconds, loads)
-    (tcp_bulk, _), (_, tcp_small) = lossy["tcp"]
+    if "tcp cubic" not in lossy:
+        raise Unavailable("TCP has no cubic")
+    (tcp_bulk, _), _ = lossy["tcp cubic"]
     (udp_bulk, _), (_, udp_small) = lossy["udp"]
     wrong = []
     if udp_bulk < 3:
         wrong.append(f"{udp_bulk:.3f} MB/s over UDP, of 4.1 that are written")
     if udp_bulk < 1.5 * tcp_bulk:
-        wrong.append(f"{udp_bulk:.3f} MB/s over UDP are not half as much again as {tcp_bulk:.3f} over TCP")
+        wrong.append(f"{udp_bulk:.3f} MB/s over UDP are not half as much again as {tcp_bulk:.3f} over TCP with cubic")
     if udp_small["n"] < 0.9 * 100 * seconds:
         wrong.append(f"{udp_small['n']:.0f} small values over UDP, of {100 * seconds:.0f}")
     for line in wrong:

@@ -165,10 +165,14 @@ TEST_CASE("the window grows by a tenth an interval without loss, and shrinks whe
     CHECK(after > before);
     before = after;
   }
-  CHECK(interval(15) == before); // neither
+  for (int i = 0; i < 10; ++i)
+    before = interval(22);
+  CHECK(interval(22) == before); // neither
+  for (int i = 0; i < 4; ++i)
+    before = interval(30);
   for (int i = 0; i < 5; ++i) {
     const auto after = interval(30);
-    CHECK(after / before == Approx(0.7).epsilon(0.02));
+    CHECK(after / before == Approx(0.7).epsilon(0.04));
     before = after;
   }
   for (int i = 0; i < 50; ++i)
@@ -220,7 +224,7 @@ TEST_CASE("a twentieth lost at random does not starve a session", "[peis][UDP-02
   const auto at_30 = rate_at(0.3);
   CAPTURE(without, at_5, at_30);
   CHECK(without > 15e6); // what the owner hands over at a time, 512 KiB, each round trip
-  CHECK(at_5 > 0.3 * without);
+  CHECK(at_5 > 0.4 * without);
   CHECK(at_5 > 10 * 1.22 * 1400 / 0.02 / std::sqrt(0.05)); // ten times what one TCP of Reno carries
   CHECK(at_30 < 0.1 * without);
   CHECK(at_30 > 1e5); // eight datagrams a round trip, not nothing
