@@ -180,13 +180,12 @@ void refuse_in_virtual_time(const table_reader& in, std::string_view key, bool u
 
 /// Links over UDP are asked for, and have something to be for.
 void check_udp(const table_reader& in, const peer_description& x) {
-  const auto found = std::ranges::find_if(
-      x.connect, [](const auto& each) { return each.starts_with("udp://"); });
+  const auto found =
+      std::ranges::find_if(x.connect, [](const auto& each) { return each.starts_with("udp://"); });
   if (!x.udp && found != x.connect.end())
     in.problems().add(in.at("connect"), '`' + *found + "` needs `udp = true`");
   if (x.udp && !x.tcp && !x.lan && found == x.connect.end())
-    in.problems().add(in.at("udp"),
-                      "`udp` needs `tcp`, `lan` or a `udp://` address in `connect`");
+    in.problems().add(in.at("udp"), "`udp` needs `tcp`, `lan` or a `udp://` address in `connect`");
 }
 
 /// How the peers meet others.
@@ -204,10 +203,11 @@ void read_connections(table_reader& in, surroundings& with, const peer_table& pe
       "lan", flag{}, out.lan,
       "meets the peers of the real local network: it listens at all addresses of this computer, "
       "and announces itself to the multicast group 227.1.3.5, port 10001; needs `mode = \"wall\"`");
-  in.optional("udp", flag{}, out.udp,
-              "has links over UDP too, with peers that have this as well, on a port of the same number "
-              "as that of `tcp` if it is free; for networks that lose more than TCP bears; needs "
-              "`mode = \"wall\"`");
+  in.optional(
+      "udp", flag{}, out.udp,
+      "has links over UDP too, with peers that have this as well, on a port of the same number "
+      "as that of `tcp` if it is free; for networks that lose more than TCP bears; needs "
+      "`mode = \"wall\"`");
   if (with.mode == run_mode::virtual_time) {
     refuse_in_virtual_time(in, "udp", out.udp);
     refuse_in_virtual_time(in, "connect", !out.connect.empty());

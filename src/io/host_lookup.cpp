@@ -32,8 +32,7 @@ struct host_lookup::state : std::enable_shared_from_this<state> {
         [x = shared_from_this(), host](const error_code& error,
                                        const udp::resolver::results_type& found) {
           if (error || found.empty())
-            x->finish(host + ": " +
-                      attempt_failure(error ? error : asio::error::host_not_found));
+            x->finish(host + ": " + attempt_failure(error ? error : asio::error::host_not_found));
           else
             x->finish(found.begin()->endpoint().address().to_v4().to_bytes());
         });

@@ -156,8 +156,7 @@ struct udp_socket::state : std::enable_shared_from_this<state> {
     const auto each = size_of_each(x);
     ipv4_address address{};
     std::memcpy(address.data(), &from.sin_addr, address.size());
-    to_owner.on_datagrams(octets, each == 0 ? octets.size() : each, address,
-                          ntohs(from.sin_port));
+    to_owner.on_datagrams(octets, each == 0 ? octets.size() : each, address, ntohs(from.sin_port));
     return true;
   }
 

@@ -58,10 +58,10 @@ std::optional<std::string> tcp_links::listen() {
 std::optional<std::string> tcp_links::open_udp() {
   if (!config_.udp)
     return std::nullopt;
-  auto x = udp_links::open(
-      *loop_, {listener_ ? listen_address() : everywhere, port(), config_.networks,
-               config_.connect_timeout},
-      *user_, [this] { return peis::link_id{next_link_++}; });
+  auto x = udp_links::open(*loop_,
+                           {listener_ ? listen_address() : everywhere, port(), config_.networks,
+                            config_.connect_timeout},
+                           *user_, [this] { return peis::link_id{next_link_++}; });
   if (auto* refusal = std::get_if<std::string>(&x))
     return std::move(*refusal);
   udp_ = std::move(std::get<std::unique_ptr<udp_links>>(x));

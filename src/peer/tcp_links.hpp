@@ -79,7 +79,7 @@ public:
 
   [[nodiscard]] std::optional<std::uint16_t> port() const; ///< listened on
   [[nodiscard]] std::optional<std::uint16_t> udp_port() const;
-  [[nodiscard]] std::string warning() const;               ///< now; empty: all is well
+  [[nodiscard]] std::string warning() const; ///< now; empty: all is well
 
   void carry_out(peis::to_link x); ///< for a link that is gone: nothing
   void carry_out(const peis::close_link& x);

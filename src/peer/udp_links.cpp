@@ -29,8 +29,7 @@ udp_links::udp_links(io::loop& where, udp_links_config config, link_user& user,
 std::variant<std::unique_ptr<udp_links>, std::string>
 udp_links::open(io::loop& where, udp_links_config config, link_user& user,
                 std::function<peis::link_id()> next_link) {
-  std::unique_ptr<udp_links> x(
-      new udp_links(where, std::move(config), user, std::move(next_link)));
+  std::unique_ptr<udp_links> x(new udp_links(where, std::move(config), user, std::move(next_link)));
   if (auto refusal = x->open_socket())
     return *std::move(refusal);
   return x;
@@ -39,8 +38,9 @@ udp_links::open(io::loop& where, udp_links_config config, link_user& user,
 std::optional<std::string> udp_links::open_socket() {
   auto opened = io::udp_socket::open(
       *loop_, config_.address, config_.first_port.value_or(0),
-      {[this](byte_view datagrams, std::size_t each, const ipv4_address& from,
-              std::uint16_t port) { on_datagrams(datagrams, each, {from, port}); },
+      {[this](byte_view datagrams, std::size_t each, const ipv4_address& from, std::uint16_t port) {
+         on_datagrams(datagrams, each, {from, port});
+       },
        [this] { settle(); }});
   if (auto* refusal = std::get_if<std::string>(&opened))
     return std::move(*refusal);
@@ -120,8 +120,7 @@ void udp_links::on_address(peis::attempt_id attempt, std::uint16_t port,
   settle();
 }
 
-void udp_links::on_datagrams(byte_view datagrams, std::size_t each,
-                             const peis::udp_address& from) {
+void udp_links::on_datagrams(byte_view datagrams, std::size_t each, const peis::udp_address& from) {
   const auto at = now();
   const bool much = datagrams.size() >= much_at_a_time;
   if (datagrams.empty())

@@ -99,7 +99,7 @@ private:
   std::map<peis::link_id, peis::udp_token> tokens_;
   std::map<peis::udp_token, peis::link_id> links_;
   std::map<peis::attempt_id, io::host_lookup> lookups_;
-  std::map<peis::attempt_id, std::string> targets_; ///< as people know them
+  std::map<peis::attempt_id, std::string> targets_;            ///< as people know them
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true); ///< for what is posted
   bool settle_due_ = false;
   bool over_ = false;

@@ -137,8 +137,8 @@ low_level_address tcp_address(std::string device, bool loopback, std::array<std:
   return x;
 }
 
-low_level_address udp_interface(std::string device, bool loopback,
-                                std::array<std::uint8_t, 4> ipv4, std::uint16_t port) {
+low_level_address udp_interface(std::string device, bool loopback, std::array<std::uint8_t, 4> ipv4,
+                                std::uint16_t port) {
   auto x = tcp_address(std::move(device), loopback, ipv4, port);
   x.type = low_level_address::kind::udp_ipv4;
   return x;

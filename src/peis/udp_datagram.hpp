@@ -1,8 +1,9 @@
-// What two peers of ours send each other over UDP (D1.1 3.1.5.2, UDP-01). A G6 kernel has no working
-// UDP (peis-wire.md 3.1), so this form is our own.
+// What two peers of ours send each other over UDP (D1.1 3.1.5.2, UDP-01). A G6 kernel has no
+// working UDP (peis-wire.md 3.1), so this form is our own.
 //
 //   handshake, 24 octets:  sync 4, kind 1, zero 1, room 2, token 8, cookie 8
-//   segment, 48 or more:   sync 4, kind 1, zero 1, room 2, token 8, sequence 8, expected 8, number 4,
+//   segment, 48 or more:   sync 4, kind 1, zero 1, room 2, token 8, sequence 8, expected 8, number
+//   4,
 //                          newest 4, count 4, credit 2, zero 2, content
 // All numbers are in network byte order.
 #pragma once
@@ -84,8 +85,8 @@ void encode(const udp_segment& x, bytes& out);
 
 using udp_datagram = std::variant<udp_handshake, udp_segment>;
 
-/// The content of a segment is valid as long as the octets are. truncated; too_long; bad_value for a
-/// wrong sync word or kind, or a part without octets.
+/// The content of a segment is valid as long as the octets are. truncated; too_long; bad_value for
+/// a wrong sync word or kind, or a part without octets.
 [[nodiscard]] result<udp_datagram> decode_udp_datagram(byte_view octets);
 
 } // namespace rubicon::peis

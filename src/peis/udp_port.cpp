@@ -20,7 +20,7 @@ constexpr std::string_view silent = "the other side is silent";
 // What the owner wants.
 
 void udp_port::connect(attempt_id attempt, const udp_address& to, duration timeout, instant now) {
-  attempts_[cookies_.next_token()] = {attempt, to, std::nullopt, now, config_.hello_retry,
+  attempts_[cookies_.next_token()] = {attempt,      to, std::nullopt, now, config_.hello_retry,
                                       now + timeout};
   on_time(now);
 }
@@ -140,8 +140,7 @@ void udp_port::on_cookie(const udp_address& from, const udp_handshake& x, instan
   on_time(now);
 }
 
-bool udp_port::complete(const udp_address& from, udp_token token, std::uint16_t room,
-                        instant now) {
+bool udp_port::complete(const udp_address& from, udp_token token, std::uint16_t room, instant now) {
   const auto found = attempts_.find(token);
   if (found == attempts_.end() || found->second.to != from || !found->second.cookie)
     return false;

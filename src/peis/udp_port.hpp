@@ -24,15 +24,16 @@
 namespace rubicon::peis {
 
 struct udp_port_config {
-  bool accepts = true; ///< sessions that others ask for
+  bool accepts = true;                ///< sessions that others ask for
   std::vector<ipv4_network> networks; ///< from where; empty: anywhere
   std::size_t sessions_max = 128;
-  std::uint16_t room = 64;                  ///< datagrams that our socket holds unread, for all
-  std::uint64_t answers_per_second = 1000;  ///< to strangers, each no longer than the question
-  duration hello_retry = 100ms;             ///< doubles, to hello_retry_max
+  std::uint16_t room = 64;                 ///< datagrams that our socket holds unread, for all
+  std::uint64_t answers_per_second = 1000; ///< to strangers, each no longer than the question
+  duration hello_retry = 100ms;            ///< doubles, to hello_retry_max
   duration hello_retry_max = 1s;
   duration drain_max = 2s; ///< how long close() waits for what is under way
-  std::size_t ended_max = 256; ///< sessions that are over and remembered: a late datagram opens none
+  std::size_t ended_max =
+      256; ///< sessions that are over and remembered: a late datagram opens none
   udp_session_config session;
 };
 
@@ -58,8 +59,7 @@ struct udp_closed {
   udp_token session;
   std::string_view why;
 };
-using udp_event =
-    std::variant<udp_opened, udp_refused, udp_received, udp_acknowledged, udp_closed>;
+using udp_event = std::variant<udp_opened, udp_refused, udp_received, udp_acknowledged, udp_closed>;
 
 /// Sessions by their names, and attempts at new ones:
 ///

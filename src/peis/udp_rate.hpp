@@ -17,7 +17,7 @@ struct udp_rate_config {
   double growth = 1.1; ///< an interval, as UDP-02 has it
   /// Up to this share lost the window grows: radio loses so much without being full.
   double loss_borne = 0.2;
-  double loss_much = 0.25; ///< beyond it the window shrinks by what was lost, to a half at most
+  double loss_much = 0.25;   ///< beyond it the window shrinks by what was lost, to a half at most
   double loss_weight = 0.25; ///< of the newest interval in the share that is looked at
   /// Loss while the round trip takes longer than the least by a quarter and this comes of a full
   /// queue.

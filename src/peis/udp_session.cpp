@@ -318,8 +318,7 @@ bytes udp_session::bitmap() const {
   return x;
 }
 
-void udp_session::append(const udp_segment& x, std::vector<udp_batch>& out,
-                         udp_counters& counted) {
+void udp_session::append(const udp_segment& x, std::vector<udp_batch>& out, udp_counters& counted) {
   const auto size = udp_segment_header + x.content.size();
   const bool fits = !out.empty() && out.back().to == other_ && size <= out.back().each &&
                     out.back().octets.size() % out.back().each == 0 &&

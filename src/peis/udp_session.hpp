@@ -19,14 +19,14 @@ namespace rubicon::peis {
 
 /// What one UDP port has done, and refused, in all its sessions.
 struct udp_counters {
-  std::uint64_t sent = 0;          ///< datagrams
-  std::uint64_t parts_sent = 0;    ///< of these, with octets of a session
-  std::uint64_t parts_resent = 0;  ///< of these, once more
-  std::uint64_t received = 0;      ///< datagrams
-  std::uint64_t malformed = 0;     ///< none of ours, cut, or too long
-  std::uint64_t unknown = 0;       ///< of no session or attempt, or from elsewhere than its other end
-  std::uint64_t bad_cookies = 0;   ///< whose sender has not proved its address
-  std::uint64_t repeated = 0;      ///< parts that were there
+  std::uint64_t sent = 0;         ///< datagrams
+  std::uint64_t parts_sent = 0;   ///< of these, with octets of a session
+  std::uint64_t parts_resent = 0; ///< of these, once more
+  std::uint64_t received = 0;     ///< datagrams
+  std::uint64_t malformed = 0;    ///< none of ours, cut, or too long
+  std::uint64_t unknown = 0;     ///< of no session or attempt, or from elsewhere than its other end
+  std::uint64_t bad_cookies = 0; ///< whose sender has not proved its address
+  std::uint64_t repeated = 0;    ///< parts that were there
   std::uint64_t out_of_window = 0; ///< parts for which there was no room
   std::uint64_t impossible = 0;    ///< acknowledged what was never sent
   std::uint64_t unanswered = 0;    ///< beyond the answers that strangers get a second
@@ -41,7 +41,8 @@ RUBICON_FIELDS(udp_counters, sent, parts_sent, parts_resent, received, malformed
 struct udp_session_config {
   /// Parts of each direction that are under way, out of order, or wait for their owner: 692 KB.
   std::size_t parts_max = 512;
-  duration silence_max = 8s; ///< the other side says nothing although something is to be acknowledged
+  duration silence_max =
+      8s; ///< the other side says nothing although something is to be acknowledged
   udp_rate_config rate;
 };
 

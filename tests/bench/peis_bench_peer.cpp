@@ -13,7 +13,8 @@
 //                                             repeats ..; gaps: values skipped
 //   count                                     COUNT n .., cheaper than stats
 //   flood KEY SIZE COUNT RATE                 FLOODDONE n COUNT secs S; RATE 0: one each turn
-//   overtaken                                 OVERTAKEN n .. given_up .. refused ..: values set that
+//   overtaken                                 OVERTAKEN n .. given_up .. refused ..: values set
+//   that
 //                                             subscribers did not get, or that could not be set
 //   quit                                      BYE
 #include <algorithm>

@@ -32,7 +32,8 @@ void check_round_trip(byte_view octets) {
 
 /// A session that the other end has asked for.
 void open(udp_port& port, udp_token token) {
-  port.on_datagram(other, encode(udp_handshake{udp_handshake::step::hello, 0, token, 0}), instant{});
+  port.on_datagram(other, encode(udp_handshake{udp_handshake::step::hello, 0, token, 0}),
+                   instant{});
   auto out = port.flush(instant{});
   require(out.size() == 1);
   const auto cookie = std::get<udp_handshake>(*decode_udp_datagram(out[0].octets)).cookie;

@@ -22,12 +22,13 @@ std::string udp_url(std::uint16_t port) {
 class lossy_relay {
 public:
   lossy_relay(io::loop& loop, std::uint16_t to, double loss)
-      : loss_(loss), front_(open(loop,
-                                 [this, to](byte_view x, std::size_t each, const auto& from,
-                                            std::uint16_t port) {
-                                   asks_ = {from, port};
-                                   pass(back_, x, each, {127, 0, 0, 1}, to);
-                                 })),
+      : loss_(loss),
+        front_(
+            open(loop,
+                 [this, to](byte_view x, std::size_t each, const auto& from, std::uint16_t port) {
+                   asks_ = {from, port};
+                   pass(back_, x, each, {127, 0, 0, 1}, to);
+                 })),
         back_(open(loop, [this](byte_view x, std::size_t each, const auto&, std::uint16_t) {
           pass(front_, x, each, asks_.first, asks_.second);
         })) {}
@@ -155,8 +156,8 @@ TEST_CASE("what a network loses is sent again, and each value comes once in orde
           "[peer][UDP-01][UDP-02]") {
   udp_peers p(0.05);
   std::vector<std::string> seen;
-  const auto watch = p.b->subscribe(peer_id{1}, "count",
-                                    [&](const auto& x) { seen.emplace_back(x->text()); });
+  const auto watch =
+      p.b->subscribe(peer_id{1}, "count", [&](const auto& x) { seen.emplace_back(x->text()); });
   REQUIRE(std::holds_alternative<peis::subscription_id>(watch));
   REQUIRE(p.run([&] { return p.a->has_subscriber("count"); }));
   const std::string filler(500, '.');
@@ -185,7 +186,9 @@ TEST_CASE("a link over UDP ends with its peer, and comes back with it", "[peer][
     CHECK(p.b->links().open_links() == 0);
     CHECK(p.b->links().closing_links() == 0);
   }
-  SECTION("its process is gone") { p.b.reset(); }
+  SECTION("its process is gone") {
+    p.b.reset();
+  }
   CHECK(p.a->run_until([&] { return changes == std::vector{false}; }, test::patience));
   CHECK(p.a->links().open_links() == 0);
   auto again = udp_config_of(2);
@@ -206,8 +209,7 @@ TEST_CASE("a way over UDP that is cut is noticed, and used again when it is mend
 
 TEST_CASE("hostile datagrams are counted and change nothing", "[peer][UDP-01]") {
   udp_peers p;
-  auto opened =
-      io::udp_socket::open(p.loop, "127.0.0.1", 0, {[](auto&&...) {}, [] {}});
+  auto opened = io::udp_socket::open(p.loop, "127.0.0.1", 0, {[](auto&&...) {}, [] {}});
   auto& hostile = std::get<io::udp_socket>(opened);
   const auto port = p.a->links().udp_port().value();
   const auto send = [&](bytes x) {

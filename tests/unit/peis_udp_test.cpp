@@ -248,7 +248,8 @@ TEST_CASE("a session finds what a narrow network carries", "[peis][UDP-02]") {
   CHECK(resent < 0.15 * sent);
 }
 
-TEST_CASE("an owner that reads nothing makes the other side wait, within bounds", "[peis][UDP-01]") {
+TEST_CASE("an owner that reads nothing makes the other side wait, within bounds",
+          "[peis][UDP-01]") {
   udp_pair x;
   const auto session = x.open();
   x.b.port.read(session, false);
