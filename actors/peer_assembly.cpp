@@ -150,6 +150,7 @@ std::optional<real_links_config> real_links_of(ecology_pointer self,
   real_links_config x;
   x.loop = self->state.process.loop;
   x.links.lan = peer.lan;
+  x.links.udp = peer.udp;
   x.links.first_link = peis::link_id{first_real_link};
   if (peer.tcp) {
     x.links.listen_address = peer.tcp->address;

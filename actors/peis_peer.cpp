@@ -341,8 +341,10 @@ struct server {
     if (!state.real)
       return;
     auto& all = state.arguments.config.network.addresses;
-    std::erase_if(
-        all, [](const auto& each) { return each.type == peis::low_level_address::kind::tcp_ipv4; });
+    std::erase_if(all, [](const auto& each) {
+      using kind = peis::low_level_address::kind;
+      return each.type == kind::tcp_ipv4 || each.type == kind::udp_ipv4;
+    });
     for (auto& each : state.real->links().addresses())
       all.push_back(std::move(each));
     perform(self, state.kernel.set_addresses(all, at));

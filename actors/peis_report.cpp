@@ -98,6 +98,8 @@ void send_status(peer_pointer self) {
   if (state.real != nullptr) {
     const auto at_links = state.real->links().counters();
     report::add_counters<peer::links_counters>(peer.counters, "tcp", at_links);
+    if (const auto* udp = state.real->links().over_udp())
+      report::add_counters<peis::udp_counters>(peer.counters, "udp", udp->counters());
     if (at_links.refused > 0)
       peer.limits["connections_refused"] = at_links.refused;
     if (at_links.foreign > 0)

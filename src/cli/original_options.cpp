@@ -88,8 +88,9 @@ private:
     const auto said = value(option);
     const auto url =
         peis::parse_link_url(said.find("://") == std::string::npos ? "tcp://" + said : said);
-    if (!url || url->medium != peis::link_url::scheme::tcp)
-      refuse(option, "not tcp://HOST:PORT: '" + said + '\'');
+    using scheme = peis::link_url::scheme;
+    if (!url || (url->medium != scheme::tcp && url->medium != scheme::udp))
+      refuse(option, "not tcp://HOST:PORT or udp://HOST:PORT: '" + said + '\'');
     else
       found.connect.push_back(peis::to_string(*url));
   }
@@ -211,6 +212,9 @@ std::string take_over(const original_options& x, config::ecology_description& to
     peer->tcp->port = *x.port;
   }
   peer->connect.insert(peer->connect.end(), x.connect.begin(), x.connect.end());
+  peer->udp = peer->udp || std::ranges::any_of(x.connect, [](const auto& each) {
+                return each.starts_with("udp://");
+              });
   peer->host = x.host_name.value_or(peer->host);
   peer->name = x.name.value_or(peer->name);
   peer->leaf = peer->leaf || x.leaf;

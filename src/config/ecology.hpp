@@ -213,9 +213,10 @@ struct peer_description {
   std::string table; ///< name of several peers of one table, which have numbers; else empty
   std::string host;
   std::vector<std::string> links;     ///< names of peers or gateways; always kept (AUT-01)
-  std::vector<std::string> connect;   ///< `tcp://host:port`, always kept, over the real network
+  std::vector<std::string> connect;   ///< `tcp://host:port` or `udp://...`, always kept
   std::optional<tcp_listener> tcp;    ///< wall time only, as are `connect` and `lan`
   bool lan = false;                   ///< meets whoever the computer's real LAN has (A-78)
+  bool udp = false;                   ///< has links over UDP too (UDP-01)
   bool leaf = false;                  ///< has no other links than those above (LEA-01)
   bool manager = true;                ///< makes and closes links as it sees fit (CM-12)
   bool discovery = true;              ///< takes part in the announcements of the simulated network

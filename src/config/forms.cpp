@@ -165,8 +165,8 @@ form way::takes() {
   return {"`[[\"0s\", [0, 2]], [\"1min\", [30, 2]]]`, at least 1", points_schema(place_schema())};
 }
 
-form tcp_url::takes() {
-  return {"URL", pattern_schema("tcp://.+")};
+form peer_url::takes() {
+  return {"URL", pattern_schema("(tcp|udp)://.+")};
 }
 
 form interface_address::takes() {

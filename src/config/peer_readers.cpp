@@ -178,6 +178,16 @@ void refuse_in_virtual_time(const table_reader& in, std::string_view key, bool u
                                       "network");
 }
 
+/// Links over UDP are asked for, and have something to be for.
+void check_udp(const table_reader& in, const peer_description& x) {
+  const auto found =
+      std::ranges::find_if(x.connect, [](const auto& each) { return each.starts_with("udp://"); });
+  if (!x.udp && found != x.connect.end())
+    in.problems().add(in.at("connect"), '`' + *found + "` needs `udp = true`");
+  if (x.udp && !x.tcp && !x.lan && found == x.connect.end())
+    in.problems().add(in.at("udp"), "`udp` needs `tcp`, `lan` or a `udp://` address in `connect`");
+}
+
 /// How the peers meet others.
 void read_connections(table_reader& in, surroundings& with, const peer_table& peers,
                       peer_surroundings& all, peer_description& out) {
@@ -186,17 +196,25 @@ void read_connections(table_reader& in, surroundings& with, const peer_table& pe
     own.push_back(peers.name(i));
   out.links = read_links(in, own, "whom it always keeps a link to, over the simulated network");
   in.optional(
-      "connect", list_of<tcp_url>{{}, 0, links_max}, out.connect,
+      "connect", list_of<peer_url>{{}, 0, links_max}, out.connect,
       {"whom it always keeps a link to, over the real network; needs `mode = \"wall\"`", "none"});
   read_tcp(in, peers, all, out.tcp);
   in.optional(
       "lan", flag{}, out.lan,
       "meets the peers of the real local network: it listens at all addresses of this computer, "
       "and announces itself to the multicast group 227.1.3.5, port 10001; needs `mode = \"wall\"`");
+  in.optional(
+      "udp", flag{}, out.udp,
+      "has links over UDP too, with peers that have this as well, on a port of the same number "
+      "as that of `tcp` if it is free; for networks that lose more than TCP bears; needs "
+      "`mode = \"wall\"`");
   if (with.mode == run_mode::virtual_time) {
+    refuse_in_virtual_time(in, "udp", out.udp);
     refuse_in_virtual_time(in, "connect", !out.connect.empty());
     refuse_in_virtual_time(in, "tcp", out.tcp.has_value());
     refuse_in_virtual_time(in, "lan", out.lan);
+  } else {
+    check_udp(in, out);
   }
   in.optional("leaf", flag{}, out.leaf,
               "it has no other links than those to `links`, to `connect`, and within its host");

@@ -82,6 +82,8 @@ std::string connections(const peer_description& x) {
                     (x.tcp->port ? std::to_string(*x.tcp->port) : std::string("8000 or above")));
   if (x.lan)
     words.emplace_back("lan");
+  if (x.udp)
+    words.emplace_back("udp");
   if (!x.bluetooth.empty())
     words.push_back("bluetooth " + joined(x.bluetooth));
   if (!x.wired)

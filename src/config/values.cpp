@@ -316,11 +316,12 @@ std::optional<std::uint64_t> read(const bit_rate& /*kind*/, const node& x, const
   return static_cast<std::uint64_t>(*found);
 }
 
-std::optional<std::string> tcp_url::read(const node& x, const asker& who) {
+std::optional<std::string> peer_url::read(const node& x, const asker& who) {
   const auto* found = x.as<std::string>();
   const auto url =
       found == nullptr ? result<peis::link_url>(errc::bad_value) : peis::parse_link_url(*found);
-  if (!url || url->medium != peis::link_url::scheme::tcp)
+  using scheme = peis::link_url::scheme;
+  if (!url || (url->medium != scheme::tcp && url->medium != scheme::udp))
     return who.refuse(x, "the address of a peer, as in \"tcp://192.168.1.7:8000\"");
   return to_string(*url);
 }

@@ -264,8 +264,8 @@ template <class Kind>
   return pairs_form(form_of(kind.kind));
 }
 
-/// The URL of a TCP link, "tcp://host:port"
-struct tcp_url {
+/// The URL of a link over the real network, "tcp://host:port" or "udp://host:port"
+struct peer_url {
   [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who);
   [[nodiscard]] static form takes();
 };

@@ -21,7 +21,8 @@ public:
     mean_ = (7 * *mean_ + taken) / 8;
   }
 
-  /// Nothing before the first answer.
+  /// Both: nothing before the first answer.
+  [[nodiscard]] std::optional<duration> mean() const { return mean_; }
   [[nodiscard]] std::optional<duration> bound() const {
     if (!mean_)
       return std::nullopt;

@@ -21,11 +21,11 @@ namespace {
 
 constexpr std::string_view unknown_host = "no host has this name";
 
-std::string text_of(const error_code& x) {
+} // namespace
+
+std::string attempt_failure(const error_code& x) {
   return x == asio::error::host_not_found ? std::string(unknown_host) : x.message();
 }
-
-} // namespace
 
 bool is_unknown_host(std::string_view why) {
   return why.ends_with(unknown_host);
@@ -78,7 +78,7 @@ struct tcp_connect::state : std::enable_shared_from_this<state> {
       return;
     stop();
     if (error)
-      on_result(target + ": " + text_of(error));
+      on_result(target + ": " + attempt_failure(error));
     else
       on_result(stream_of(std::move(socket)));
   }

@@ -1,5 +1,8 @@
-// For files of this room only: makes streams of connected sockets, and listens for them.
+// For files of this room only: makes streams of connected sockets, listens for them,
+// and says why an attempt failed.
 #pragma once
+
+#include <string>
 
 #include <boost/asio/ip/tcp.hpp>
 
@@ -12,5 +15,8 @@ namespace rubicon::io {
 /// Opens the acceptor at an address that a process before may have had; closed again if that fails.
 [[nodiscard]] boost::system::error_code listen_at(boost::asio::ip::tcp::acceptor& acceptor,
                                                   const boost::asio::ip::tcp::endpoint& where);
+
+/// In words; is_unknown_host() knows them.
+[[nodiscard]] std::string attempt_failure(const boost::system::error_code& x);
 
 } // namespace rubicon::io

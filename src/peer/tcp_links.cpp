@@ -30,6 +30,8 @@ tcp_links::open(io::loop& where, links_config config, link_user& user) {
   std::unique_ptr<tcp_links> x(new tcp_links(where, std::move(config), user));
   if (auto refusal = x->listen())
     return *std::move(refusal);
+  if (auto refusal = x->open_udp())
+    return *std::move(refusal);
   if (x->config_.lan)
     x->join_group();
   return x;
@@ -50,6 +52,19 @@ std::optional<std::string> tcp_links::listen() {
   if (auto* refusal = std::get_if<std::string>(&x))
     return std::move(*refusal);
   listener_ = std::move(std::get<io::tcp_listener>(x));
+  return std::nullopt;
+}
+
+std::optional<std::string> tcp_links::open_udp() {
+  if (!config_.udp)
+    return std::nullopt;
+  auto x = udp_links::open(*loop_,
+                           {listener_ ? listen_address() : everywhere, port(), config_.networks,
+                            config_.connect_timeout},
+                           *user_, [this] { return peis::link_id{next_link_++}; });
+  if (auto* refusal = std::get_if<std::string>(&x))
+    return std::move(*refusal);
+  udp_ = std::move(std::get<std::unique_ptr<udp_links>>(x));
   return std::nullopt;
 }
 
@@ -81,13 +96,22 @@ std::vector<peis::low_level_address> tcp_links::addresses() const {
   std::vector<peis::low_level_address> all;
   if (!listener_)
     return all;
-  for (auto& x : io::network_interfaces()) {
-    const bool is_listened_on =
-        listen_address() == everywhere || listen_address() == dotted(x.ipv4);
-    if (is_listened_on && all.size() < peis::low_level_addresses_max)
-      all.push_back(peis::tcp_address(std::move(x.device), x.loopback, x.ipv4, listener_->port()));
+  auto interfaces = io::network_interfaces();
+  if (listen_address() != everywhere)
+    std::erase_if(interfaces, [this](const auto& x) { return listen_address() != dotted(x.ipv4); });
+  for (const auto& x : interfaces)
+    all.push_back(peis::tcp_address(x.device, x.loopback, x.ipv4, listener_->port()));
+  for (const auto& x : interfaces) {
+    if (udp_)
+      all.push_back(peis::udp_interface(x.device, x.loopback, x.ipv4, udp_->port()));
   }
+  if (all.size() > peis::low_level_addresses_max)
+    all.resize(peis::low_level_addresses_max);
   return all;
+}
+
+std::optional<std::uint16_t> tcp_links::udp_port() const {
+  return udp_ ? std::optional(udp_->port()) : std::nullopt;
 }
 
 std::optional<std::uint16_t> tcp_links::port() const {
@@ -125,9 +149,13 @@ void tcp_links::carry_out(peis::to_link x) {
   const auto found = streams_.find(x.link);
   if (found != streams_.end())
     found->second.send(std::move(x.octets));
+  else if (udp_)
+    udp_->send(x.link, std::move(x.octets));
 }
 
 void tcp_links::carry_out(const peis::close_link& x) {
+  if (udp_)
+    udp_->close(x);
   auto found = streams_.extract(x.link);
   if (found.empty() || x.why == peis::close_cause::handshake_silent) // who said nothing is told
     return;                                                          // nothing
@@ -141,6 +169,8 @@ void tcp_links::carry_out(const peis::read_link& x) {
   const auto found = streams_.find(x.link);
   if (found != streams_.end())
     found->second.read(x.wanted);
+  else if (udp_)
+    udp_->read(x);
 }
 
 void tcp_links::carry_out(const peis::pace_link& x) {
@@ -159,12 +189,18 @@ void tcp_links::close(io::tcp_stream x) {
 void tcp_links::carry_out(const peis::connect_to& x) {
   if (over_)
     return;
+  using scheme = peis::link_url::scheme;
   const auto url = peis::parse_link_url(x.url);
-  if (!url || url->medium != peis::link_url::scheme::tcp) {
-    fail_soon(x.attempt, x.url + ": not a TCP address");
-  } else if (attempts_.size() >= attempts_max) {
+  const bool over_udp = url && url->medium == scheme::udp;
+  if (over_udp && !udp_) {
+    fail_soon(x.attempt, x.url + ": links over UDP are off");
+  } else if (!url || (url->medium != scheme::tcp && !over_udp)) {
+    fail_soon(x.attempt, x.url + ": not an address of TCP or UDP");
+  } else if ((over_udp ? udp_->attempts() : attempts_.size()) >= attempts_max) {
     ++counters_.too_many;
     fail_soon(x.attempt, x.url + ": too many attempts at a time");
+  } else if (over_udp) {
+    udp_->connect(x.attempt, *url);
   } else {
     const auto attempt = x.attempt;
     attempts_.emplace(
@@ -201,10 +237,20 @@ void tcp_links::close_all() {
   for (auto& [link, x] : streams_)
     close(std::move(x));
   streams_.clear();
+  if (udp_)
+    udp_->close_all();
+}
+
+std::size_t tcp_links::open_links() const {
+  return streams_.size() + (udp_ ? udp_->open_links() : 0);
+}
+
+std::size_t tcp_links::closing_links() const {
+  return *closing_ + (udp_ ? udp_->closing_links() : 0);
 }
 
 std::size_t tcp_links::unsent() const {
-  std::size_t sum = 0;
+  std::size_t sum = udp_ ? udp_->unsent() : 0;
   for (const auto& [link, x] : streams_)
     sum += x.unsent();
   return sum;

@@ -1,4 +1,5 @@
-// Real links for a PEIS kernel: TCP connections and multicast announcements (peis-wire.md 3 and 4).
+// Real links for a PEIS kernel: TCP connections and multicast announcements (peis-wire.md 3 and 4),
+// and UDP sessions where they are asked for (UDP-01).
 #pragma once
 
 #include <cstddef>
@@ -17,6 +18,8 @@
 #include "io/tcp_listener.hpp"
 #include "io/tcp_stream.hpp"
 #include "io/udp_group.hpp"
+#include "peer/link_user.hpp"
+#include "peer/udp_links.hpp"
 #include "peis/host_record.hpp"
 #include "peis/link_url.hpp"
 #include "peis/p2p_events.hpp"
@@ -34,25 +37,10 @@ struct links_config {
   std::string listen_address;
   /// Links from elsewhere are closed at once, announcements are not heard; empty: none of that.
   std::vector<ipv4_network> networks;
+  bool udp = false;           ///< links over UDP too, on a port of the same number if it is free
   io::udp_group_config group; ///< of announcements, with lan only (TCP-02)
   duration connect_timeout = 5s;
   peis::link_id first_link{1}; ///< links are numbered from here on
-};
-
-/// Hears what happens to links, on the loop's thread, never from within a call of tcp_links. Named
-/// like the kernel's inputs, which an owner passes it on to. May call tcp_links, not destroy it.
-class link_user {
-public:
-  virtual ~link_user() = default;
-  virtual void on_link_open(peis::link_id link, peis::link_role role,
-                            std::optional<peis::attempt_id> attempt) = 0;
-  virtual void on_attempt_failed(peis::attempt_id attempt, const std::string& why) = 0;
-  virtual void on_link_octets(peis::link_id link, byte_view octets) = 0; ///< valid in the call
-  virtual void on_link_sent(peis::link_id link, std::size_t octets) = 0;
-  virtual void on_link_closed(peis::link_id link, const std::string& why) = 0;
-  /// @param datagram valid in the call
-  virtual void on_announcement(byte_view datagram, const ipv4_address& from) = 0;
-  virtual void on_addresses() = 0; ///< addresses() may be others than before
 };
 
 struct links_counters {
@@ -90,7 +78,8 @@ public:
   [[nodiscard]] std::vector<peis::low_level_address> addresses() const;
 
   [[nodiscard]] std::optional<std::uint16_t> port() const; ///< listened on
-  [[nodiscard]] std::string warning() const;               ///< now; empty: all is well
+  [[nodiscard]] std::optional<std::uint16_t> udp_port() const;
+  [[nodiscard]] std::string warning() const; ///< now; empty: all is well
 
   void carry_out(peis::to_link x); ///< for a link that is gone: nothing
   void carry_out(const peis::close_link& x);
@@ -103,15 +92,17 @@ public:
   /// given up. The user hears nothing any more.
   void close_all();
 
-  [[nodiscard]] std::size_t open_links() const { return streams_.size(); }
-  [[nodiscard]] std::size_t closing_links() const { return *closing_; }
+  [[nodiscard]] std::size_t open_links() const;
+  [[nodiscard]] std::size_t closing_links() const;
   [[nodiscard]] std::size_t unsent() const; ///< octets that wait to leave, of open links
   [[nodiscard]] links_counters counters() const;
+  [[nodiscard]] const udp_links* over_udp() const { return udp_.get(); } ///< nullptr: not asked for
 
 private:
   tcp_links(io::loop& where, links_config config, link_user& user);
 
   [[nodiscard]] std::optional<std::string> listen();
+  [[nodiscard]] std::optional<std::string> open_udp();
   void join_group();
   [[nodiscard]] bool is_listed(const ipv4_address& x) const;
   void on_connection(io::tcp_stream x, const ipv4_address& from);
@@ -127,6 +118,7 @@ private:
   std::string warning_;
   std::optional<io::tcp_listener> listener_;
   std::optional<io::udp_group> group_;
+  std::unique_ptr<udp_links> udp_;
   std::map<peis::link_id, io::tcp_stream> streams_;
   std::map<peis::attempt_id, io::tcp_connect> attempts_;
   std::shared_ptr<std::size_t> closing_ = std::make_shared<std::size_t>(0);

@@ -18,6 +18,11 @@ bool is_network(const low_level_address& x) {
   return x.type == kind::tcp_ipv4 && !x.loopback;
 }
 
+bool has_udp(const host_record& x) {
+  return std::any_of(x.addresses.begin(), x.addresses.end(),
+                     [](const auto& each) { return each.type == kind::udp_ipv4; });
+}
+
 bool same_process(const host_record& self, const low_level_address& x) {
   return std::any_of(self.addresses.begin(), self.addresses.end(), [&](const auto& own) {
     return own.type == kind::inproc &&
@@ -87,10 +92,12 @@ std::vector<std::string> connectable_urls(const host_record& self, const host_re
                                           const bluetooth& near) {
   const bool same_host = self.host_name == other.host_name;
   const bool networked = std::any_of(self.addresses.begin(), self.addresses.end(), is_network);
+  const bool over_udp = has_udp(self);
   std::vector<std::string> urls;
   for (const auto& x : other.addresses) {
-    const bool local = x.type == kind::tcp_ipv4 && x.loopback && same_host;
-    const bool remote = is_network(x) && networked && !same_host;
+    const bool ip = x.type == kind::tcp_ipv4 || (x.type == kind::udp_ipv4 && over_udp);
+    const bool local = ip && x.loopback && same_host;
+    const bool remote = ip && !x.loopback && networked && !same_host;
     if (local || remote || (x.type == kind::inproc && same_process(self, x)))
       urls.push_back(to_string(url_of(x)));
   }

@@ -93,8 +93,9 @@ enum class admission : std::uint8_t { accept, replace_worst, refuse };
                               const connection_config& config);
 
 /// Addresses in `other` that `self` can connect to: loopback ones for peers of one machine, other
-/// ones only if `self` has such an address too, in-process ones for peers of one process. Bluetooth
-/// ones, slow as they are, only if there are no others and what is `near` is connectable (BT-06).
+/// ones only if `self` has such an address too, in-process ones for peers of one process. Those of
+/// UDP only if `self` has one of them as well (UDP-01). Bluetooth ones, slow as they are, only if
+/// there are no others and what is `near` is connectable (BT-06).
 [[nodiscard]] std::vector<std::string>
 connectable_urls(const host_record& self, const host_record& other, const bluetooth& near = {});
 

@@ -137,6 +137,13 @@ low_level_address tcp_address(std::string device, bool loopback, std::array<std:
   return x;
 }
 
+low_level_address udp_interface(std::string device, bool loopback, std::array<std::uint8_t, 4> ipv4,
+                                std::uint16_t port) {
+  auto x = tcp_address(std::move(device), loopback, ipv4, port);
+  x.type = low_level_address::kind::udp_ipv4;
+  return x;
+}
+
 low_level_address inproc_address(std::uint32_t process, peer_id id) {
   low_level_address x{"inproc", true, low_level_address::kind::inproc, {}};
   put_big_endian(x.address, 0, process);

@@ -60,6 +60,10 @@ struct link_url {
 [[nodiscard]] low_level_address tcp_address(std::string device, bool loopback,
                                             std::array<std::uint8_t, 4> ipv4, std::uint16_t port);
 
+/// The same over UDP.
+[[nodiscard]] low_level_address udp_interface(std::string device, bool loopback,
+                                              std::array<std::uint8_t, 4> ipv4, std::uint16_t port);
+
 /// An in-process link: every process has a number of its own, so that peers of two processes do not
 /// try it.
 [[nodiscard]] low_level_address inproc_address(std::uint32_t process, peer_id id);

@@ -65,7 +65,8 @@ std::vector<std::string> p2p::urls_to(const host_record& other) const {
 /// What others tell is followed into listed networks only.
 bool p2p::may_dial(const low_level_address& x) const {
   const auto& networks = config_.connections.networks;
-  if (networks.empty() || x.type != low_level_address::kind::tcp_ipv4)
+  using kind = low_level_address::kind;
+  if (networks.empty() || (x.type != kind::tcp_ipv4 && x.type != kind::udp_ipv4))
     return true;
   const ipv4_address address{x.address[0], x.address[1], x.address[2], x.address[3]};
   return std::ranges::any_of(networks, [&](const auto& each) { return each.contains(address); });

@@ -59,7 +59,8 @@ bool p2p::connect_host(const host_record& record, std::uint32_t flags, instant n
     return false;
   charge_announcer(record.id, now);
   const auto& url = urls[urls.size() == 1 ? 0 : rng_.below(urls.size())];
-  connect(url, {flags, record.id, std::nullopt, {}, url.starts_with("tcp://127.")}, now);
+  const bool is_here = url.find("://127.") != std::string::npos;
+  connect(url, {flags, record.id, std::nullopt, {}, is_here}, now);
   return true;
 }
 

@@ -1,7 +1,7 @@
 // A peer that measures, driven by lines on standard input; every answer is one line on standard
 // output, `@ <monotonic seconds> <EVENT> <words>`:
 //
-//   (start)                                   READY id N port P
+//   (start)                                   READY id N port P [udp P]
 //   monitor                                   MON known N routable N connections N, on each change;
 //                                             DEAD ID
 //   echo OWNER IN OUT                         sets OUT to each value of OWNER.IN
@@ -13,6 +13,9 @@
 //                                             repeats ..; gaps: values skipped
 //   count                                     COUNT n .., cheaper than stats
 //   flood KEY SIZE COUNT RATE                 FLOODDONE n COUNT secs S; RATE 0: one each turn
+//   overtaken                                 OVERTAKEN n .. given_up .. refused ..: values set
+//   that
+//                                             subscribers did not get, or that could not be set
 //   quit                                      BYE
 #include <algorithm>
 #include <array>
@@ -218,6 +221,10 @@ private:
       stats();
     } else if (what == "count") {
       tell("COUNT n " + std::to_string(watched_.values));
+    } else if (what == "overtaken") {
+      const auto counted = peer_->kernel().counters().tuples;
+      tell("OVERTAKEN n " + std::to_string(counted.pushes_overtaken) + " given_up " +
+           std::to_string(counted.pushes_given_up) + " refused " + std::to_string(refused_));
     } else if (what == "echo") {
       std::int32_t owner = 0;
       std::string in;
@@ -295,8 +302,10 @@ private:
 
   void set(const std::string& key, peis::tuple_content x) {
     const auto why = peer_->set_tuple(key, std::move(x));
-    if (why != peis::cause::none)
-      tell("ERROR set " + std::string(peis::to_string(why)));
+    if (why == peis::cause::none)
+      return;
+    ++refused_;
+    tell("ERROR set " + std::string(peis::to_string(why)));
   }
 
   void stats() {
@@ -327,6 +336,7 @@ private:
   bool over_ = false;
   bool monitoring_ = false;
   std::string last_monitored_;
+  std::uint64_t refused_ = 0; ///< values that could not be set
   std::optional<flood> flood_;
   std::optional<ping> ping_;
   watched watched_;
@@ -347,8 +357,9 @@ T number(std::string_view option, std::string_view text) {
 
 constexpr const char* usage =
     "usage: peis_bench_peer --peis-id N [--peis-hostname S] [--peis-port N] [--peis-network S]\n"
-    "         [--peis-connect tcp://HOST:PORT]... [--lan] [--interface ADDRESS]\n"
-    "Without --lan it stays on loopback and does not announce itself.\n";
+    "         [--peis-connect tcp://HOST:PORT]... [--lan] [--udp] [--address ADDRESS]\n"
+    "         [--interface ADDRESS]\n"
+    "Without --lan it does not announce itself, and stays on loopback or --address.\n";
 
 } // namespace
 
@@ -361,6 +372,10 @@ int main(int argc, char* argv[]) {
     const std::string_view option = argv[i];
     if (option == "--lan") {
       config.links.lan = true;
+      continue;
+    }
+    if (option == "--udp") {
+      config.links.udp = true;
       continue;
     }
     if (++i == argc) {
@@ -378,6 +393,8 @@ int main(int argc, char* argv[]) {
       config.links.first_port = number<std::uint16_t>(option, value);
     else if (option == "--peis-connect")
       connect.emplace_back(value);
+    else if (option == "--address")
+      config.links.listen_address = value;
     else if (option == "--interface")
       config.links.group.interfaces = {std::string(value)};
     else {
@@ -399,6 +416,7 @@ int main(int argc, char* argv[]) {
   }
   auto& peer = *std::get<std::unique_ptr<peer::standalone>>(opened);
   bench all(loop, peer);
-  tell("READY id " + to_string(network.id) + " port " + std::to_string(*peer.links().port()));
+  tell("READY id " + to_string(network.id) + " port " + std::to_string(*peer.links().port()) +
+       (peer.links().udp_port() ? " udp " + std::to_string(*peer.links().udp_port()) : ""));
   all.run();
 }

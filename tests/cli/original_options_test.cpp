@@ -107,6 +107,12 @@ TEST_CASE("the peer of a file is who its starter says", "[cli]") {
   CHECK(peer.connect == std::vector<std::string>{"tcp://localhost:8001"});
   REQUIRE(peer.tcp);
   CHECK(peer.tcp->port == 8100);
+  CHECK_FALSE(peer.udp);
+  auto over_udp = ecology_of("[[peer]]\nid = 700\nname = \"pc\"\ntcp = true\n");
+  std::vector<std::string> asked{"--peis-connect", "udp://robot:8001"};
+  CHECK(take_over(taken(asked), over_udp) == "");
+  CHECK(over_udp.peers[0].udp);
+  CHECK(over_udp.peers[0].connect == std::vector<std::string>{"udp://robot:8001"});
   auto many = ecology_of("[[peer]]\nid = 1\nname = \"a\"\n[[peer]]\nid = 2\nname = \"b\"\n");
   original_options id;
   id.id = peer_id{5};

@@ -51,6 +51,10 @@ TEST_CASE("the keys of a peer arrive", "[config][AUT-01][CM-12][LEA-01][TUP-22][
   CHECK(x.leaf);
   CHECK_FALSE(x.manager);
   CHECK(x.time_master);
+  CHECK_FALSE(x.udp);
+  const auto over_udp = wall_peer("udp = true\nconnect = [\"udp://10.0.0.7\"]\n");
+  CHECK(over_udp.udp);
+  CHECK(over_udp.connect == std::vector<std::string>{"udp://10.0.0.7:8000"});
   CHECK_FALSE(wall_peer("").time_master);
   CHECK(x.managers == std::vector{peer_id{7}, peer_id{65535}});
   CHECK(wall_peer("tcp = true\n").tcp);
@@ -150,6 +154,9 @@ connect = ["tcp://a:1"]
 tcp = true
 #     ^ `tcp` needs mode = "wall": in virtual time there is no real network
 
+udp = true
+#     ^ `udp` needs mode = "wall": in virtual time there is no real network
+
 lan = true
 #     ^ `lan` needs mode = "wall": in virtual time there is no real network
 
@@ -178,8 +185,20 @@ connect = ["tcp://b:0"]
 [[peer]]
 id = 300
 name = "pc"
-connect = ["udp://b"]
-#          ^ `connect` must be the address of a peer, as in "tcp://192.168.1.7:8000", not "udp://b"
+connect = ["bt://b"]
+#          ^ `connect` must be the address of a peer, as in "tcp://192.168.1.7:8000", not "bt://b"
+
+[[peer]]
+id = 300
+name = "pc"
+connect = ["tcp://b", "udp://b"]
+#         ^ `udp://b:8000` needs `udp = true`
+
+[[peer]]
+id = 300
+name = "pc"
+udp = true
+#     ^ `udp` needs `tcp`, `lan` or a `udp://` address in `connect`
 
 [[peer]]
 id = 300
@@ -271,7 +290,7 @@ TEST_CASE("a summary shows how peers meet", "[config]") {
                       "[peis]\nloss = 0.1\nbandwidth = \"10Mbit/s\"\n"
                       "[[peer]]\nname = \"a\"\nid = 1\n"
                       "[[peer]]\nname = \"b\"\nid = 2\nlinks = [\"inproc://a\"]\n"
-                      "connect = [\"tcp://c\"]\ntcp = true\nlan = true\nleaf = true\n"
+                      "connect = [\"tcp://c\"]\ntcp = true\nlan = true\nudp = true\nleaf = true\n"
                       "manager = false\ndiscovery = true\n"
                       "[[peer]]\nname = \"c\"\nid = 3\ndiscovery = false\ntcp.port = 9000\n"
                       "time_master = true\n");
@@ -281,7 +300,7 @@ peers: delay 200 us; loss 10 %; 10 Mbit/s
 
 peers and gateways
   1  a
-  2  b  -> a, tcp://c:8000; tcp 8000 or above; lan; leaf; no manager; discovery
+  2  b  -> a, tcp://c:8000; tcp 8000 or above; lan; udp; leaf; no manager; discovery
   3  c  tcp 9000; no discovery; time master
 )");
 }

@@ -205,7 +205,7 @@ TEST_CASE("attempts that fail are told, whatever the medium", "[peer][LNK-05][LN
   config.kernel.network.connections.always = {"bt://AA:BB:CC:DD:EE:FF"};
   const auto x = test::open(loop, config);
   CHECK(x->run_until([&] { return !warnings.empty(); }, test::patience));
-  CHECK(warnings.front() == "bt://AA:BB:CC:DD:EE:FF: not a TCP address");
+  CHECK(warnings.front() == "bt://AA:BB:CC:DD:EE:FF: not an address of TCP or UDP");
 }
 
 TEST_CASE("work of a period is done when it is due, of period zero in each step",

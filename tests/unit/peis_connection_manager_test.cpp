@@ -122,6 +122,23 @@ TEST_CASE("addresses are tried where they can lead", "[peis][LNK-01][A-78]") {
   CHECK(connectable_urls(self, other) == std::vector<std::string>{"tcp://127.0.0.1:8001"});
 }
 
+TEST_CASE("addresses of UDP are tried by who has UDP too", "[peis][UDP-01]") {
+  host_record self;
+  self.host_name = "a";
+  self.addresses = {tcp_address("eth0", false, {10, 0, 0, 1}, 8000)};
+  host_record other;
+  other.host_name = "b";
+  other.addresses = {tcp_address("eth0", false, {10, 0, 0, 2}, 8001),
+                     udp_interface("lo", true, {127, 0, 0, 1}, 8002),
+                     udp_interface("eth0", false, {10, 0, 0, 2}, 8002)};
+  CHECK(connectable_urls(self, other) == std::vector<std::string>{"tcp://10.0.0.2:8001"});
+  self.addresses.push_back(udp_interface("eth0", false, {10, 0, 0, 1}, 8000));
+  CHECK(connectable_urls(self, other) ==
+        std::vector<std::string>{"tcp://10.0.0.2:8001", "udp://10.0.0.2:8002"});
+  other.host_name = "a";
+  CHECK(connectable_urls(self, other) == std::vector<std::string>{"udp://127.0.0.1:8002"});
+}
+
 TEST_CASE("the fastest clock wins, a master overrules it", "[peis][CLK-06]") {
   const instant now{100s};
   network_clock clock({}, peer_id{5}, now);
