@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "actors/air.hpp"
+#include "actors/base_station.hpp"
 #include "actors/messages/air.hpp"
 #include "actors/messages/programs.hpp"
 #include "actors/messages/serial.hpp"
@@ -164,6 +165,7 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.stack = island.stack;
   x.path = mote.path;
   x.step = mote.step;
+  x.stays_when_flat = mote.stays_when_flat;
   x.node.transducers = mote.transducers;
   x.node.actuators = mote.actuators;
   x.apps = mote.apps;
@@ -233,6 +235,10 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
     serial::mote_port_config port;
     port.baud = config.baud;
     port.queue_max = std::min(port.queue_max, serial::queue_room(config.baud)) + traffic.up.packets;
+    if (island.stack == config::stack::plain) { // as TinyOS has it, whatever the line
+      port.queue_max = serial::mote_port_config{}.queue_max;
+      port.payload_max = serial::base_station_payload;
+    }
     at_sink.lines.push_back({line, port});
   };
   add_line(island.name, island.serial);
@@ -249,6 +255,7 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   at_sink.radio = radio;
   at_sink.air = air;
   at_sink.apps = island.sink.apps;
+  at_sink.is_base_station = island.stack == config::stack::plain;
   at_sink.duty = island.duty;
   at_sink.tick = self->state.description.tick;
   at_sink.crystal = crystal_of(self, island, island.name + "/sink");
@@ -297,17 +304,22 @@ radio::radio_config radio_of(const config::island_description& island) {
   x.transmit_dbm = island.sink.transmit_dbm;
   x.battery_mah = mains_mah;
   x.promiscuous = island.sink.promiscuous;
+  x.access = island.sink.access;
+  x.channel = island.channel;
   return x;
 }
 
-radio::radio_config radio_of(island_id island, const config::mote_description& mote) {
+radio::radio_config radio_of(const config::island_description& island,
+                             const config::mote_description& mote) {
   radio::radio_config x;
   x.address = mote.id;
-  x.pan = static_cast<std::uint16_t>(island.value);
+  x.pan = static_cast<std::uint16_t>(island.id.value);
   x.place = mote.place;
   x.kind = mote.platform;
   x.transmit_dbm = mote.transmit_dbm;
   x.battery_mah = mote.battery_mah;
+  x.access = mote.access;
+  x.channel = config::channel_of(island, mote);
   return x;
 }
 
@@ -403,7 +415,7 @@ std::vector<extra_mote> add_motes(ecology_pointer self, const config::air_descri
     x.mote.path.clear();
     if (std::ranges::find(air.islands, x.island) == air.islands.end())
       continue;
-    x.radio = channel.add(radio_of(x.island, x.mote), now(self));
+    x.radio = channel.add(radio_of(described(self, x.island), x.mote), now(self));
     addresses.push_back({x.island, x.mote.id});
     found.push_back(std::move(x));
   }
@@ -427,6 +439,7 @@ std::vector<std::uint32_t> add_noises(ecology_pointer self, const config::air_de
     x.kind = radio::find_platform("micaz");
     x.transmit_dbm = noise->transmit_dbm;
     x.battery_mah = mains_mah;
+    x.channel = noise->channel.value_or(radio::all_channels);
     static_cast<void>(channel.add(x, now(self)));
     found.push_back(i);
   }
@@ -440,7 +453,7 @@ scheduler::process& add_process(ecology_pointer self, const config::air_descript
   auto latency = duration::max();
   for (const auto id : air.islands) {
     const auto& island = described(self, id);
-    if (island.stack != config::stack::full)
+    if (!config::has_line(island.stack))
       continue;
     latency = std::min(latency, island.serial.latency);
     for (const auto& alias : island.aliases)
@@ -476,7 +489,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
     static_cast<void>(channel.add(radio_of(*island), now(self)));
     addresses.push_back({island->id, island->sink.id});
     for (const auto& mote : island->motes) {
-      static_cast<void>(channel.add(radio_of(island->id, mote), now(self)));
+      static_cast<void>(channel.add(radio_of(*island, mote), now(self)));
       addresses.push_back({island->id, mote.id});
     }
   }
@@ -496,7 +509,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
   for (const auto* island : islands) {
     state.airs[island->id] = medium;
     const auto& traffic = state.traffic.at(island->id);
-    if (island->stack == config::stack::full)
+    if (config::has_line(island->stack))
       spawn_bridge(self, *island, traffic, radio, medium);
     else
       spawn_measuring_sink(self, *island, radio, medium);
@@ -530,7 +543,7 @@ void spawn_kernels(ecology_pointer self) {
     names.push_back(name);
   };
   for (const auto& island : description.islands) {
-    if (island.stack != config::stack::full || island.outside.has_gateway())
+    if (!config::has_line(island.stack) || island.outside.has_gateway())
       continue;
     add(gateway_of(island.id), island.gateway_name, island.id);
     std::size_t line = 0;
@@ -613,7 +626,8 @@ void spawn_sink(ecology_pointer self, supervised_sink& x) {
     --self->state.report.actors.spawned;
   }
   x.changed = now(self);
-  x.handle = spawn_child(*self->state.processes.at(x.arguments->address.island), self, x.path, sink,
+  x.handle = spawn_child(*self->state.processes.at(x.arguments->address.island), self, x.path,
+                         x.arguments->is_base_station ? base_station : sink,
                          sink_arguments{*x.arguments}, mote::nonvolatile{x.store});
 }
 

@@ -306,7 +306,8 @@ bool has_left_by_itself(network::leave_cause x) {
 void on_listing(ecology_pointer self, const listing_changed& x) {
   const auto& island = *std::ranges::find(self->state.description.islands, x.mote.island,
                                           &config::island_description::id);
-  if (island.outside.has_sink() || (island.real.is_there() && island.real.motes.has(x.mote.mote))) {
+  if (config::has_plain_sink(island) ||
+      (island.real.is_there() && island.real.motes.has(x.mote.mote))) {
     on_real_listing(self, island, x);
     return;
   }
@@ -1045,7 +1046,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   watch_islands(self);
   assemble(self);
   for (auto& island : self->state.description.islands)
-    if (!island.outside.has_sink()) // names of real motes are asked for again
+    if (!config::has_plain_sink(island)) // names of plain motes are asked for again
       island.motes = {}; // what they were made from; ten thousand of them weigh something
   schedule_fault(self);
   schedule_sample(self);

@@ -181,8 +181,11 @@ bool take_group_frame(mote_pointer self, const radio::frame& x, byte_view psdu) 
 
 void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
   const auto frame = radio::decode(psdu);
-  if (!frame || !is_for(*frame, self->state.arguments->address) ||
-      self->state.flows.take(self, *frame) || take_group_frame(self, *frame, psdu))
+  if (!frame || !is_for(*frame, self->state.arguments->address))
+    return;
+  if (self->state.plain && !self->state.flat)
+    self->state.plain->take(self, *frame);
+  if (self->state.flows.take(self, *frame) || take_group_frame(self, *frame, psdu))
     return;
   if (auto& node = self->state.node; node && !self->state.flat) {
     auto todo = node->on_frame(frame->source, frame->am_type, frame->payload,
@@ -204,6 +207,8 @@ void on_group_frame_sent(mote_pointer self, std::uint64_t id, const radio_done& 
 }
 
 void on_done(mote_pointer self, const radio_done& x) {
+  if (self->state.plain && self->state.plain->on_done(x))
+    return;
   if (const auto id = smepp_id_of(x)) {
     on_group_frame_sent(self, *id, x);
     return;
@@ -220,6 +225,8 @@ void move_to(mote_pointer self, position place) {
   auto& state = self->state;
   if (state.node)
     state.node->move(place);
+  if (state.plain)
+    state.plain->move(place);
   self->send(state.arguments->air, move_radio{state.arguments->radio, place});
 }
 
@@ -238,6 +245,8 @@ void on_timer(mote_pointer self, const timer_expired& x) {
     die(self);
   }
   state.flows.on_timer(self, x);
+  if (state.plain && !state.flat)
+    state.plain->on_timer(self, x);
   if (state.wake.accepts(x) && !state.flat) {
     perform(self, state.node->on_time(own_time(self)));
     perform(self, state.programs.on_time(*state.node, own_time(self)));
@@ -246,7 +255,8 @@ void on_timer(mote_pointer self, const timer_expired& x) {
     perform(self, state.reports.on_time(*state.node, own_time(self), now(self)));
   if (state.groups_wake.accepts(x) && !state.flat)
     perform(self, state.groups->node.on_time(state.groups->own(now(self))));
-  if (state.walk_wake.accepts(x)) // a mote is carried on even if its battery is flat
+  const bool stays = state.flat && state.arguments->stays_when_flat; // else it is carried on
+  if (state.walk_wake.accepts(x) && !stays)
     go(self);
 }
 
@@ -277,6 +287,8 @@ void die(mote_pointer self) {
   self->send(self->state.arguments->ecology, notable_event{self->path(), "battery flat"});
   self->send(self->state.arguments->ecology, mote_flat{self->state.arguments->address});
   self->state.flows.stop(self);
+  if (self->state.plain)
+    self->state.plain->stop();
 }
 
 void on_battery_low(mote_pointer self) {
@@ -350,11 +362,18 @@ void on_period(mote_pointer self, const set_period& x) {
   perform(self, state.reports.on_time(*state.node, own_time(self), now(self)));
 }
 
+void report_plain(mote_pointer self) {
+  if (const auto& plain = self->state.plain)
+    send_modules(self, self->state.arguments->ecology, self->state.arguments->name,
+                 plain->counted());
+}
+
 /// An exception ends the mote. What this life has counted must not go with it. Reliable messages
 /// that were still open have failed; nobody will know about flows' requests, so they stay open.
 void report_failures(mote_pointer self) {
   self->set_exception_handler([self](std::exception_ptr& x) {
     self->state.flows.report(self, self->state.arguments->ecology);
+    report_plain(self);
     report_groups(self, life_state::replaced);
     if (self->state.node)
       report_node(self, false);
@@ -421,6 +440,19 @@ void start_programs(mote_pointer self, const std::string& life) {
   }
 }
 
+void start_plain(mote_pointer self, const std::string& life) {
+  auto& state = self->state;
+  const auto& of = *state.arguments;
+  const auto programs = plain_programs_among(of.apps);
+  if (programs.empty() || state.node)
+    return;
+  state.plain = std::make_unique<plain_host>(
+      plain_host_config{of.address.mote, of.radio, of.air, state.crystal, of.node.transducers,
+                        of.node.transducer_seed, of.node.place},
+      programs, random_stream(of.seed, life + "/plain"), now(self));
+  state.plain->start(self);
+}
+
 /// SMEPP Light, beside the stack if there is one.
 void start_groups(mote_pointer self, const std::string& life, const mote::crystal& crystal) {
   auto& state = self->state;
@@ -464,6 +496,7 @@ void start(mote_pointer self) {
                        own_time(self));
   else
     performer{self}(mote::store_nonvolatile{begin_life(state.store)});
+  start_plain(self, life);
   state.walk = device::walk(arguments.path, arguments.step);
   go(self);
   if (state.node) {
@@ -535,6 +568,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
           return;
         }
         self->state.flows.report(self, self->state.arguments->ecology);
+        report_plain(self);
         report_groups(self, self->state.flat ? life_state::ended : life_state::goes_on);
         if (self->state.node)
           report_node(self, !self->state.flat);

@@ -13,6 +13,7 @@
 #include "actors/messages/air.hpp"
 #include "actors/messages/programs.hpp"
 #include "actors/messages/supervision.hpp"
+#include "actors/plain_host.hpp"
 #include "actors/program_host.hpp"
 #include "actors/separate_programs.hpp"
 #include "actors/smepp_shell.hpp"
@@ -39,6 +40,7 @@ struct mote_arguments {
   std::vector<config::mote_app> apps;
   std::vector<device::waypoint> path; ///< empty: it does not move
   duration step = 1s;                 ///< of its moves
+  bool stays_when_flat = false;       ///< its walk ends with its battery
   std::uint64_t seed = 0;             ///< of the ecology
   radio::radio_index radio;
   air_actor air;
@@ -56,6 +58,7 @@ struct mote_state {
   mote::nonvolatile store;        ///< as it was before this life
   std::optional<mote::node> node; ///< full stack only
   flow_host flows;
+  std::unique_ptr<plain_host> plain;   ///< nullptr: no plain programs of TinyOS
   std::unique_ptr<smepp_shell> groups; ///< nullptr: none, as in most motes; it is large
   radio_wish radio;
   device::walk walk;

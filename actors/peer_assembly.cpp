@@ -403,7 +403,7 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   const auto payload_of = [](const serial::outside_config& x) {
     return x.payload == 0 ? serial::base_station_payload : x.payload;
   };
-  if (gateway.line_is_real)
+  if (config::has_plain_sink(island))
     gateway.port.payload_max = payload_of(island.outside);
   gateway.config.is_forwarded =
       !(island.real.is_there() ? island.real.outside : island.outside).forwarder.empty();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "mote/crystal.hpp"
 #include "mote/sink.hpp"
 #include "serial/mote_port.hpp"
+#include "tinyos/base_station.hpp"
 
 namespace rubicon {
 
@@ -30,7 +32,8 @@ struct sink_arguments {
   mote::registrar_config registrar;
   radio::radio_index radio;
   air_actor air;
-  std::vector<sink_line> lines;       ///< at least one, in the order in which gateways take over
+  bool is_base_station = false; ///< then no mote joins it: tables, clock and members mean nothing
+  std::vector<sink_line> lines; ///< at least one, in the order in which gateways take over
   std::vector<config::mote_app> apps; ///< that measure
   mote::crystal crystal;              ///< ahead by what the clock of this life shows, once it runs
   mote::duty_config duty;
@@ -42,8 +45,9 @@ struct sink_arguments {
 struct sink_state {
   sink_arguments arguments;
   mote::sink sink;
-  std::string life;                     ///< its path, and from the second on its number
-  std::vector<serial::mote_port> ports; ///< of the lines
+  std::unique_ptr<tinyos::base_station> base; ///< instead of it, if it is one
+  std::string life;                           ///< its path, and from the second on its number
+  std::vector<serial::mote_port> ports;       ///< of the lines
   flow_host flows;
   timer wake;
 };

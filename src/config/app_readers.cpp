@@ -3,6 +3,7 @@
 #include "apps/app_keys.hpp"
 #include "config/application_readers.hpp"
 #include "config/mote_readers.hpp"
+#include "tinyos/program_keys.hpp"
 #include "traffic/flow_keys.hpp"
 
 namespace rubicon::config {
@@ -99,8 +100,10 @@ placed_app read_messenger(table_reader& in) {
   in.all(app);
   check_channel(in, "am_type", app.am_type);
   const auto* island = in.names().find(app.to.island);
-  if (island != nullptr && !island->has_gateway)
-    in.problems().add(in.at("to"), "a mote of an island with stack = \"mac\" takes no messages");
+  if (island != nullptr && !island->is_joined)
+    in.problems().add(in.at("to"),
+                      "a mote of an island with stack = \"mac\" or with a base station "
+                      "takes no messages");
   return {std::move(app), {}, {}, {}};
 }
 
@@ -173,6 +176,18 @@ placed_app read_relay(table_reader& in) {
   return out;
 }
 
+placed_app read_oscilloscope(table_reader& in) {
+  tinyos::program_config app{.kind = tinyos::program_kind::oscilloscope, .every = 256ms};
+  in.all(app, tinyos::oscilloscope_keys());
+  return {app, {}, {in.at("transducer")}, {}};
+}
+
+placed_app read_counter(table_reader& in, tinyos::program_kind kind) {
+  tinyos::program_config app{.kind = kind};
+  in.all(app, tinyos::counter_keys());
+  return {app, {}, {}, {}};
+}
+
 /// Whether the actor that a program is in is its mote's or its own.
 enum class program_place : std::uint8_t { mote, actor };
 
@@ -199,8 +214,8 @@ std::vector<placed_app> read_mote_apps(table_reader& in) {
   in.tables(
       "apps", "apps of a mote",
       {"its programs; a mote's replace its type's of the same kind on the same channel or AM type, "
-       "a relay its relay, a receiver its receiver and a member that of the same group, or are "
-       "added; of a sink senders, relays and "
+       "a relay its relay, a receiver its receiver, a member that of the same group and a plain "
+       "program of TinyOS its own of that kind, or are added; of a sink senders, relays and "
        "receivers only",
        "none"},
       [&](table_reader& x) {
@@ -212,13 +227,23 @@ std::vector<placed_app> read_mote_apps(table_reader& in) {
         for (const auto& kind : mote_programs(in))
           choices.emplace_back(
               kind.first, [&add, kind](table_reader& y) { add(y, "app", read_program(y, kind)); });
-        choices.insert(choices.end(),
-                       {{"member", [&](table_reader& y) { add(y, "group", read_member(y)); }},
-                        {"sender", [&](table_reader& y) { add(y, "app", read_sender(y)); }},
-                        {"relay", [&](table_reader& y) { add(y, "app", read_relay(y)); }},
-                        {"receiver", [&](table_reader& y) {
-                           add(y, "app", {traffic::receiver_config{}, {}, {}, {}});
-                         }}});
+        choices.insert(
+            choices.end(),
+            {{"member", [&](table_reader& y) { add(y, "group", read_member(y)); }},
+             {"sender", [&](table_reader& y) { add(y, "app", read_sender(y)); }},
+             {"relay", [&](table_reader& y) { add(y, "app", read_relay(y)); }},
+             {"receiver",
+              [&](table_reader& y) {
+                add(y, "app", {traffic::receiver_config{}, {}, {}, {}});
+              }},
+             {"oscilloscope", [&](table_reader& y) { add(y, "app", read_oscilloscope(y)); }},
+             {"blink",
+              [&](table_reader& y) {
+                add(y, "app", read_counter(y, tinyos::program_kind::blink));
+              }},
+             {"count", [&](table_reader& y) {
+                add(y, "app", read_counter(y, tinyos::program_kind::count));
+              }}});
         x.one_of("app", "which program", choices);
       });
   return out;

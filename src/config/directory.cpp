@@ -33,7 +33,8 @@ directory::directory(const ecology_description& all) {
     island found;
     found.id = each.id;
     found.sink = each.sink.id;
-    found.has_gateway = each.stack == stack::full;
+    found.has_gateway = has_line(each.stack);
+    found.is_joined = each.stack == stack::full;
     for (const auto& mote : each.motes)
       found.motes.emplace(mote.name, mote.id);
     found.is_simulated = !each.outside.has_sink();

@@ -43,6 +43,7 @@ struct directory {
     island_id id;
     mote_id sink = default_sink;
     bool has_gateway = true;       ///< it joins the PEIS network
+    bool is_joined = true;         ///< its motes join it
     bool is_simulated = true;      ///< its motes and its sink are
     std::vector<peer_id> gateways; ///< then: its first one, and its aliases
     std::map<std::string, mote_id, std::less<>> motes;

@@ -32,6 +32,14 @@ ecology_description& ecology_description::operator=(const ecology_description&) 
 ecology_description::ecology_description(ecology_description&&) noexcept = default;
 ecology_description& ecology_description::operator=(ecology_description&&) noexcept = default;
 
+bool has_plain_sink(const island_description& x) {
+  return x.outside.has_sink() || x.stack == stack::plain;
+}
+
+std::uint8_t channel_of(const island_description& island, const mote_description& mote) {
+  return mote.channel.value_or(island.channel);
+}
+
 duration silence_max(const island_description& x) {
   return std::max(x.keep_alive, x.duty.silence_min());
 }

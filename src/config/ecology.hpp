@@ -34,6 +34,7 @@
 #include "rfid/reader_config.hpp"
 #include "serial/line_config.hpp"
 #include "smepp/member_config.hpp"
+#include "tinyos/program_config.hpp"
 #include "traffic/flow_config.hpp"
 #include "translate/translation.hpp"
 
@@ -52,9 +53,10 @@ struct separate_app {
   apps::app_config program;
 };
 
-using mote_app = std::variant<sampler_app, actuator_app, messenger_app, listener_app,
-                              apps::app_config, traffic::sender_config, traffic::relay_config,
-                              traffic::receiver_config, separate_app, member_app>;
+using mote_app =
+    std::variant<sampler_app, actuator_app, messenger_app, listener_app, apps::app_config,
+                 traffic::sender_config, traffic::relay_config, traffic::receiver_config,
+                 separate_app, member_app, tinyos::program_config>;
 
 /// In between it moves in a straight line, after the last it stays.
 using device::waypoint;
@@ -76,8 +78,11 @@ struct mote_description {
   position place;
   std::vector<waypoint> path;         ///< ascending by time; empty: it stays at `place`
   duration step = 1s;                 ///< how often its position is updated while it moves
+  bool stays_when_flat = false;       ///< with its battery its walk ends, too
   std::optional<double> transmit_dbm; ///< unset: the platform's full power
   std::optional<double> battery_mah;  ///< unset: the platform's
+  radio::access_parameters access;
+  std::optional<std::uint8_t> channel; ///< of its radio; unset: its island's
   std::vector<device::transducer_config> transducers;
   std::vector<device::actuator_config> actuators;
   std::vector<mote_app> apps;
@@ -89,14 +94,21 @@ struct sink_description {
   position place;
   std::optional<double> transmit_dbm; ///< unset: the platform's full power
   bool promiscuous = false;           ///< hears frames of other islands and for other motes
-  std::vector<mote_app> apps;         ///< sender, relay and receiver only
+  radio::access_parameters access;
+  std::vector<mote_app> apps; ///< sender, relay and receiver only
 };
 
 /// How much of a mote's communication layer runs.
 enum class stack : std::uint8_t {
-  full, ///< joins its island, whose sink has a serial line and a gateway
-  mac,  ///< radio and medium access only, for measuring: no joining, no serial line, no gateway
+  full,  ///< joins its island, whose sink has a serial line and a gateway
+  mac,   ///< radio and medium access only, for measuring: no joining, no serial line, no gateway
+  plain, ///< plain programs of TinyOS: no joining; the sink is a BaseStation at a serial line
 };
+
+/// Whether an island with it has a serial line and, there or elsewhere, a gateway.
+[[nodiscard]] constexpr bool has_line(stack x) {
+  return x != stack::mac;
+}
 
 /// A further gateway of an island, at a further serial line of its sink (GW-14, A-49).
 struct alias_description {
@@ -131,6 +143,7 @@ struct island_description {
   std::string name;
   std::string host; ///< empty: wherever the run is started
   config::stack stack = stack::full;
+  std::uint8_t channel = radio::default_channel; ///< of the sink's radio, and of most motes'
   sink_description sink;
   serial::line_config serial;
   serial::outside_config outside;         ///< what one of its ends is in truth
@@ -150,6 +163,14 @@ struct island_description {
   duration crystal_wander_period = 24h;   ///< in such a period
   std::vector<mote_description> motes;
 };
+
+/// Whether the sink may be one that knows nothing of members: what is behind it is known by what it
+/// sends.
+[[nodiscard]] bool has_plain_sink(const island_description& x);
+
+/// Of its radio, in that island.
+[[nodiscard]] std::uint8_t channel_of(const island_description& island,
+                                      const mote_description& mote);
 
 /// How long a mote of the island may be silent that does not report more rarely: who sleeps is
 /// heard once in a period, and one frame lost is no departure.
@@ -315,8 +336,9 @@ struct noise_fault {
   island_id island; ///< in the air of this one
   position place;
   double transmit_dbm = 0;
-  double duty = 1;       ///< share of the time, above 0 up to 1
-  duration burst = 10ms; ///< gaps are drawn between 0 and twice their mean
+  std::optional<std::uint8_t> channel; ///< unset: all
+  double duty = 1;                     ///< share of the time, above 0 up to 1
+  duration burst = 10ms;               ///< gaps are drawn between 0 and twice their mean
   duration length = 30s;
 };
 /// Copies of frames are lost, beside those of [radio].

@@ -137,6 +137,8 @@ private:
         of(required("island", &noise_fault::island, island_name{}, "in whose air"),
            required("position_m", &noise_fault::place, place{}, "where"),
            optional("power", &noise_fault::transmit_dbm, power_level{-100, 30}, "how strong"),
+           optional("channel", &noise_fault::channel, radio_channel,
+                    {"the one that it disturbs", "all"}),
            optional("duty", &noise_fault::duty, ratio{},
                     {"share of the time that it sends", "", "ratio above 0"}),
            optional("burst", &noise_fault::burst, time_span{100us, 1h},
@@ -176,17 +178,17 @@ private:
     };
     if (x.to == x.mote.island)
       refuse("it is in that island already; a `path` of the mote lets it move there");
-    else if (!to->has_gateway)
-      refuse("nobody joins an island with stack = \"mac\"; name another");
+    else if (!to->is_joined)
+      refuse("nobody joins an island with stack = \"mac\" or with a base station; name another");
     else if (to->sink == x.mote.mote || find({x.to, x.mote.mote}) != nullptr)
       refuse("that island has a mote or sink with the id " + to_string(x.mote.mote) +
              " already; give one of them another `id`");
   }
 
   void check(table_reader& in, crystal_step_fault& x) const {
-    if (const auto* of = in.names().find(x.mote.island); of != nullptr && !of->has_gateway)
-      in.problems().add(in.at("mote"),
-                        "a mote of an island with stack = \"mac\" has no use for its clock");
+    if (const auto* of = in.names().find(x.mote.island); of != nullptr && !of->is_joined)
+      in.problems().add(in.at("mote"), "a mote of an island with stack = \"mac\" or with a base "
+                                       "station has no use for its clock");
   }
 
   void check(table_reader& in, noise_fault& x) const {
@@ -257,10 +259,14 @@ private:
     x.place = before.place;
     x.path = before.path;
     x.step = before.step;
+    x.stays_when_flat = before.stays_when_flat;
     x.transmit_dbm = before.transmit_dbm;
     x.battery_mah = before.battery_mah;
-    if (const auto* of = in.names().find(island); of != nullptr && !of->has_gateway)
-      refuse("in an island with stack = \"mac\" nobody is told a mote's type");
+    x.access = before.access;
+    x.channel = before.channel;
+    if (const auto* of = in.names().find(island); of != nullptr && !of->is_joined)
+      refuse("in an island with stack = \"mac\" or with a base station nobody is told a mote's "
+             "type");
     if (has_separate_app(before.apps) || has_separate_app(x.apps))
       refuse("a mote with programs that are actors of their own keeps its type; leave `separate` "
              "out");
@@ -272,9 +278,9 @@ private:
 
   /// A mote that is to join an island is of one with a gateway.
   void check_joining(table_reader& in, const mote_address& x) const {
-    if (const auto* of = in.names().find(x.island); of != nullptr && !of->has_gateway)
-      in.problems().add(in.at("mote"),
-                        "a mote of an island with stack = \"mac\" does not join anything");
+    if (const auto* of = in.names().find(x.island); of != nullptr && !of->is_joined)
+      in.problems().add(in.at("mote"), "a mote of an island with stack = \"mac\" or with a base "
+                                       "station does not join anything");
     if (const auto* mote = find(x); mote != nullptr && has_separate_app(mote->apps))
       in.problems().add(in.at("mote"), "not a mote with programs that are actors of their own; "
                                        "leave `separate` out");

@@ -115,7 +115,7 @@ form form_of(const metres& kind) {
 }
 
 form form_of(const charge& /*kind*/) {
-  return {"charge", quantity("mAh|Ah")};
+  return {"charge, or energy at 3 V", quantity("mAh|Ah|kJ|J")};
 }
 
 form form_of(const power_level& kind) {

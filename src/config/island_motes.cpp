@@ -81,7 +81,7 @@ island_motes::island_motes(surroundings& with, island_description& island, bool 
     : with_(with), island_(island), taken_{island.sink.id.value} {
   const auto* disk = std::get_if<radio::unit_disk>(&with.radio.propagation);
   const bool known = with.radio_is_known;
-  if (known && disk != nullptr && sink_is_good && !is_mac())
+  if (known && disk != nullptr && sink_is_good && joins())
     range_m_ = disk->range_m;
   if (island.real.is_there())
     for (std::uint32_t id = island.real.motes.first; id <= island.real.motes.last; ++id)
@@ -101,9 +101,9 @@ void island_motes::add_sink(table_reader& island, std::vector<placed_app> apps, 
 mote_profile island_motes::read_profile_of(table_reader& in) {
   mote_kind::type kind;
   const bool known =
-      in.required_if(!is_mac() && !island_.outside.has_sink(), "type", mote_kind{}, kind,
+      in.required_if(joins() && !island_.outside.has_sink(), "type", mote_kind{}, kind,
                      {"its mote type, or the number that it reports at join; required but with "
-                      "`stack = \"mac\"` or a real sink"});
+                      "`stack = \"mac\"`, a base station or a real sink"});
   mote_profile profile;
   profile.like.type = kind.number;
   if (const auto* given = in.value("type"); !known && given != nullptr)
@@ -116,9 +116,29 @@ mote_profile island_motes::read_profile_of(table_reader& in) {
   read_profile(in, profile);
   check_profile(profile, with_.shared);
   settle_flows(profile.apps, island_.id, island_.sink.id, in.problems());
-  if (is_mac())
-    check_mac_profile(in, profile);
+  check_stack(in, profile);
+  if (with_.radio_is_known)
+    check_rules(with_.radio, *profile.like.platform, profile.like.access, profile.access_at,
+                in.problems());
   return profile;
+}
+
+/// Complains about what a mote of the island's stack does not have.
+void island_motes::check_stack(const table_reader& in, const mote_profile& profile) const {
+  if (island_.stack == stack::mac)
+    return check_mac_profile(in, profile);
+  for (const auto& each : profile.apps) {
+    const bool is_plain = is_plain_app(each.app);
+    if (is_plain && joins() && !island_.outside.has_sink())
+      in.problems().add(each.channel_at, "a plain program of TinyOS needs an island whose sink has "
+                                         "role = \"base_station\"");
+    if (!joins() && !is_plain && !is_flow_app(each.app))
+      in.problems().add(each.channel_at, "a mote around a base station has no other apps than "
+                                         "oscilloscope, blink, count, sender, relay and receiver");
+  }
+  if (!joins() && !profile.like.actuators.empty())
+    in.problems().add(in.has("actuators") ? in.at("actuators") : in.at("type"),
+                      "a mote around a base station has no actuators: nothing could move them");
 }
 
 void island_motes::check_mac_profile(const table_reader& in, const mote_profile& profile) const {
@@ -167,6 +187,10 @@ void island_motes::read_mote(table_reader& in) {
   read_path(in, has_place, out.place, out.path);
   in.optional("step", time_span{10ms, 1h}, out.step,
               "how often its position is updated while it moves");
+  in.optional("stays_when_flat", flag{}, out.stays_when_flat,
+              "when its battery is flat, it stays where it is then; else it is carried on");
+  if (in.has("stays_when_flat") && !in.has("path"))
+    in.problems().add(in.at("stays_when_flat"), "`stays_when_flat` means nothing without a `path`");
   if (in.has("step") && !in.has("path"))
     in.problems().add(in.at("step"), "`step` means nothing without a `path`");
   if (has_id) {
@@ -285,14 +309,19 @@ bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
 
 /// Each mote that stands still must have a route to the sink, over others if need be.
 void island_motes::check_reach(complaints& problems) const {
-  if (!range_m_ || is_mac() || island_.outside.has_sink())
+  if (!range_m_ || !joins() || island_.outside.has_sink())
     return;
   std::vector<position> places;
-  for (const auto& mote : island_.motes)
-    places.push_back(mote.place);
+  std::vector<std::size_t> motes; // of those on another channel radio_doubts warns
+  for (std::size_t i = 0; i < island_.motes.size(); ++i) {
+    if (channel_of(island_, island_.motes[i]) != island_.channel)
+      continue;
+    motes.push_back(i);
+    places.push_back(island_.motes[i].place);
+  }
   std::set<mark> told; // one mote of a group will do
   for (const auto i : out_of_reach(island_.sink.place, places, *range_m_)) {
-    const auto& mote = island_.motes[i];
+    const auto& mote = island_.motes[motes[i]];
     const auto at = placed_at_.find(mote.id);
     if (mote.path.empty() && at != placed_at_.end() && told.insert(at->second).second)
       problems.add(at->second, "mote `" + mote.name +

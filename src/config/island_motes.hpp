@@ -44,8 +44,9 @@ private:
     friend auto operator<=>(const placed_flow&, const placed_flow&) = default;
   };
 
-  [[nodiscard]] bool is_mac() const { return island_.stack == stack::mac; }
+  [[nodiscard]] bool joins() const { return island_.stack == stack::full; }
   mote_profile read_profile_of(table_reader& in);
+  void check_stack(const table_reader& in, const mote_profile& profile) const;
   void check_mac_profile(const table_reader& in, const mote_profile& profile) const;
   void read_layout_of(table_reader& in, std::uint32_t first, std::vector<mote_description>& motes);
   void add_group(table_reader& in, std::uint32_t first, std::uint32_t count,

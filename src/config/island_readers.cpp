@@ -16,7 +16,19 @@ namespace rubicon::config {
 namespace {
 
 /// @returns the sink's programs
-std::vector<placed_app> read_sink(table_reader& in, sink_description& out) {
+std::vector<placed_app> read_sink(table_reader& in, const surroundings& with,
+                                  island_description& island) {
+  auto& out = island.sink;
+  const bool is_mac = island.stack == stack::mac;
+  in.optional("role", word<stack>{{{"root", stack::full}, {"base_station", stack::plain}}},
+              island.stack,
+              {"`\"root\"`: its motes join it. `\"base_station\"`: it is a BaseStation of TinyOS, "
+               "which forwards the frames that it receives, and its motes run plain programs",
+               "`\"root\"`"});
+  if (is_mac && in.has("role")) {
+    in.problems().add(in.at("role"), "`role` means nothing in an island with stack = \"mac\"");
+    island.stack = stack::mac;
+  }
   in.optional("id", whole<std::uint16_t>{1, mote_id_max}, out.id,
               "its mote id; no other mote of the island has it");
   in.optional("platform", platform_name(), out.platform, "as of a mote");
@@ -27,12 +39,26 @@ std::vector<placed_app> read_sink(table_reader& in, sink_description& out) {
               {"at which it sends, as of a mote", "the platform's maximum", "power, as of a mote"});
   check_power(*out.platform, out.transmit_dbm, in.at("power"), in.problems());
   in.optional("promiscuous", flag{}, out.promiscuous,
-              "it also accepts frames of other islands and frames addressed to other motes");
+              "it also accepts frames of other islands and frames addressed to other motes, as a "
+              "base station does always");
+  mark access_at;
+  read_access(in, out.access, access_at);
+  check_access(out.access, access_at, in.problems());
+  if (with.radio_is_known)
+    check_rules(with.radio, *out.platform, out.access, access_at, in.problems());
+  if (island.stack == stack::plain) {
+    if (in.has("promiscuous") && !out.promiscuous)
+      in.problems().add(in.at("promiscuous"),
+                        "a base station accepts every frame that it receives");
+    out.promiscuous = true;
+  }
   auto apps = read_mote_apps(in);
   mote_profile as_mote;
   as_mote.like.platform = out.platform;
   for (const auto& each : apps) {
-    if (is_flow_app(each.app))
+    if (island.stack == stack::plain)
+      in.problems().add(each.channel_at, "a base station has no apps");
+    else if (is_flow_app(each.app))
       as_mote.apps.push_back(each);
     else
       in.problems().add(each.channel_at,
@@ -174,6 +200,15 @@ void refuse_parts(table_reader& in) {
   }
 }
 
+/// What needs a sink that knows its motes.
+void refuse_membership(table_reader& in) {
+  for (const auto* key : {"duty_cycle", "alias", "real"})
+    if (in.has(key))
+      in.problems().add(in.at(key), '`' + std::string(key) +
+                                        "` means nothing in an island with a base station, which "
+                                        "knows nothing of its motes");
+}
+
 /// The id of an island with a gateway is a PEIS id too (ADR-02).
 void claim_island_id(const table_reader& in, surroundings& with, const island_description& x) {
   const bool is_free =
@@ -197,11 +232,14 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
               "`\"mac\"`: radios and medium access only, see below");
   if (has_id)
     claim_island_id(in, with, out);
+  in.optional("channel", radio_channel, out.channel,
+              "of the radios of its sink and of its motes, but for those that have another one; "
+              "on one air only radios of the same channel receive and disturb each other");
   const auto before_sink = in.problems().size();
   out.sink.platform = radio::find_platform("micaz");
   std::vector<placed_app> sink_apps;
   in.table("sink", "[island.sink]", "the mote at the cable",
-           [&](table_reader& x) { sink_apps = read_sink(x, out.sink); });
+           [&](table_reader& x) { sink_apps = read_sink(x, with, out); });
   const bool sink_is_good = in.problems().size() == before_sink;
   real_names names_of_real;
   mark window_at;
@@ -215,6 +253,10 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
     window_at = read_duty_cycle(in, out.duty);
     warn_of_keep_alive(in, out);
     names_of_real = read_parts(in, with, name_is_free, out);
+    if (out.stack == stack::plain)
+      refuse_membership(in);
+    if (out.stack == stack::plain && out.outside.has_sink())
+      in.problems().add(in.at("sink"), "`role` means nothing with a real sink");
   }
   in.optional(
       "crystal_ppm", real{0, 100}, out.crystal_ppm,

@@ -51,7 +51,7 @@ rows motes(const ecology_description& x) {
 rows peers(const ecology_description& x) {
   rows all;
   for (const auto& island : x.islands) {
-    if (island.stack != stack::full || island.outside.has_gateway())
+    if (!has_line(island.stack) || island.outside.has_gateway())
       continue;
     all.push_back(
         {island.gateway_name, to_string(gateway_of(island.id)), "gateway of " + island.name});

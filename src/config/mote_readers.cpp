@@ -6,6 +6,8 @@
 
 #include "config/application_readers.hpp"
 #include "config/size_check.hpp"
+#include "radio/mac_rules.hpp"
+#include "radio/parameter_keys.hpp"
 
 namespace rubicon::config {
 
@@ -24,6 +26,9 @@ struct takes_place_of {
     return a.am_type == b.am_type;
   }
   bool operator()(const member_app& a, const member_app& b) const { return a.group == b.group; }
+  bool operator()(const tinyos::program_config& a, const tinyos::program_config& b) const {
+    return a.kind == b.kind;
+  }
   bool operator()(const traffic::relay_config&, const traffic::relay_config&) const { return true; }
   bool operator()(const traffic::receiver_config&, const traffic::receiver_config&) const {
     return true;
@@ -92,6 +97,12 @@ struct app_check {
         wanted.push_back(*each.transducer);
     check_transducers(wanted);
     claim_single("member of group " + x.group);
+  }
+
+  void operator()(const tinyos::program_config& x) const {
+    if (x.transducer)
+      check_transducers({*x.transducer});
+    claim_single(std::string(to_string(x.kind)));
   }
 
   void operator()(const traffic::sender_config&) const {}
@@ -176,6 +187,10 @@ void read_profile(table_reader& in, mote_profile& out) {
           {"at which it sends: -25 to 0 dBm on a MicaZ or a TelosB, -17 to 3 dBm on an IRIS",
            "the mote type's, or the platform's maximum", "power, as the platform has it"}))
     out.transmit_at = in.at("power");
+  in.optional("channel", radio_channel, out.like.channel,
+              {"of its radio, which exchanges frames with radios of the same channel only",
+               "the mote type's, or the island's"});
+  read_access(in, out.like.access, out.access_at);
   read_transducers(in, out.like.transducers);
   read_actuators(in, out.like.actuators);
   merge(out.apps, read_mote_apps(in));
@@ -200,6 +215,37 @@ void check_profile(const mote_profile& x, reading& shared) {
       ends.claim(program, app.channel_at, shared.problems);
   }
   check_power(*x.like.platform, x.like.transmit_dbm, x.transmit_at, shared.problems);
+  check_access(x.like.access, x.access_at, shared.problems);
+}
+
+void read_access(table_reader& in, radio::access_parameters& out, mark& at) {
+  in.table("csma", "csma",
+           {"parameters of its medium access; each that is not there is its type's, or that of "
+            "the medium access",
+            "those of the medium access"},
+           [&](table_reader& x) {
+             x.all(out);
+             at = x.at(x.has("min_be") ? "min_be" : "max_be");
+           });
+}
+
+void check_access(const radio::access_parameters& x, mark at, complaints& problems) {
+  using namespace radio::timing;
+  if (const auto max = x.max_be.value_or(be_max); x.min_be.value_or(be_min) > max)
+    problems.add(at, "`min_be` must not be above `max_be`, which is " + std::to_string(max));
+}
+
+void check_rules(const radio::channel_config& radio, const radio::platform& platform,
+                 const radio::access_parameters& x, mark at, complaints& problems) {
+  const auto named =
+      std::ranges::find(radio.macs, platform.name, &std::pair<std::string, std::string>::first);
+  if (named == radio.macs.end() || !(x.min_be || x.max_be || x.backoffs_max))
+    return;
+  const auto* rules = radio::find_mac(named->second, platform);
+  if (rules != nullptr && !radio::has_exponents(*rules))
+    problems.add(at, "with the medium access \"" + named->second + "\" of a " +
+                         std::string(platform.name) +
+                         " `min_be`, `max_be` and `backoffs` mean nothing: `retries` alone does");
 }
 
 void check_power(const radio::platform& platform, const std::optional<double>& dbm, mark at,
@@ -231,6 +277,10 @@ void settle_flows(std::vector<placed_app>& apps, island_id island, mote_id sink,
 
 bool uses_radio_alone(const mote_app& x) {
   return is_flow_app(x) || std::holds_alternative<member_app>(x);
+}
+
+bool is_plain_app(const mote_app& x) {
+  return std::holds_alternative<tinyos::program_config>(x);
 }
 
 bool is_flow_app(const mote_app& x) {

@@ -28,6 +28,7 @@ struct placed_app {
 struct mote_profile {
   mote_description like; ///< without id, name, place and apps; a micaz; transducers ascend by kind
   mark transmit_at;
+  mark access_at; ///< of the last `csma`
   std::vector<placed_app> apps;
 
   mote_profile() { like.platform = radio::find_platform("micaz"); }
@@ -51,12 +52,28 @@ void check_profile(const mote_profile& x, reading& shared);
 void check_power(const radio::platform& platform, const std::optional<double>& dbm, mark at,
                  complaints& problems);
 
+/// What a radio's channel may be.
+inline constexpr whole<std::uint8_t> radio_channel{radio::channel_min, radio::channel_max};
+
+/// `csma`. @param at of what check_access() and check_rules() complain
+void read_access(table_reader& in, radio::access_parameters& out, mark& at);
+
+/// Complains if macMinBE is above macMaxBE.
+void check_access(const radio::access_parameters& x, mark at, complaints& problems);
+
+/// Complains about parameters that the platform's medium access does not have.
+void check_rules(const radio::channel_config& radio, const radio::platform& platform,
+                 const radio::access_parameters& x, mark at, complaints& problems);
+
 /// Turns the ends of flows into motes of `island`; complains about those of other islands.
 void settle_flows(std::vector<placed_app>& apps, island_id island, mote_id sink,
                   complaints& problems);
 
 /// Whether the app only measures the medium access: sender, relay or receiver.
 [[nodiscard]] bool is_flow_app(const mote_app& x);
+
+/// Whether the app is a plain program of TinyOS.
+[[nodiscard]] bool is_plain_app(const mote_app& x);
 
 /// Whether the app needs nothing of a mote but its radio: one of these, or a member.
 [[nodiscard]] bool uses_radio_alone(const mote_app& x);

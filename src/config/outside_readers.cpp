@@ -183,9 +183,9 @@ void read_plain(table_reader& island, island_description& out) {
   island.tables("plain", "[[island.plain]]",
                 {"which motes run plain programs of TinyOS, and are devices all the same", "none"},
                 [&out](table_reader& in) { out.plain.push_back(read_rule(in, out)); });
-  if (!out.plain.empty() && !out.outside.has_sink() && !island.has("real"))
+  if (!out.plain.empty() && !has_plain_sink(out) && !island.has("real"))
     island.problems().add(island.at("plain"),
-                          "`plain` means nothing without a real sink or `real`");
+                          "`plain` means nothing without a real sink, a base station or `real`");
   if (out.plain.empty() && out.real.is_there())
     island.problems().add(island.at("real"), "`real` means nothing without `plain`, which says "
                                              "what its motes send");

@@ -39,7 +39,7 @@ proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
                "all islands with the full stack"});
   if (!in.has("islands")) {
     for (const auto& each : with.islands)
-      if (each.stack == stack::full)
+      if (has_line(each.stack))
         found.push_back({each.id, in.at("islands")});
   }
   for (const auto& each : found) {

@@ -29,6 +29,7 @@ struct station {
   const std::vector<waypoint>* path = nullptr; ///< not empty: it moves
   double transmit_dbm = 0;
   double sensitivity_dbm = 0;
+  std::uint8_t channel = radio::default_channel;
 
   [[nodiscard]] bool moves() const { return path != nullptr && !path->empty(); }
 };
@@ -131,7 +132,7 @@ public:
   }
 
   [[nodiscard]] bool hears(const station& from, const station& to) const {
-    return arriving_dbm(from, to) >= to.sensitivity_dbm - edge_db_;
+    return from.channel == to.channel && arriving_dbm(from, to) >= to.sensitivity_dbm - edge_db_;
   }
   [[nodiscard]] bool both_hear(const station& a, const station& b) const {
     return hears(a, b) && hears(b, a);
@@ -160,9 +161,11 @@ private:
 /// The sink first, then the motes.
 std::vector<station> stations_of(const island_description& x, const radio::channel_config& radio) {
   std::vector<station> all{station_of(x.id, x.sink, radio)};
+  all.back().channel = x.channel;
   for (const auto& mote : x.motes) {
     all.push_back(station_of(x.id, mote, radio));
     all.back().path = &mote.path;
+    all.back().channel = channel_of(x, mote);
   }
   return all;
 }
@@ -210,8 +213,9 @@ public:
       return;
     for (const auto& mote : x.motes)
       look_at_walk(x, mote);
+    look_at_channels(x);
     const bool is_disk = std::holds_alternative<radio::unit_disk>(all_.radio.propagation);
-    if (is_disk || x.stack == stack::mac) // of a disk it is a mistake: island_motes
+    if (is_disk || x.stack != stack::full) // of a disk it is a mistake: island_motes
       return;
     constexpr std::size_t exact_max = 3000;
     const auto stations = stations_of(x, all_.radio);
@@ -219,10 +223,34 @@ public:
                           ? unreached(stations, links_)
                           : unreached_of_many(stations, all_.radio);
     for (const auto i : lost)
-      tell_unreached(x, stations, lost, i);
+      if (stations[i].channel == x.channel) // of others look_at_channels() has told
+        tell_unreached(x, stations, lost, i);
   }
 
 private:
+  /// A mote on a channel of its own, and one that cannot hear its sink.
+  void look_at_channels(const island_description& island) {
+    std::map<std::uint8_t, std::size_t> radios{{island.channel, 1}};
+    for (const auto& mote : island.motes)
+      ++radios[channel_of(island, mote)];
+    for (const auto& mote : island.motes) {
+      const auto channel = channel_of(island, mote);
+      const bool is_alone = radios[channel] == 1;
+      if (channel == island.channel || (!is_alone && island.stack == stack::mac))
+        continue;
+      const auto place = seen_.motes.find({island.id, mote.id});
+      const auto at = place == seen_.motes.end() ? mark() : place->second.at;
+      if (told_.insert(at).second)
+        out_.emplace_back(
+            at,
+            "mote `" + mote.name +
+                (is_alone ? "` cannot reach any radio of its island: no other one is on channel "
+                          : "` cannot reach its sink: it is on channel ") +
+                std::to_string(channel) +
+                (is_alone ? "" : ", the sink on " + std::to_string(island.channel)));
+    }
+  }
+
   void tell_unreached(const island_description& island, const std::vector<station>& all,
                       const std::vector<std::size_t>& lost, std::size_t i) {
     const auto place = seen_.motes.find(all[i].who);

@@ -73,7 +73,7 @@ std::string text_of(const mote::vector_flow& x) {
 network::access_times access_of(const radio::channel_config& radio,
                                 const island_description& island) {
   network::access_times slowest{0ns, 0ns, 0ns};
-  const auto add = [&](const radio::platform* kind) {
+  const auto add = [&](const radio::platform* kind, const radio::access_parameters& own) {
     if (kind == nullptr)
       return;
     const auto named =
@@ -82,14 +82,14 @@ network::access_times access_of(const radio::channel_config& radio,
         radio::find_mac(named == radio.macs.end() ? "standard" : named->second, *kind);
     if (rules == nullptr)
       return;
-    const auto x = mote::access_of(*rules);
+    const auto x = mote::access_of(radio::adjusted(*rules, own));
     slowest.back_off = std::max(slowest.back_off, x.back_off);
     slowest.exchange = std::max(slowest.exchange, x.exchange);
     slowest.space = std::max(slowest.space, x.space);
   };
-  add(island.sink.platform);
+  add(island.sink.platform, island.sink.access);
   for (const auto& mote : island.motes)
-    add(mote.platform);
+    add(mote.platform, mote.access);
   return slowest;
 }
 

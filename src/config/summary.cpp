@@ -113,7 +113,10 @@ std::string sink_text(const island_description& x) {
   if (!outside.replay.empty())
     return "sink replayed from " + outside.replay;
   return "sink " + to_string(x.sink.id) + ", " + std::string(x.sink.platform->name) +
-         (x.stack == stack::mac ? ", mac only" : baud) +
+         (x.stack == stack::mac     ? ", mac only"
+          : x.stack == stack::plain ? ", base station" + baud
+                                    : baud) +
+         (x.channel == radio::default_channel ? "" : ", channel " + std::to_string(x.channel)) +
          (outside.has_gateway() ? " at pty " + outside.pty : "");
 }
 
@@ -197,7 +200,7 @@ struct app_text {
 std::vector<row> peer_rows(const ecology_description& x) {
   std::vector<std::pair<std::int64_t, row>> found;
   for (const auto& each : x.islands) {
-    if (each.stack != stack::full || each.outside.has_gateway())
+    if (!has_line(each.stack) || each.outside.has_gateway())
       continue;
     std::vector<std::string> apps{"gateway of " + each.name};
     for (const auto& app : each.gateway_apps)

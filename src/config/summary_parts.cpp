@@ -45,6 +45,7 @@ struct fault_cells {
   row operator()(const noise_fault& x) const {
     return {"noise", island_names(all, {x.island}) + " at " + place_text(x.place) + ", " +
                          shown(x.transmit_dbm) + " dBm" +
+                         (x.channel ? " on channel " + std::to_string(*x.channel) : "") +
                          (x.duty < 1 ? ", " + percent(x.duty) + " of the time in bursts of " +
                                            to_text(x.burst)
                                      : "") +

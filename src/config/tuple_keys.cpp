@@ -200,7 +200,7 @@ std::string prefix_of(const proxy::proxy_class& what, const island_description& 
 std::vector<known_key> tuple_keys(const ecology_description& x) {
   key_list keys;
   for (const auto& island : x.islands) {
-    if (island.stack != stack::full)
+    if (!has_line(island.stack))
       continue;
     keys.add_gateway(island.gateway_name);
     for (const auto& alias : island.aliases)

@@ -153,9 +153,14 @@ std::optional<double> parse_length_m(std::string_view text) {
 }
 
 std::optional<double> parse_charge_mah(std::string_view text) {
+  constexpr double joules_in_mah = 3.6 * battery_v;
   const auto x = measure(text);
   if (!x)
     return std::nullopt;
+  if (x->unit == "J")
+    return x->number / joules_in_mah;
+  if (x->unit == "kJ")
+    return x->number * 1000 / joules_in_mah;
   if (x->unit == "mAh")
     return x->number;
   if (x->unit == "Ah")

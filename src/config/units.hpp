@@ -22,7 +22,10 @@ namespace rubicon::config {
 /// Metres, of cm, m or km.
 [[nodiscard]] std::optional<double> parse_length_m(std::string_view text);
 
-/// Milliampere hours, of mAh or Ah.
+/// What energies are counted by: two AA cells, as the batteries of all platforms (tinyos.md 8.2).
+inline constexpr double battery_v = 3;
+
+/// Milliampere hours, of mAh or Ah, or of J or kJ at battery_v.
 [[nodiscard]] std::optional<double> parse_charge_mah(std::string_view text);
 
 /// dBm or dB, with a minus in front or none.

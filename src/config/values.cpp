@@ -261,8 +261,9 @@ std::optional<double> read(const charge& /*kind*/, const node& x, const asker& w
   const auto found = parsed(x, parse_charge_mah);
   if (found && *found >= min_mah && *found <= max_mah)
     return found;
-  return who.refuse(x, "a charge from 0.001 mAh to 1000 Ah with its unit (mAh or Ah), as in "
-                       "\"2000mAh\"");
+  return who.refuse(x,
+                    "a charge from 0.001 mAh to 1000 Ah with its unit (mAh or Ah), or its energy "
+                    "at 3 V (J or kJ), as in \"2000mAh\" or \"21.6kJ\"");
 }
 
 std::optional<double> read(const power_level& kind, const node& x, const asker& who) {

@@ -71,7 +71,8 @@ radio_index channel::add(const radio_config& config, instant now) {
   const bool by_noise = config_.edge == sensitivity_edge::noise && !medium_.is_disk();
   const auto own_noise =
       by_noise ? to_units(sensitivity_dbm - to_db(sinr_at_sensitivity(config_.curve))) : 0;
-  const auto radio = topology_.add({name_of(config), config.place, transmit_dbm, own_noise});
+  const auto radio =
+      topology_.add({name_of(config), config.place, transmit_dbm, own_noise, config.channel});
   transceiver_config ears;
   ears.address = config.address;
   ears.pan = config.pan;
@@ -86,17 +87,16 @@ radio_index channel::add(const radio_config& config, instant now) {
   medium_.add(std::move(ears),
               energy_meter(&kind, config.battery_mah.value_or(kind.battery_mah), transmit_dbm, now),
               now);
-  const auto* rules = rules_for(kind, config_);
-  const auto retries = config_.retries_max.value_or(rules->retries_max);
+  const auto* rules = rules_of(config);
   station x;
   x.address = config.address;
   x.pan = config.pan;
   x.added_at = now;
   x.next_dsn = static_cast<std::uint8_t>(rules->dsn_from_address ? 16 * config.address.value
                                                                  : rng_.below(256));
-  x.sender = mac(rules, config_.queue, retries);
+  x.sender = mac(rules, config_.queue, retries_of(config, *rules));
   x.inbox = receiver(rules, config_.receive_slots.value_or(kind.receive_slots),
-                     rules->repeats_for(retries));
+                     memory_of(config, *rules));
   x.service_time = config_.service_time.value_or(kind.service_time);
   guards_ = guards_ || rules->guard > 0s;
   stations_.push_back(std::move(x));
@@ -106,6 +106,30 @@ radio_index channel::add(const radio_config& config, instant now) {
 
 void channel::compute(radio_index radio, duration length, instant now) {
   medium_.meter(radio).compute(length, now);
+}
+
+unsigned channel::retries_of(const radio_config& config, const mac_rules& rules) const {
+  return config.access.retries_max.value_or(config_.retries_max.value_or(rules.retries_max));
+}
+
+const mac_rules* channel::rules_of(const radio_config& config) {
+  const auto* rules = rules_for(*config.kind, config_);
+  if (!config.access.is_set())
+    return rules;
+  own_rules_.push_back(std::make_unique<const mac_rules>(adjusted(*rules, config.access)));
+  return own_rules_.back().get();
+}
+
+/// How long the radio remembers a frame: as long as radios like it may repeat one, and as those
+/// with parameters of their own may.
+duration channel::memory_of(const radio_config& config, const mac_rules& rules) {
+  const auto repeats = rules.repeats_for(retries_of(config, rules));
+  if (config.access.is_set() && repeats > longest_own_) {
+    longest_own_ = repeats;
+    for (auto& each : stations_)
+      each.inbox.remember_for(longest_own_);
+  }
+  return std::max(repeats, longest_own_);
 }
 
 void channel::move(radio_index radio, position place) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -33,7 +34,11 @@ struct radio_config {
   const platform* kind = nullptr; ///< never nullptr; one of platforms(), or outlives the channel
   std::optional<double> transmit_dbm; ///< unset: the platform's full power
   std::optional<double> battery_mah;  ///< > 0; unset: the platform's; infinity: fed by a cable
-  bool promiscuous = false; ///< delivers all data frames heard, of any PAN and for anybody
+  bool promiscuous = false;   ///< delivers all data frames heard, of any PAN and for anybody
+  access_parameters access{}; ///< macMinBE is not above macMaxBE
+  /// Radios of other channels neither hear it nor are disturbed; all_channels: of a source of
+  /// noise.
+  std::uint8_t channel = default_channel;
 };
 
 /// A wish to send one frame.
@@ -122,8 +127,9 @@ struct energy_use {
   instant empty_at; ///< if it goes on doing what it does at this moment
 };
 
-/// Radios of one or several islands that share a place and a frequency: PHY and MAC of all of them
-/// as one sans-I/O core with an event queue of its own (design.md section 4, NET-15, GEN-03).
+/// Radios of one or several islands that share a place: PHY and MAC of all of them, on whatever
+/// channels, as one sans-I/O core with an event queue of its own (design.md section 4, NET-15,
+/// GEN-03).
 ///
 /// Sending, per radio: a bounded queue, and the medium access that channel_config::macs names for
 /// its platform (radio/mac_rules.hpp).
@@ -248,6 +254,9 @@ private:
   };
 
   void run_until(instant now, outputs& out);
+  [[nodiscard]] const mac_rules* rules_of(const radio_config& config);
+  [[nodiscard]] unsigned retries_of(const radio_config& config, const mac_rules& rules) const;
+  [[nodiscard]] duration memory_of(const radio_config& config, const mac_rules& rules);
   [[nodiscard]] bool is_current(const event& x) const;
   void handle(const event& x, outputs& out);
   void on_mac_timer(radio_index radio, instant now, outputs& out);
@@ -281,6 +290,9 @@ private:
   medium medium_;
   std::uint64_t noise_seed_ = 0;
   bool guards_ = false; ///< somebody's rules have a guard
+  /// Of radios with parameters of their own; they stay where they are.
+  std::vector<std::unique_ptr<const mac_rules>> own_rules_;
+  duration longest_own_{}; ///< for which such a radio may repeat a frame
   struct disturbance {
     std::uint32_t name = 0;
     std::optional<std::uint16_t> pan;

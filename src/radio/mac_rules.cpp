@@ -1,6 +1,7 @@
 #include "radio/mac_rules.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace rubicon::radio {
 
@@ -10,11 +11,28 @@ constexpr backoff_window standard_window(unsigned exponent) {
   return {.first = 0s, .step = timing::unit_backoff, .count = 1U << exponent};
 }
 
+using windows = std::array<backoff_window, windows_max>;
+
+/// The exponent grows by one after each busy assessment (IEEE 802.15.4-2006 7.5.1.4).
+constexpr windows standard_windows(unsigned min, unsigned max) {
+  windows all{};
+  for (unsigned busy = 0; busy < windows_max; ++busy)
+    all[busy] = standard_window(std::min(min + busy, max));
+  return all;
+}
+
+/// TinyOS's: one window at first, and another one from then on.
+constexpr windows initial_and_congestion(backoff_window initial, backoff_window congestion) {
+  windows all{};
+  all.fill(congestion);
+  all.front() = initial;
+  return all;
+}
+
 // IEEE 802.15.4-2006 7.5.1.4, unslotted.
 constexpr mac_rules standard{
     .name = "standard",
-    .backoffs = {standard_window(timing::be_min), standard_window(timing::be_min + 1),
-                 standard_window(timing::be_max)},
+    .backoffs = standard_windows(timing::be_min, timing::be_max),
     .assessments_max = timing::backoffs_max + 1,
     .rounds_max = 1,
     .assessment = timing::cca,
@@ -33,11 +51,10 @@ constexpr mac_rules standard{
 // tinyos.md 5.1, 4.2. The chip's assessment is that of the 128 us before the sample. Acks are made
 // in software, about a millisecond after the frame [estimate there].
 constexpr mac_rules cc2420(duration tick) {
-  const backoff_window congestion{.first = 11 * tick, .step = tick, .count = 70};
   return {
       .name = "cc2420",
-      .backoffs = {backoff_window{.first = 11 * tick, .step = tick, .count = 310}, congestion,
-                   congestion},
+      .backoffs = initial_and_congestion({.first = 11 * tick, .step = tick, .count = 310},
+                                         {.first = 11 * tick, .step = tick, .count = 70}),
       .assessments_max = 0,
       .rounds_max = 1,
       .assessment = 0s,
@@ -61,9 +78,8 @@ constexpr mac_rules cc2420_32khz = cc2420(30518ns); // 32 768 Hz
 // and what leaves the 352 us of an ack well within the sender's 1000 us.
 constexpr mac_rules rf230{
     .name = "rf230",
-    .backoffs = {backoff_window{.first = 320us, .step = 1us, .count = 4960},
-                 backoff_window{.first = 320us, .step = 1us, .count = 2240},
-                 backoff_window{.first = 320us, .step = 1us, .count = 2240}},
+    .backoffs = initial_and_congestion({.first = 320us, .step = 1us, .count = 4960},
+                                       {.first = 320us, .step = 1us, .count = 2240}),
     .assessments_max = 2,
     .rounds_max = 5,
     .assessment = 0s,
@@ -92,6 +108,24 @@ duration mac_rules::repeats_for(unsigned retries) const {
   const auto attempt =
       round * static_cast<duration::rep>(rounds_max) + turnaround + air_time(psdu_max) + ack_wait;
   return attempt * (static_cast<duration::rep>(retries) + 1);
+}
+
+bool has_exponents(const mac_rules& rules) {
+  return rules.name == standard.name;
+}
+
+mac_rules adjusted(const mac_rules& rules, const access_parameters& own) {
+  auto out = rules;
+  out.retries_max = own.retries_max.value_or(rules.retries_max);
+  if (!has_exponents(rules))
+    return out;
+  const auto min = own.min_be.value_or(timing::be_min);
+  const auto max = own.max_be.value_or(timing::be_max);
+  assert(min <= max);
+  out.backoffs = standard_windows(min, max);
+  out.assessments_max = own.backoffs_max.value_or(timing::backoffs_max) + 1;
+  assert(out.assessments_max <= windows_max);
+  return out;
 }
 
 const mac_rules* find_mac(std::string_view name, const platform& kind) {

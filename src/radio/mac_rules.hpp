@@ -39,9 +39,13 @@ struct backoff_window {
   }
 };
 
+/// As many as the standard can have in a round.
+inline constexpr std::size_t windows_max = 6;
+
 struct mac_rules {
   std::string_view name;
-  std::array<backoff_window, 3> backoffs; ///< after 0, 1, and 2 or more busy assessments
+  /// After 0, 1, 2 and more busy assessments; the last also after further ones.
+  std::array<backoff_window, windows_max> backoffs;
   unsigned assessments_max; ///< busy ones that end a round; 0: any number of them may be busy
   unsigned rounds_max;      ///< rounds that end so before the request fails
   duration assessment;      ///< from the end of the back-off to the end of the assessment
@@ -59,6 +63,13 @@ struct mac_rules {
   /// How long a sender may go on repeating a frame; never, if assessments are not limited.
   [[nodiscard]] duration repeats_for(unsigned retries) const;
 };
+
+/// The rules with a radio's own parameters. The three of back-offs have no effect on rules other
+/// than the standard's. @pre macMinBE is not above macMaxBE
+[[nodiscard]] mac_rules adjusted(const mac_rules& rules, const access_parameters& own);
+
+/// Whether back-offs follow the standard: macMinBE, macMaxBE and macMaxCSMABackoffs mean something.
+[[nodiscard]] bool has_exponents(const mac_rules& rules);
 
 /// The rules of that name (mac_names()) on that platform, whose clock may make them slower.
 /// @returns nullptr if there is no such name; else valid for ever

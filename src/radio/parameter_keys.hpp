@@ -52,6 +52,25 @@ inline auto medium_keys() {
                       "the platform's: 2 ms MicaZ, 1.5 ms IRIS, 2.5 ms TelosB"}));
 }
 
+inline auto keys_of(const access_parameters*) {
+  return keys::of(
+      keys::optional("min_be", &access_parameters::min_be, keys::whole<unsigned>{0, 8},
+                     {"macMinBE: the first back-off is 0 to 2^macMinBE - 1 periods of 320 us; at "
+                      "most `max_be`",
+                      "3"}),
+      keys::optional(
+          "max_be", &access_parameters::max_be, keys::whole<unsigned>{3, 8},
+          {"macMaxBE: up to which the exponent grows, by 1 after each busy assessment", "5"}),
+      keys::optional("backoffs", &access_parameters::backoffs_max, keys::whole<unsigned>{0, 5},
+                     {"macMaxCSMABackoffs: back-offs after the first one; when the channel is busy "
+                      "after the last, access has failed",
+                      "4"}),
+      keys::optional("retries", &access_parameters::retries_max, keys::whole<unsigned>{0, 7},
+                     {"macMaxFrameRetries: repetitions of a frame that is not acknowledged, with "
+                      "any medium access",
+                      "as in `[radio]`"}));
+}
+
 inline auto reception_keys() {
   return keys::of(
       keys::optional(

@@ -166,6 +166,24 @@ struct platform {
   [[nodiscard]] double transmit_ma(double dbm) const;
 };
 
+/// What one radio's medium access may have of its own; unset: what its rules have
+/// (radio/mac_rules.hpp). Names and ranges of IEEE 802.15.4-2006 table 86; the first three belong
+/// to the standard's rules.
+struct access_parameters {
+  std::optional<unsigned> min_be{};       ///< macMinBE, 0..macMaxBE
+  std::optional<unsigned> max_be{};       ///< macMaxBE, 3..8
+  std::optional<unsigned> backoffs_max{}; ///< macMaxCSMABackoffs, 0..5
+  std::optional<unsigned> retries_max{};  ///< macMaxFrameRetries, 0..7
+
+  [[nodiscard]] bool is_set() const { return min_be || max_be || backoffs_max || retries_max; }
+};
+
+/// Channels of IEEE 802.15.4 at 2.4 GHz: k is at 2405 + 5 (k - 11) MHz (tinyos.md 4.1).
+inline constexpr std::uint8_t channel_min = 11;
+inline constexpr std::uint8_t channel_max = 26;
+inline constexpr std::uint8_t default_channel = 26; ///< TinyOS's
+inline constexpr std::uint8_t all_channels = 0;     ///< of what disturbs them all
+
 /// MicaZ, IRIS and TelosB.
 [[nodiscard]] const std::array<platform, 3>& platforms();
 

@@ -1,6 +1,7 @@
 // The receiving half of one mote above its address filter: receive slots, repeats.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -37,6 +38,9 @@ public:
   /// @param service how long the MCU has a slot occupied with a frame
   [[nodiscard]] verdict on_frame(const frame& x, bool addressed, duration service,
                                  energy_meter& mcu, instant now);
+
+  /// At least so long from now on.
+  void remember_for(duration memory) { memory_ = std::max(memory_, memory); }
 
   /// Forgets what is in the slots and what has been heard, as a restart does.
   void reset();

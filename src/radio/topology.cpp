@@ -25,6 +25,10 @@ double distance_m(const position& a, const position& b) {
   return math::length(a.x_m - b.x_m, a.y_m - b.y_m, a.z_m - b.z_m);
 }
 
+bool share_channel(const site& a, const site& b) {
+  return a.channel == b.channel || a.channel == all_channels || b.channel == all_channels;
+}
+
 hearers::iterator lower_bound(hearers& list, radio_index radio) {
   return std::lower_bound(list.begin(), list.end(), radio,
                           [](const hearer& x, radio_index y) { return x.radio < y; });
@@ -345,6 +349,8 @@ std::optional<double> topology::arriving_dbm(const site& from, const site& to,
 
 std::optional<hearer> topology::heard(std::uint32_t from, std::uint32_t to,
                                       std::optional<double> path) const {
+  if (!share_channel(sites_[from], sites_[to]))
+    return std::nullopt;
   const auto dbm = arriving_dbm(sites_[from], sites_[to], path);
   if (!dbm)
     return std::nullopt;

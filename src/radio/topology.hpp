@@ -44,12 +44,14 @@ struct site {
   mote_address mote; ///< decides its random numbers; for gain_matrix its node
   position place;
   double transmit_dbm = 0;
-  power_units own_noise = 0; ///< of its receiver: noise counts with no less than this
+  power_units own_noise = 0;              ///< of its receiver: noise counts with no less than this
+  std::uint8_t channel = default_channel; ///< all_channels: whatever that of the other end is
 };
 
 /// A radio is in reach if its signal arrives with channel_config::cutoff_dbm or more; for a
 /// unit_disk, if it is within range_m. Lists are made when a radio is added or moved, through a
 /// grid of cells so that only radios near it are looked at; who holds a list keeps it as it was.
+/// Between two channels there is no link at all, whatever the power.
 ///
 /// Links do not depend on the order in which radios are added. link_overrides take precedence over
 /// everything, range and cutoff included: a link with a gain exists (if its signal arrives with the

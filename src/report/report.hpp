@@ -405,9 +405,9 @@ RUBICON_FIELDS(peer_report, id, name, links, hosts_known, tuples, peis, alive, i
                links_opened, links_closed, attempts, attempts_failed, cluster, limits, counters);
 
 /// What the modules of a gateway or PC count: its gateway, proxies and their managers, rules,
-/// tunnels. In all their lives.
+/// tunnels; or the plain programs of a mote, or a base station. In all their lives.
 struct module_report {
-  std::string who;       ///< its peer
+  std::string who;       ///< its peer; the mote, `lab/node-2`; or `sink/lab`
   cause_counts counters; ///< `module.name`; none that is 0
 };
 RUBICON_FIELDS(module_report, who, counters);

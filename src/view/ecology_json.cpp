@@ -22,11 +22,11 @@ json island_json(const config::ecology_description& all, const config::island_de
     return std::ranges::find(each.islands, x.id) != each.islands.end();
   });
   y["air"] = air - all.airs.begin();
-  if (x.stack == config::stack::mac)
+  if (x.stack != config::stack::full) // no mote joins it
     y["mac"] = true;
   y["sink"] = {{"id", x.sink.id.value}, {"x", x.sink.place.x_m}, {"y", x.sink.place.y_m}};
   auto& gateways = y["gateways"] = json::array();
-  if (x.stack == config::stack::full)
+  if (config::has_line(x.stack))
     gateways.push_back(x.gateway_name);
   for (const auto& each : x.aliases)
     gateways.push_back(each.name);
@@ -62,7 +62,7 @@ json peers_json(const config::ecology_description& x, json& links) {
       links.push_back(json::array({name, each}));
   };
   for (const auto& island : x.islands) {
-    if (island.stack != config::stack::full)
+    if (!config::has_line(island.stack))
       continue;
     add(island.gateway_name, gateway_of(island.id).value, "gateway", island.host,
         island.gateway_links);

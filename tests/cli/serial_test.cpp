@@ -4,6 +4,8 @@
 #include <csignal>
 #include <filesystem>
 #include <memory>
+#include <set>
+#include <sstream>
 #include <string>
 #include <variant>
 #include <vector>
@@ -117,6 +119,45 @@ TEST_CASE("a forwarder waits for its port, opens it again when it has gone, and 
     each->await_end();
     CHECK(each->end->status == 130);
   }
+}
+
+TEST_CASE("a simulated base station says and takes what TinyOS's does", "[cli][serial][GW-17]") {
+  edge x;
+  x.write("mote.toml", "[ecology]\nname = \"motes\"\nmode = \"wall\"\nduration = \"5min\"\n"
+                       "[[island]]\nid = 34\nname = \"kitchen\"\n"
+                       "sink = { role = \"base_station\" }\nserial = { pty = \"" +
+                           x.file("sink") +
+                           "\" }\n[[island.mote]]\nid = 7\nposition_m = [1, 0]\n"
+                           "transducers.light = { model = \"constant\", value = 20 }\n"
+                           "apps = [{ app = \"oscilloscope\", transducer = \"light\", "
+                           "every = \"20ms\" }]\n"
+                           "[[island.mote]]\nid = 8\nposition_m = [0, 1]\n"
+                           "apps = [{ app = \"blink\", every = \"100ms\" }]\n");
+  const auto motes = x.start("mote");
+  program listener(x.loop, {"serial", "listen", x.file("sink"), "--json", "--count", "20"});
+  listener.await_end();
+  CHECK(listener.end->status == 0);
+  std::set<std::string> seen;
+  std::istringstream lines(listener.out);
+  for (std::string line; std::getline(lines, line);) {
+    const auto packet = json::parse(line);
+    CHECK(packet["group"] == 34);
+    CHECK(packet["destination"] == 0xffff);
+    seen.insert(packet["source"].dump() + ' ' + packet["type"].dump());
+  }
+  CHECK(seen == std::set<std::string>{"7 147", "8 6"});
+  // An interval of 1 s with version 5, as Oscilloscope's program on a PC sends it.
+  program sender(x.loop, {"serial", "send", x.file("sink"), "147",
+                          "000503e800000000" + std::string(40, '0'), "--to", "65535"});
+  sender.await_end();
+  CHECK(sender.end->status == 0);
+  const auto report = motes->report();
+  CHECK(report["violations"].empty());
+  bool took = false;
+  for (const auto& each : report["modules"])
+    took = took || (each["who"] == "kitchen/mote-7" &&
+                    each["counters"].value("oscilloscope.settings", 0) == 1);
+  CHECK(took);
 }
 
 TEST_CASE("who listens at a port that never comes is told, and so is who sends too much",

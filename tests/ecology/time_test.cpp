@@ -118,7 +118,8 @@ TEST_CASE("a datum that was delayed is recognisably older", "[ecology][IF-06][CL
   CHECK(west.stamp_max > east.stamp_min - 1000);
 }
 
-TEST_CASE("a line that readings fill hides neither the time nor a mote", "[ecology][CLK-08][GW-01]") {
+TEST_CASE("a line that readings fill hides neither the time nor a mote",
+          "[ecology][CLK-08][GW-01]") {
   for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
     CAPTURE(seed);
     // 50 readings a second, of which the line takes some 20.

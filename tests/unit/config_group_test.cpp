@@ -125,7 +125,8 @@ id = 2
 type = 1
 position_m = [0, 0]
 apps = [{ app = "messenger", to = "k/mote-2", text = "x" }]
-#                                 ^ a mote of an island with stack = "mac" takes no messages
+#                                 ^ a mote of an island with stack = "mac" or with a base station takes
+#   no messages
 )");
 }
 
@@ -344,7 +345,7 @@ layout = "ring"
 radius = "1m"
 spacing = "1m"
 #< unknown key `spacing` in layout = "ring": there is count, first, prefix, type, platform, battery,
-#   power, transducers, actuators, apps, ...
+#   power, channel, csma, transducers, ...
 
 [[island.group]]
 count = 2
@@ -383,7 +384,7 @@ spacing = "1m"
 count = 2
 name = "x"
 #< unknown key `name` in layout = "grid": there is count, first, prefix, type, platform, battery,
-#   power, transducers, actuators, apps, ...
+#   power, channel, csma, transducers, ...
 layout = "grid"
 spacing = "1m"
 

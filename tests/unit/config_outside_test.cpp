@@ -108,7 +108,7 @@ TEST_CASE("motes behind a real sink may run plain programs", "[config][GW-17]") 
   CHECK(rule("am_type = 6\ntype = 1\nfirst = 9\nlast = 8\n") ==
         "15:8: `last` must not be below `first`, which is 9");
   CHECK(problem_after(wall_head, "[[island.plain]]\nam_type = 6\ntype = 1\n") ==
-        "10:1: `plain` means nothing without a real sink or `real`");
+        "10:1: `plain` means nothing without a real sink, a base station or `real`");
   CHECK(rule("am_type = 6\ntype = 1\ninput_form = \"blink\"\n") ==
         "14:14: `input_form` means nothing without `input`");
   CHECK(rule("am_type = 6\ntype = 1\ninput_am_type = 7\n") ==

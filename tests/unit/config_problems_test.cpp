@@ -181,13 +181,14 @@ TEST_CASE("an island's tables have keys of their own", "[config][GEN-06]") {
 
 mote = [{ id = 2, type = "c", position_m = [1, 2], positoin = 1 }, 3]
 #                                                  ^ unknown key `positoin` in [[island.mote]]:
-#   there is id, type, platform, battery, power, transducers, actuators, apps, name, position_m, ...
+#   there is id, type, platform, battery, power, channel, csma, transducers, actuators, apps, ...
 #                                                                  ^ `mote` must be tables under
 #   headers [[island.mote]], not 3
 
 [island.sink]
 baud = 1
-#< unknown key `baud` in [island.sink]: there is id, platform, position_m, power, promiscuous, apps
+#< unknown key `baud` in [island.sink]: there is role, id, platform, position_m, power,
+#   promiscuous, csma, apps
 
 [island.gateway]
 link = []

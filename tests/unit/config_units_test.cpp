@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "config/units.hpp"
+#include "radio/parameters.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -59,6 +60,10 @@ TEST_CASE("ratios, lengths and charges carry their units", "[config][units]") {
   CHECK(parse_length_m("150cm") == 1.5);
   CHECK(parse_charge_mah("2000mAh") == 2000.0);
   CHECK(parse_charge_mah("2.5Ah") == 2500.0);
+  CHECK(parse_charge_mah("21.6kJ").value() == Approx(2000)); // 2 Ah of 3 V
+  CHECK(parse_charge_mah("540 J").value() == Approx(50));
+  for (const auto& platform : radio::platforms())
+    CHECK(platform.supply_v == battery_v);
   CHECK(parse_dbm("-106.58dBm") == -106.58);
   CHECK(parse_dbm("3 dBm") == 3.0);
   CHECK(parse_db("46.68dB") == 46.68);

@@ -270,12 +270,12 @@ sink.id = 65533
 TEST_CASE("what is said about a mote has to be possible", "[config][GEN-06]") {
   check_mistakes(mote_head, R"(
 battery = 2000
-#         ^ `battery` must be a charge from 0.001 mAh to 1000 Ah with its unit (mAh or Ah), as in
-#   "2000mAh", not 2000
+#         ^ `battery` must be a charge from 0.001 mAh to 1000 Ah with its unit (mAh or Ah), or its
+#   energy at 3 V (J or kJ), as in "2000mAh" or "21.6kJ", not 2000
 
 battery = "2V"
-#         ^ `battery` must be a charge from 0.001 mAh to 1000 Ah with its unit (mAh or Ah), as in
-#   "2000mAh", not "2V"
+#         ^ `battery` must be a charge from 0.001 mAh to 1000 Ah with its unit (mAh or Ah), or its
+#   energy at 3 V (J or kJ), as in "2000mAh" or "21.6kJ", not "2V"
 
 name = "a b"
 #      ^ `name` must be a name of 1 to 32 letters, digits, - and _, not "a b"
