@@ -142,7 +142,7 @@ void time_search::on_news(std::optional<island_clock::duration> leap, const cloc
   if (!config_.duty.enabled() || config_.is_root || (!leap && !was_lost_long))
     return;
   const auto period = in_us(config_.duty.period);
-  listen_until_ = std::max(listen_until_, now + 2 * config_.probe_gap + 2 * config_.duty.period);
+  listen_until_ = std::max(listen_until_, now + 4 * config_.probe_gap + 2 * config_.duty.period);
   if (!leap)
     return;
   const auto before = clock.at(now) - *leap;
