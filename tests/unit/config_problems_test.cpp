@@ -53,8 +53,8 @@ width = "0m"
 #   "25m", not "0m"
 
 nick = "x"
-#< unknown key `nick` in [[peer]]: there is id, name, count, host, links, connect, tcp, lan, leaf,
-#   manager, ...
+#< unknown key `nick` in [[peer]]: there is id, name, count, host, links, connect, tcp, lan, udp,
+#   leaf, ...
 
 [island]
 #< `island` must be tables under headers [[island]], not a table
