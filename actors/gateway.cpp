@@ -433,11 +433,14 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
   state.real_port = serial::host_port(state.arguments.real_port);
   const auto client = handle_of<peis_client_actor>(self);
   to_adapter(self, attach_serial{serial::direction::to_pc, {handle_of<serial_end_actor>(self)}});
-  const auto& plain_line =
-      state.arguments.real_line ? state.arguments.real_line : state.arguments.line;
-  if (!state.arguments.plain.motes.rules.empty())
-    self->send(plain_line, watch_line{{handle_of<line_watcher_actor>(self)},
-                                      plain_line == state.arguments.real_line});
+  if (!state.arguments.plain.motes.rules.empty()) {
+    const watch_line watch{{handle_of<line_watcher_actor>(self)},
+                           state.arguments.real_line != nullptr};
+    if (state.arguments.real_line)
+      self->send(state.arguments.real_line, watch);
+    else
+      to_adapter(self, watch);
+  }
   if (state.arguments.forwarder)
     self->send(state.arguments.forwarder, attach_packets{{handle_of<packet_end_actor>(self)}});
   std::vector<std::uint16_t> ports{gateway::announcement_port, communication::island_message_port};

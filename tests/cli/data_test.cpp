@@ -143,7 +143,7 @@ TEST_CASE("--full shows every row", "[cli]") {
 
 TEST_CASE("times of a long run are those of a clock", "[cli]") {
   const auto x = run("'" RUBICON_CONFIG_DIR "/intel-lab.toml' --for 61min");
-  CHECK(contains(x.out, "\n        time  who"));
+  CHECK(contains(x.out, "\n      time  who"));
   CHECK(contains(x.out, "  0:0"));
 }
 

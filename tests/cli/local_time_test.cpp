@@ -34,7 +34,7 @@ TEST_CASE("the computer's clock leaps at daylight saving", "[cli][rules]") {
   constexpr std::time_t march_28 = 1774692000; // 2026-03-28 11:00 in central Europe
   const zone here("CET-1CEST,M3.5.0,M10.5.0/3");
   CHECK(cli::time_of_day(at(march_28)) == 11h);
-  const auto changes = cli::clock_changes(at(march_28), 365 * 24h);
+  const auto changes = cli::clock_changes(at(march_28), 360 * 24h);
   REQUIRE(changes.size() == 2);
   CHECK(changes[0] == proxy::clock_change{instant(15h), 1h}); // 2026-03-29 02:00
   CHECK(changes[1].ahead == 0h);

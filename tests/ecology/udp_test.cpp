@@ -17,7 +17,6 @@ duration = "4s"
 [[peer]]
 id = 11
 name = "robot"
-host = "robot"
 discovery = false
 manager = false
 tcp = { port = 18460 }
@@ -26,7 +25,6 @@ udp = true
 [[peer]]
 id = 12
 name = "pc"
-host = "pc"
 manager = false
 connect = ["udp://127.0.0.1:18460"]
 udp = true
