@@ -230,7 +230,7 @@ TEST_CASE("a tuple of a running peer is deleted", "[cli][SVC-07]") {
   const auto x = standard_output("tuples delete room.scan --owner 7 --json" + peer.at());
   CHECK(nlohmann::json::parse(x.out).at("acknowledged") == true);
   CHECK(standard_error("tuples ls 'room.*' --timeout 300ms" + peer.at()).out ==
-        "rubicon: nobody has a tuple `room.*`\n");
+        "rubicon: no peer has a tuple `room.*`\n");
   CHECK(standard_error("tuples delete room.temp --owner 8 --timeout 300ms" + peer.at()).status ==
         1);
 }
