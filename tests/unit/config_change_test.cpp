@@ -7,7 +7,6 @@
 #include "config/summary.hpp"
 #include "config_sample.hpp"
 #include "support/catch.hpp"
-#include "support/text.hpp"
 
 using namespace rubicon;
 using namespace rubicon::config;
@@ -116,7 +115,7 @@ kind = "network_keys"
   CHECK(x.network_key == *smepp::key::from_hex("000102030405060708090a0b0c0d0e0f"));
   CHECK_FALSE(x.network_mac);
   CHECK(x.motes == std::vector{mote_address{island_id{1}, mote_id{2}}});
-  CHECK_FALSE(contains(summary(good(head + key)), "0001020304"));
+  CHECK(summary(good(head + key)).find("0001020304") == std::string::npos);
   check_mistakes(head, R"(network_key = "00"
 #             ^ `network_key` must be a key of 32 hexadecimal digits
 )");

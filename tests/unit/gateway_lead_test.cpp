@@ -12,6 +12,7 @@ using namespace rubicon;
 using gateway::leadership;
 using gateway::publish;
 using gateway::relay_to;
+using gateway::answer_sink;
 using gateway::to_sink;
 using kind = transport::segment::kind;
 using test::pick;
