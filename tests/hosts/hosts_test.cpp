@@ -209,7 +209,7 @@ TEST_CASE("a deployment starts again what was killed, and makes one report", "[h
                                                   button["reliable_failed"].get<int>() +
                                                   button["reliable_open"].get<int>());
   CHECK(element(report["proxies"], "proxy", "bedroom.window")["status"] == "active");
-  CHECK(events_of({report}, "last heard of").size() == 1);
+  CHECK(events_of({report}, "last contact").size() == 1);
 }
 
 TEST_CASE("Ctrl-C ends a deployment with what it has", "[hosts][ACT-11]") {
@@ -280,7 +280,7 @@ TEST_CASE("hosts run what is deployed to them, and heal without who has deployed
     CHECK(mote["joined"] == true);
   CHECK(events_of({report}, "killed for 2 s").contains("robot"));
   // What the first life of kitchen's part has counted was kept in its state folder.
-  CHECK(events_of({report}, "last heard of").contains("kitchen"));
+  CHECK(events_of({report}, "last contact").contains("kitchen"));
 }
 
 TEST_CASE("a host listens to nobody without a certificate of its own authority", "[hosts]") {

@@ -135,7 +135,7 @@ TEST_CASE("lives of a part add up, and what was open in one that was killed has 
   CHECK(x.violations.empty()); // they balance
   REQUIRE(x.event_log.size() == 2);
   CHECK(x.event_log[0].at == instant(20s));
-  CHECK(x.event_log[0].what.starts_with("last heard of"));
+  CHECK(x.event_log[0].what.starts_with("last contact"));
   CHECK(x.event_log[1].at == instant(26s));
 }
 
