@@ -233,6 +233,8 @@ void compare_network_keys(const ecology_description& before, const ecology_descr
                           std::vector<change>& out) {
   const auto& a = before.smepp;
   const auto& b = now.smepp;
+  if (before.seed != now.seed)
+    return; // refused, and drawn keys with it
   if (a.network_key != b.network_key || a.network_mac != b.network_mac)
     out.emplace_back(network_keys_change{b.network_key.value_or(smepp::key()), b.network_mac, {}});
 }

@@ -121,10 +121,11 @@ void energy_meter::drop_work(instant now) {
 
 void energy_meter::stop(instant now) {
   enter(radio_state::off, now);
+  if (stopped_)
+    return;
   times_.mcu_active -= ahead(now);
   busy_until_ = computes_until_ = now;
-  if (!stopped_)
-    stopped_ = now;
+  stopped_ = now;
 }
 
 energy_times energy_meter::times(instant now) const {

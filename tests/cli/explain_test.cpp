@@ -58,7 +58,8 @@ TEST_CASE("explain tells the way of a message", "[cli][explain]") {
 }
 
 TEST_CASE("explain tells a tuple, its value at a time, and all its values", "[cli][explain]") {
-  CHECK(contains(explain("kitchen.climate-7.temperature").out, "care-pc/rules-1 heard it after"));
+  CHECK(
+      contains(explain("kitchen.climate-7.temperature").out, "care-pc/rules-1 received it after"));
   const auto early = explain("kitchen.climate-7.temperature --at 5s");
   CHECK(early.status == 0);
   CHECK(early.out != explain("kitchen.climate-7.temperature").out);

@@ -100,8 +100,8 @@ name = "t"
 name = "k"
 id = 1
 mote = [
-  { id = 2, name = "two", apps = [{ app = "member", group = "care", creates = true }] },
-  { id = 3, name = "three" }]
+  { id = 2, name = "two", type = 7, position_m = [1, 2], apps = [{ app = "member", group = "care", creates = true }] },
+  { id = 3, name = "three", type = 7, position_m = [1, 2] }]
 [[smepp.group]]
 name = "care"
 [[change]]

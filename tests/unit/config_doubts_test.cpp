@@ -138,8 +138,8 @@ TEST_CASE("a good file leaves nothing to doubt", "[config]") {
 
 TEST_CASE("what reads or writes a tuple that no component publishes cannot work", "[config]") {
   CHECK(doubts_of(home("channel = 1\n", ", { app = 'collector', keys = ['k.c-2.temprature'] }")) ==
-        std::vector<std::string>{"the collector of pc reads `k.c-2.temprature`, a tuple that "
-                                 "nobody has: did you mean `k.c-2.temperature`?"});
+        std::vector<std::string>{"the collector of pc reads `k.c-2.temprature`, a tuple that no "
+                                 "component publishes: did you mean `k.c-2.temperature`?"});
   const auto rule =
       doubts_of(home("channel = 1\n", ", { app = 'rules', rules = [{ when = 'k.c-2.temperature', "
                                       "above = 1, write = 'k.lamp.switch', then = 'on' }] }"));

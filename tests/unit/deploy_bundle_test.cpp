@@ -162,6 +162,11 @@ master_key = "aaaaAAAAaaaaaaaaaaaaaaaaaaaaaaaa"
 name = "# \"nobody"
 private = true
 master_key = "cccccccccccccccccccccccccccccccc"
+[[change]]
+at = "1s"
+kind = "network_keys"
+network_key = "11111111111111111111111111111111"
+network_mac = "22222222222222222222222222222222"
 )";
 
 std::string secrets_in(const std::string& toml) {
@@ -262,7 +267,8 @@ TEST_CASE("no secret of the schema is sent without need", "[deploy][SMP-29]") {
   });
   INFO("a new one: tell config::secrets_of() which hosts need it, and put it into all_keys");
   CHECK(secret == std::set<std::string>{"smepp.network_key", "smepp.network_mac",
-                                        "smepp.pairwise_key", "smepp.group.master_key"});
+                                        "smepp.pairwise_key", "smepp.group.master_key",
+                                        "change.network_key", "change.network_mac"});
   CHECK(doubtful.empty());
   const folder in;
   const auto all = packed_groups(in, all_keys);

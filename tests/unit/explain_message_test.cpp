@@ -86,7 +86,7 @@ TEST_CASE("the value of a tuple is followed back to the message that brought it"
   const auto text = tuple_text(all, 0, {});
   CHECK(contains(text, "kitchen/near → sink"));
   CHECK(contains(text, "kitchen/sink → gateway"));
-  CHECK(contains(text, "set at kitchen-gateway after 6.0 ms; nobody listens"));
+  CHECK(contains(text, "set at kitchen-gateway after 6.0 ms; no subscriber"));
 }
 
 TEST_CASE("repeats of a frame are one row with their reasons", "[explain]") {

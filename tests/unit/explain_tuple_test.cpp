@@ -51,8 +51,8 @@ TEST_CASE("a value that a link loses is missed by those who live on", "[explain]
   const auto all = follow(world.x);
   const auto text = tuple_text(all, 0, wide);
   CHECK(contains(text, "PEIS: LOST, lost on the link"));
-  CHECK(contains(text, "robot/rules-1 did not hear it"));
-  CHECK(contains(tuple_text(all, 1, {}), "robot/rules-1 heard it"));
+  CHECK(contains(text, "robot/rules-1 did not receive it"));
+  CHECK(contains(tuple_text(all, 1, {}), "robot/rules-1 received it"));
 }
 
 TEST_CASE("who asks for a value after it was set has missed nothing", "[explain]") {
@@ -85,7 +85,7 @@ TEST_CASE("a package that is sent again is one hop", "[explain]") {
   world.hears(robot_kernel, rules, 11, "kitchen.near.temperature", "21.5");
   const auto text = tuple_text(follow(world.x), 0, wide);
   CHECK(contains(text, "PEIS: received after 1 repeat (lost on the link)"));
-  CHECK(contains(text, "heard it after 2.0 ms"));
+  CHECK(contains(text, "received it after 2.0 ms"));
 }
 
 TEST_CASE("equal values that follow each other are told apart", "[explain]") {

@@ -9,10 +9,10 @@
 #include "transport/segment.hpp"
 
 using namespace rubicon;
+using gateway::answer_sink;
 using gateway::leadership;
 using gateway::publish;
 using gateway::relay_to;
-using gateway::answer_sink;
 using gateway::to_sink;
 using kind = transport::segment::kind;
 using test::pick;

@@ -11,12 +11,12 @@
 #include "transport/segment.hpp"
 
 using namespace rubicon;
+using gateway::answer_sink;
 using gateway::erase;
 using gateway::gateway_config;
 using gateway::member_changed;
 using gateway::publish;
 using gateway::to_gateway;
-using gateway::answer_sink;
 using gateway::to_sink;
 using kind = transport::segment::kind;
 using test::acknowledgement;

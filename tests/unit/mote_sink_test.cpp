@@ -137,11 +137,14 @@ TEST_CASE("a sink asks for the time and gives it to its island's clock", "[mote]
   std::vector<to_gateway> asked;
   instant now;
   const auto run_until = [&](instant end) {
-    for (; x.deadline() <= end; now = x.deadline()) {
-      for (auto& y : pick<to_gateway>(x.on_time(x.deadline()))) {
+    while (x.deadline() <= end) {
+      const auto at = x.deadline();
+      for (auto& y : pick<to_gateway>(x.on_time(at))) {
         const auto event = network::decode_sink_event(y.payload);
-        if (event && std::holds_alternative<network::time_request>(*event))
+        if (event && std::holds_alternative<network::time_request>(*event)) {
           asked.push_back(y);
+          now = at;
+        }
       }
     }
   };
@@ -169,6 +172,7 @@ TEST_CASE("a sink asks for the time and gives it to its island's clock", "[mote]
   static_cast<void>(x.on_packet(
       network::am::sink_event,
       encode(network::sink_event(network::time_answer{last, 1003s + 80ms, 40ms})), now + 130ms));
+  CHECK(x.time().counters().answered == 2);
   CHECK(x.time().counters().slow == 0);
 }
 

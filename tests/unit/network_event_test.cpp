@@ -52,5 +52,5 @@ TEST_CASE("events that make no sense are refused", "[network]") {
   CHECK(decode_sink_event(*from_hex("06010200")).error() == errc::truncated);
   CHECK(decode_sink_event(*from_hex("0601020000000000000001")).error() == errc::bad_value);
   CHECK(decode_sink_event(*from_hex("0701020010000000000000")).error() == errc::bad_value);
-  CHECK(decode_sink_event(*from_hex("070102000000030405060708")).error() == errc::too_long);
+  CHECK(decode_sink_event(*from_hex("07010200000003040506070000000008")).error() == errc::too_long);
 }
