@@ -342,7 +342,11 @@ TEST_CASE("two processes that claim one host are both told, and one leaves",
   const auto other_told = events_of({all[3]}, "its id is used by care@");
   CHECK(told.contains("care"));
   CHECK(other_told.contains("care"));
-  CHECK(events_of({all[2], all[3]}, "leaves its id to care@")["care"].size() == 1);
+  // One of the two, which comes back after 15 s and leaves again if the run is still going on.
+  const auto leaves = [&all](std::size_t i) {
+    return !events_of({all[i]}, "leaves its id to care@").empty();
+  };
+  CHECK(leaves(2) != leaves(3));
   for (std::size_t i = 0; i < 2; ++i)
     for (const auto& island : all[i]["islands"])
       CHECK(island["messages"]["reliable_failed"] == 0);
