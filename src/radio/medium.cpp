@@ -373,6 +373,7 @@ void medium::release(slot_index slot) {
   x.heard_by.reset();
   x.outcomes.clear();
   x.what.psdu = {};
+  x.what.origin = {}; // or a message would stay in transit until the slot is used again
   ++x.stamp;
   free_.push_back(slot);
 }

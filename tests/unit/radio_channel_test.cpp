@@ -1,4 +1,5 @@
 #include "core/codec.hpp"
+#include "core/message_ledger.hpp"
 #include "radio_fixture.hpp"
 #include "support/catch.hpp"
 
@@ -8,6 +9,20 @@ using test::channel_with;
 using test::radio_fixture;
 
 namespace {
+
+/// An actor as far as the account of messages sees it.
+class node final : public provenance_source {
+public:
+  explicit node(message_ledger& ledger) : ledger_(&ledger) {}
+
+  [[nodiscard]] std::uint64_t begin(std::string_view, std::uint64_t) override { return 0; }
+  [[nodiscard]] message_ledger* ledger() override { return ledger_; }
+  [[nodiscard]] std::string_view place() const override { return "air"; }
+  [[nodiscard]] instant time() const override { return {}; }
+
+private:
+  message_ledger* ledger_;
+};
 
 /// Units of the first back-off of the first sender, given how many radios were added before.
 duration first_backoff(std::uint64_t seed, int radios) {
@@ -55,6 +70,26 @@ TEST_CASE("an acked exchange takes the standard's time to the microsecond",
     CHECK(x.channel.counted().copies.of(copy_outcome::delivered) == 2);
     CHECK_FALSE(x.channel.deadline() < instant(1h)); // batteries only
   }
+}
+
+TEST_CASE("a channel keeps no copy of a message whose frame has ended",
+          "[radio][channel][ledger]") {
+  const auto ledger = message_ledger::make();
+  const mote_address fan{island_id(1), mote_id(1)};
+  node air(*ledger);
+  const turn_of turn(&air);
+  radio_fixture x({}, 1);
+  const auto a = x.add(1, 0);
+  static_cast<void>(x.add(2, 10));
+  {
+    const acting_on its(begin_message(message_kind::message, fan, {fan.island, mote_id(2)}));
+    x.send(a, 77, 2, 2);
+  }
+  x.run_until(instant(1s));
+  REQUIRE(x.all<delivered>().size() == 1);
+  CHECK(ledger->of(fan, message_kind::message).in_transit() == 1);
+  x.log.clear(); // what it told its owner
+  CHECK(ledger->of(fan, message_kind::message).in_transit() == 0);
 }
 
 TEST_CASE("what is delivered is the frame as TinyOS writes it", "[radio][channel]") {
