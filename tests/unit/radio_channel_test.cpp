@@ -83,7 +83,7 @@ TEST_CASE("a channel keeps no copy of a message whose frame has ended",
   static_cast<void>(x.add(2, 10));
   {
     const acting_on its(begin_message(message_kind::message, fan, {fan.island, mote_id(2)}));
-    x.send(a, 77, 2, 2);
+    x.send(a, 77, broadcast_mote.value, 2); // no ack takes the slot again
   }
   x.run_until(instant(1s));
   REQUIRE(x.all<delivered>().size() == 1);
