@@ -138,7 +138,7 @@ void time_search::on_asked(instant now) {
 
 void time_search::on_news(std::optional<island_clock::duration> leap, const clock_sync& clock,
                           instant now) {
-  const bool was_lost_long = rests_ && now - lost_from_ >= config_.long_search;
+  const bool was_lost_long = lost_ && now - lost_from_ >= config_.long_search;
   if (!config_.duty.enabled() || config_.is_root || (!leap && !was_lost_long))
     return;
   const auto period = in_us(config_.duty.period);

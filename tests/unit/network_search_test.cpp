@@ -145,6 +145,24 @@ TEST_CASE("whoever finds its root after a long search stays on for the others",
   CHECK_FALSE(x.listens(now + 241s));
 }
 
+TEST_CASE("whoever finds its root in a later search stays on as well", "[network][CLK-04]") {
+  auto x = settled(sleeping(4s), 3, instant(1h));
+  auto now = instant(1h);
+  const auto go_on_while = [&x, &now](bool rests) {
+    for (; x.rests() == rests; now += 10ms)
+      static_cast<void>(x.on_time(now, time_knowledge::stale, known_clock()));
+  };
+  for (int searches = 0; searches < 6; ++searches) {
+    go_on_while(false);
+    go_on_while(true);
+  }
+  REQUIRE(now > instant(1h) + 2min); // the next search has just begun
+  x.on_news(std::nullopt, known_clock(), now);
+  CHECK(x.on_time(now, time_knowledge::good, known_clock()) == beacon_due::none);
+  CHECK(x.listens(now + 187s));
+  CHECK_FALSE(x.listens(now + 189s));
+}
+
 TEST_CASE("a root whose time begins anew calls for a whole period", "[network][CLK-04]") {
   auto config = sleeping(4s);
   config.is_root = true;
