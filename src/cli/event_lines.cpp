@@ -12,9 +12,8 @@ namespace rubicon::cli {
 
 std::string event_line(const report::logged_event& x, duration shift) {
   constexpr std::size_t width = 9; // below an hour
-  auto time = report::run_time(x.at + shift);
-  time.insert(0, width - std::min(width, time.size()), ' ');
-  return printable(time + "  " + x.who + "  " + x.what);
+  const auto time = report::run_time(x.at + shift);
+  return printable(report::blanks(time, width) + time + "  " + x.who + "  " + x.what);
 }
 
 std::string wall_progress_text(duration reached, duration end, double events_per_s,

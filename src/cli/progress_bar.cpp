@@ -34,10 +34,8 @@ std::string bar(double share, std::size_t width) {
 
 /// As wide as that of `longest`, so that nothing moves while time goes on.
 std::string clock_text(duration x, duration longest) {
-  const auto width = report::clock_text(longest).size();
-  auto text = report::clock_text(x);
-  text.insert(0, width - std::min(width, text.size()), ' ');
-  return text;
+  const auto text = report::clock_text(x);
+  return report::blanks(text, report::clock_text(longest).size()) + text;
 }
 
 std::string time_left(duration real, double share) {
@@ -52,10 +50,9 @@ std::string time_left(duration real, double share) {
 std::string progress_text(duration real, duration reached, duration end, std::size_t width) {
   const auto share = done_share(reached, end);
   const auto whole_percent = std::to_string(static_cast<int>(share * 100)) + '%';
-  const auto text = std::string(5 - std::min<std::size_t>(5, whole_percent.size()), ' ') +
-                    whole_percent + "  " + clock_text(reached, end) + " of " +
-                    clock_text(end, end) + "  " + report::speed_factor(reached, seconds(real)) +
-                    "  " + time_left(real, share);
+  const auto text = report::blanks(whole_percent, 5) + whole_percent + "  " +
+                    clock_text(reached, end) + " of " + clock_text(end, end) + "  " +
+                    report::speed_factor(reached, seconds(real)) + "  " + time_left(real, share);
   const auto frame = report::display_width(bar(0, 0));
   const auto used = report::display_width(text) + frame;
   if (used + bar_width_min > width)

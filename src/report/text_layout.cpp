@@ -28,11 +28,6 @@ std::string to_point(const std::string& x, std::size_t tail_max) {
   return x + std::string(tail_max - (x.size() - point), ' ');
 }
 
-/// What is missing from `x` to `width` characters.
-std::string blanks(std::string_view x, std::size_t width) {
-  return std::string(width - std::min(width, display_width(x)), ' ');
-}
-
 void trim_end(std::string& x) {
   x.erase(x.find_last_not_of(' ') + 1);
 }
@@ -41,6 +36,10 @@ void trim_end(std::string& x) {
 
 std::size_t display_width(std::string_view x) {
   return x.size() - static_cast<std::size_t>(std::count_if(x.begin(), x.end(), is_continuation));
+}
+
+std::string blanks(std::string_view x, std::size_t width) {
+  return std::string(width - std::min(width, display_width(x)), ' ');
 }
 
 std::string cut(std::string_view x, std::size_t width) {

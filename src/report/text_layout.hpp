@@ -19,6 +19,9 @@ using rubicon::printable;
 /// At most `width` characters of `x`; what is cut off shows as `…`.
 [[nodiscard]] std::string cut(std::string_view x, std::size_t width);
 
+/// What is missing from `x` to `width` characters; nothing if it is as wide.
+[[nodiscard]] std::string blanks(std::string_view x, std::size_t width);
+
 enum class look : std::uint8_t { plain, strong, faint, good, bad };
 
 /// `x` between the ANSI escapes of `how`, or as it is without `colour`.
