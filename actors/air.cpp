@@ -18,7 +18,7 @@ std::size_t slot(radio::radio_index x) {
   return x.value;
 }
 
-struct performer {
+struct air_performer {
   air_pointer self;
 
   void operator()(radio::delivered& x) const {
@@ -51,7 +51,7 @@ struct performer {
 
 void perform(air_pointer self, radio::outputs todo) {
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(air_performer{self}, output);
   self->state.wake.follow(self, self->state.channel.deadline());
 }
 

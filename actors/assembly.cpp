@@ -38,13 +38,14 @@ ecology_actor handle_of(ecology_pointer self) {
 }
 
 /// @pre the description has an island with this id
-const config::island_description& described(ecology_pointer self, island_id id) {
+const config::island_description& own_island(ecology_pointer self, island_id id) {
   return *std::ranges::find(self->state.description.islands, id, &config::island_description::id);
 }
 
 /// @pre the description has a mote with this address
-const config::mote_description& described(ecology_pointer self, const mote_address& x) {
-  return *std::ranges::find(described(self, x.island).motes, x.mote, &config::mote_description::id);
+const config::mote_description& own_mote(ecology_pointer self, const mote_address& x) {
+  return *std::ranges::find(own_island(self, x.island).motes, x.mote,
+                            &config::mote_description::id);
 }
 
 std::string type_name(const config::mote_description& x) {
@@ -364,7 +365,7 @@ apps::traffic traffic_in(ecology_pointer self, const config::island_description&
     if (crash != nullptr && crash->becomes && crash->mote.island == island.id)
       add(*crash->becomes);
     else if (move != nullptr && move->to == island.id)
-      add(described(self, move->mote));
+      add(own_mote(self, move->mote));
   }
   return sum;
 }
@@ -402,12 +403,12 @@ std::vector<extra_mote> add_motes(ecology_pointer self, const config::air_descri
     x.fault = i;
     if (const auto* second = std::get_if<config::mote_double_fault>(&faults[i].what)) {
       x.island = second->mote.island;
-      x.mote = described(self, second->mote);
+      x.mote = own_mote(self, second->mote);
       x.mote.name += "-double";
       x.mote.place = second->place;
     } else if (const auto* move = std::get_if<config::move_island_fault>(&faults[i].what)) {
       x.island = move->to;
-      x.mote = described(self, move->mote);
+      x.mote = own_mote(self, move->mote);
       x.mote.place = move->place;
     } else {
       continue;
@@ -415,7 +416,7 @@ std::vector<extra_mote> add_motes(ecology_pointer self, const config::air_descri
     x.mote.path.clear();
     if (std::ranges::find(air.islands, x.island) == air.islands.end())
       continue;
-    x.radio = channel.add(radio_of(described(self, x.island), x.mote), now(self));
+    x.radio = channel.add(radio_of(own_island(self, x.island), x.mote), now(self));
     addresses.push_back({x.island, x.mote.id});
     found.push_back(std::move(x));
   }
@@ -452,7 +453,7 @@ scheduler::process& add_process(ecology_pointer self, const config::air_descript
   auto& scheduler = *scheduler::coordinator::of(self->system());
   auto latency = duration::max();
   for (const auto id : air.islands) {
-    const auto& island = described(self, id);
+    const auto& island = own_island(self, id);
     if (!config::has_line(island.stack))
       continue;
     latency = std::min(latency, island.serial.latency);
@@ -481,7 +482,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
   std::vector<const config::island_description*> islands;
   std::size_t radios = 0;
   for (const auto id : air.islands) {
-    islands.push_back(&described(self, id));
+    islands.push_back(&own_island(self, id));
     radios += 1 + islands.back()->motes.size();
   }
   channel.reserve(radios);
@@ -504,7 +505,7 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
     state.noises[extra[i]] = {medium, radio::radio_index{first_noise.value + i}};
   for (const auto& x : motes)
     state.successors[x.fault] = std::make_shared<const mote_arguments>(arguments_of(
-        self, described(self, x.island), x.mote, state.traffic.at(x.island), x.radio, medium));
+        self, own_island(self, x.island), x.mote, state.traffic.at(x.island), x.radio, medium));
   radio::radio_index radio{};
   for (const auto* island : islands) {
     state.airs[island->id] = medium;

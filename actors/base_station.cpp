@@ -17,13 +17,13 @@ namespace rubicon {
 
 namespace {
 
-using sink_pointer = scheduler::actor_pointer<sink_state, sink_actor>;
+using base_station_pointer = scheduler::actor_pointer<sink_state, sink_actor>;
 
-serial::mote_port& port_of(sink_pointer self) {
+serial::mote_port& port_of(base_station_pointer self) {
   return self->state.ports.front();
 }
 
-void transmit(sink_pointer self, std::optional<tinyos::to_radio> x) {
+void transmit(base_station_pointer self, std::optional<tinyos::to_radio> x) {
   if (!x)
     return;
   const acting_on its(x->from);
@@ -32,8 +32,8 @@ void transmit(sink_pointer self, std::optional<tinyos::to_radio> x) {
                         payload(std::move(x->payload)), false});
 }
 
-struct performer {
-  sink_pointer self;
+struct base_station_performer {
+  base_station_pointer self;
 
   void operator()(serial::to_line& x) const {
     const acting_on its(x.from);
@@ -45,13 +45,13 @@ struct performer {
   }
 };
 
-void perform(sink_pointer self, serial::mote_port_outputs todo) {
+void perform(base_station_pointer self, serial::mote_port_outputs todo) {
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(base_station_performer{self}, output);
   self->state.wake.follow(self, port_of(self).deadline());
 }
 
-void on_frame(sink_pointer self, byte_view psdu) {
+void on_frame(base_station_pointer self, byte_view psdu) {
   const auto x = radio::decode(psdu);
   if (!x)
     return;
@@ -74,7 +74,7 @@ tinyos::radio_result result_of(radio::send_status x) {
   return tinyos::radio_result::sent;
 }
 
-void send_status(sink_pointer self) {
+void send_status(base_station_pointer self) {
   const auto& arguments = self->state.arguments;
   self->send(arguments.ecology, serial_status{arguments.address.island, counted(self->state)});
   report::cause_counts modules;
@@ -86,7 +86,7 @@ void send_status(sink_pointer self) {
 
 } // namespace
 
-sink_actor::behavior_type base_station(sink_pointer self, sink_arguments arguments,
+sink_actor::behavior_type base_station(base_station_pointer self, sink_arguments arguments,
                                        mote::nonvolatile store) {
   self->set_exception_handler([self](std::exception_ptr& x) { // what this life has counted stays
     send_status(self);

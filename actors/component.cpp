@@ -17,7 +17,7 @@ namespace {
 
 using component_pointer = scheduler::actor_pointer<component_state, timed_peer_app_actor>;
 
-struct performer {
+struct component_performer {
   component_pointer self;
 
   void operator()(components::watch& x) const {
@@ -59,7 +59,7 @@ struct performer {
 
 void perform(component_pointer self, components::outputs todo) {
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(component_performer{self}, output);
   self->state.wake.follow(self, self->state.arguments.core->deadline());
 }
 

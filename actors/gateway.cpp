@@ -46,7 +46,7 @@ void to_adapter(gateway_pointer self, Message x) {
     self->delayed_send(arguments.line, arguments.port.latency, std::move(x));
 }
 
-struct performer {
+struct gateway_performer {
   gateway_pointer self;
   bool is_real = false; ///< outputs of the port at the line to real motes
 
@@ -247,20 +247,20 @@ void follow(gateway_pointer self) {
 
 void perform(gateway_pointer self, gateway::outputs todo) {
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(gateway_performer{self}, output);
   self->state.programs.tell(self, self->state.arguments.ecology);
   follow(self);
 }
 
 void perform(gateway_pointer self, serial::outputs todo) {
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(gateway_performer{self}, output);
   follow(self);
 }
 
 void perform_real(gateway_pointer self, serial::outputs todo) {
   for (auto& output : todo)
-    std::visit(performer{self, true}, output);
+    std::visit(gateway_performer{self, true}, output);
   follow(self);
 }
 
@@ -319,7 +319,7 @@ void on_message(gateway_pointer self, const peis_message& x) {
 
 void on_timer(gateway_pointer self) {
   auto& state = self->state;
-  performer{self}.take(state.plain.on_time(now(self)));
+  gateway_performer{self}.take(state.plain.on_time(now(self)));
   perform(self, state.gateway.on_time(now(self)));
   perform(self, state.programs.on_time(state.gateway, now(self)));
   perform(self, state.port.on_time(now(self)));

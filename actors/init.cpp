@@ -65,7 +65,7 @@ void start_process(init_pointer self, const peisinit::start& x) {
   perform(self, state.supervisor.on_started(x.component, x.life, number));
 }
 
-struct performer {
+struct init_performer {
   init_pointer self;
 
   void operator()(const peisinit::publish& x) const {
@@ -141,7 +141,7 @@ struct performer {
 
 void perform(init_pointer self, peisinit::outputs todo) {
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(init_performer{self}, output);
   self->state.wake.follow(self, self->state.supervisor.deadline());
 }
 

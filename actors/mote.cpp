@@ -49,7 +49,7 @@ instant own_time(mote_pointer self) {
   return self->state.crystal.own(now(self));
 }
 
-struct performer {
+struct mote_performer {
   mote_pointer self;
 
   void operator()(network::frame_out& x) const {
@@ -112,7 +112,7 @@ void perform(mote_pointer self, mote::node_outputs todo) {
     state.programs_due = state.programs.deadline();
   }
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(mote_performer{self}, output);
   state.separate.send_events(self);
   tell_search(self);
   const auto due = earliest(state.node->deadline(), state.programs_due);
@@ -495,7 +495,7 @@ void start(mote_pointer self) {
                        state.crystal, state.store, random_stream(arguments.seed, life),
                        own_time(self));
   else
-    performer{self}(mote::store_nonvolatile{begin_life(state.store)});
+    mote_performer{self}(mote::store_nonvolatile{begin_life(state.store)});
   start_plain(self, life);
   state.walk = device::walk(arguments.path, arguments.step);
   go(self);

@@ -21,10 +21,10 @@ namespace {
 /// time.
 constexpr duration restart_delay = 1s;
 
-using manager_pointer = scheduler::actor_pointer<object_manager_state, timed_peer_app_actor>;
+using object_manager_pointer = scheduler::actor_pointer<object_manager_state, timed_peer_app_actor>;
 
-struct performer {
-  manager_pointer self;
+struct object_manager_performer {
+  object_manager_pointer self;
 
   void operator()(const proxy::start_object_proxy& x) const {
     auto& state = self->state;
@@ -48,12 +48,12 @@ struct performer {
   }
 };
 
-void perform(manager_pointer self, const proxy::object_manager::outputs& todo) {
+void perform(object_manager_pointer self, const proxy::object_manager::outputs& todo) {
   for (const auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(object_manager_performer{self}, output);
 }
 
-void on_down(manager_pointer self, const caf::down_msg& x) {
+void on_down(object_manager_pointer self, const caf::down_msg& x) {
   auto& state = self->state;
   const auto found = std::ranges::find_if(
       state.proxies, [&](const auto& entry) { return entry.second.address() == x.source; });
@@ -70,7 +70,7 @@ void on_down(manager_pointer self, const caf::down_msg& x) {
   state.wake.follow(self, state.restart_at);
 }
 
-void restart(manager_pointer self) {
+void restart(object_manager_pointer self) {
   auto& state = self->state;
   state.restart_at.reset();
   for (const auto& [channel, id] : std::exchange(state.ended, {}))
@@ -78,13 +78,13 @@ void restart(manager_pointer self) {
 }
 
 /// Classes that have become known since.
-void on_classes(manager_pointer self) {
+void on_classes(object_manager_pointer self) {
   auto& state = self->state;
   perform(self, state.manager.on_classes(proxy::known_at(state.classes, now(self))));
   state.classes_wake.follow(self, proxy::next_known(state.classes, now(self)));
 }
 
-void send_status(manager_pointer self) {
+void send_status(object_manager_pointer self) {
   const auto& state = self->state;
   report::cause_counts modules;
   report::add_counters<proxy::object_manager_counters>(modules, "object_manager",
@@ -94,7 +94,7 @@ void send_status(manager_pointer self) {
 
 } // namespace
 
-timed_peer_app_actor::behavior_type object_manager(manager_pointer self,
+timed_peer_app_actor::behavior_type object_manager(object_manager_pointer self,
                                                    std::vector<proxy::proxy_class> classes,
                                                    std::string peer_name, peis_peer_actor peer,
                                                    ecology_actor ecology) {

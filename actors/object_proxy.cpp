@@ -12,9 +12,9 @@ namespace rubicon {
 
 namespace {
 
-using proxy_pointer = scheduler::actor_pointer<object_proxy_state, timed_peer_app_actor>;
+using object_proxy_pointer = scheduler::actor_pointer<object_proxy_state, timed_peer_app_actor>;
 
-void perform(proxy_pointer self, const proxy::object_proxy::outputs& todo) {
+void perform(object_proxy_pointer self, const proxy::object_proxy::outputs& todo) {
   for (const auto& output : todo) {
     const auto& x = std::get<proxy::publish>(output);
     self->send(self->state.peer, set_tuple{x.key, payload(to_bytes(x.text)), true});
@@ -22,11 +22,11 @@ void perform(proxy_pointer self, const proxy::object_proxy::outputs& todo) {
   self->state.wake.follow(self, self->state.core.deadline());
 }
 
-void tell(proxy_pointer self, std::string what) {
+void tell(object_proxy_pointer self, std::string what) {
   self->send(self->state.ecology, notable_event{self->path(), std::move(what)});
 }
 
-void on_tuple(proxy_pointer self, const tuple_event& x) {
+void on_tuple(object_proxy_pointer self, const tuple_event& x) {
   auto& core = self->state.core;
   const auto before = core.interface_name();
   perform(self, core.on_tuple(x.owner, x.key, x.value.view(), x.deleted, now(self)));
@@ -35,7 +35,7 @@ void on_tuple(proxy_pointer self, const tuple_event& x) {
     tell(self, "seen by the reader " + after);
 }
 
-void on_time(proxy_pointer self) {
+void on_time(object_proxy_pointer self) {
   auto& core = self->state.core;
   const bool was_there = core.is_active();
   perform(self, core.on_time(now(self)));
@@ -43,7 +43,7 @@ void on_time(proxy_pointer self) {
     tell(self, "seen by no reader");
 }
 
-void send_status(proxy_pointer self) {
+void send_status(object_proxy_pointer self) {
   const auto& core = self->state.core;
   report::proxy_report r;
   r.name = core.prefix();
@@ -59,7 +59,7 @@ void send_status(proxy_pointer self) {
 } // namespace
 
 timed_peer_app_actor::behavior_type
-object_proxy_behavior(proxy_pointer self, proxy::object_proxy core, std::string peer_name,
+object_proxy_behavior(object_proxy_pointer self, proxy::object_proxy core, std::string peer_name,
                       peis_peer_actor peer, ecology_actor ecology) {
   auto& state = self->state;
   state.core = std::move(core);

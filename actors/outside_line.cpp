@@ -12,15 +12,15 @@ namespace rubicon {
 
 namespace {
 
-using line_pointer = scheduler::actor_pointer<outside_line_state, outside_line_actor>;
+using outside_line_pointer = scheduler::actor_pointer<outside_line_state, outside_line_actor>;
 
-void tell(line_pointer self, std::string what) {
+void tell(outside_line_pointer self, std::string what) {
   log(self, self->state.there ? spdlog::level::info : spdlog::level::warn, "event={} what=\"{}\"",
       self->state.there ? "sink_found" : "sink_lost", what);
   self->send(self->state.arguments.ecology, notable_event{self->path(), std::move(what)});
 }
 
-void on_presence(line_pointer self, const serial_presence& x) {
+void on_presence(outside_line_pointer self, const serial_presence& x) {
   auto& state = self->state;
   if (!state.plugged)
     return;
@@ -40,7 +40,7 @@ void on_presence(line_pointer self, const serial_presence& x) {
   state.wake.follow(self, state.next_try);
 }
 
-void on_write(line_pointer self, const payload& octets) {
+void on_write(outside_line_pointer self, const payload& octets) {
   auto& state = self->state;
   if (!state.there) {
     state.unplugged += octets.size();
@@ -54,7 +54,7 @@ void on_write(line_pointer self, const payload& octets) {
   }
 }
 
-void on_octets(line_pointer self, const serial_octets& x) {
+void on_octets(outside_line_pointer self, const serial_octets& x) {
   auto& state = self->state;
   state.up += x.octets.size();
   if (state.gives_octets && state.watcher)
@@ -66,7 +66,7 @@ void on_octets(line_pointer self, const serial_octets& x) {
   state.access->on_taken();
 }
 
-void plug(line_pointer self, bool plugged) {
+void plug(outside_line_pointer self, bool plugged) {
   auto& state = self->state;
   state.plugged = plugged;
   if (std::exchange(state.there, false) && state.watcher)
@@ -83,7 +83,7 @@ void plug(line_pointer self, bool plugged) {
     state.access->close();
 }
 
-void send_status(line_pointer self) {
+void send_status(outside_line_pointer self) {
   const auto& state = self->state;
   serial_status status{state.arguments.island, {}};
   status.serial.octets = state.up + state.down;
@@ -97,7 +97,7 @@ void send_status(line_pointer self) {
 
 } // namespace
 
-outside_line_actor::behavior_type outside_line(line_pointer self,
+outside_line_actor::behavior_type outside_line(outside_line_pointer self,
                                                outside_line_arguments arguments) {
   auto& state = self->state;
   state.arguments = std::move(arguments);

@@ -39,7 +39,7 @@ ecology_actor ecology_handle(ecology_pointer self) {
 }
 
 /// @pre the description has an island with this id, here or on another host
-const config::island_description& island_of(ecology_pointer self, island_id id) {
+const config::island_description& description_of(ecology_pointer self, island_id id) {
   const config::island_description* found = nullptr;
   config::for_each_island(self->state.description, [&](const auto& x) {
     if (x.id == id)
@@ -53,7 +53,7 @@ config::peer_description description_of(ecology_pointer self, const supervised_p
   if (!peer.island)
     return *std::ranges::find(self->state.description.peers, peer.id,
                               &config::peer_description::id);
-  const auto& island = island_of(self, *peer.island);
+  const auto& island = description_of(self, *peer.island);
   config::peer_description x;
   x.id = peer.id;
   x.name = peer.name;
@@ -248,7 +248,7 @@ struct peer_app_spawner {
   }
 
   [[nodiscard]] managed_island managed(island_id id) const {
-    const auto& island = island_of(self, id);
+    const auto& island = description_of(self, id);
     managed_island x{
         id, island.name, {}, {{gateway_of(id), island.gateway_name}}, island.sink.place};
     for (const auto& alias : island.aliases)
@@ -369,7 +369,7 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
       spawn_pc(self, peer, std::move(programs), 0);
     return;
   }
-  const auto& island = island_of(self, *peer.island);
+  const auto& island = description_of(self, *peer.island);
   const bool is_alias = peer.line > 0;
   gateway_arguments gateway;
   gateway.config.island = island.id;

@@ -16,7 +16,7 @@ hello_answer message_of(const peis::say_hello& x, payload octets) {
   return {x.adapter, x.to, std::move(octets)};
 }
 
-struct performer {
+struct peis_bluetooth_performer {
   bluetooth_pointer self;
 
   void operator()(const peis::link_made& x) const {
@@ -51,7 +51,7 @@ struct performer {
 
 void perform(bluetooth_pointer self, peis::simulated_bluetooth::outputs todo) {
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(peis_bluetooth_performer{self}, output);
 }
 
 void on_join(bluetooth_pointer self, const join_bluetooth& x) {

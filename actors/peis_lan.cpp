@@ -12,7 +12,7 @@ namespace {
 
 using lan_pointer = scheduler::actor_pointer<peis_lan_state, peis_lan_actor>;
 
-struct performer {
+struct peis_lan_performer {
   lan_pointer self;
 
   void operator()(const peis::link_made& x) const {
@@ -42,7 +42,7 @@ struct performer {
 
 void perform(lan_pointer self, peis::simulated_lan::outputs todo) {
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(peis_lan_performer{self}, output);
 }
 
 void on_join(lan_pointer self, const join_lan& x) {

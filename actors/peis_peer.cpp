@@ -125,7 +125,7 @@ void tell(peer_pointer self, peis::kernel_clients::outputs todo) {
     std::visit(teller{self}, output);
 }
 
-struct performer {
+struct peis_peer_performer {
   peer_pointer self;
 
   void operator()(peis::to_link& x) const {
@@ -243,7 +243,7 @@ struct performer {
 void perform(peer_pointer self, peis::outputs todo) {
   auto& state = self->state;
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(peis_peer_performer{self}, output);
   tell(self, state.clients.review(state.kernel, now(self)));
   state.wake.follow(self, earliest(state.kernel.deadline(), state.clients.deadline()));
 }

@@ -15,7 +15,7 @@ namespace {
 
 using proxy_pointer = scheduler::actor_pointer<proxy_actor_state, proxy_actor>;
 
-struct performer {
+struct proxy_performer {
   proxy_pointer self;
 
   void operator()(const proxy::publish& x) const {
@@ -59,7 +59,7 @@ struct performer {
 
 void perform(proxy_pointer self, proxy::proxy::outputs todo) {
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(proxy_performer{self}, output);
   const auto& state = self->state;
   self->state.wake.follow(
       self, earliest(state.arguments.core.deadline(), state.streams.programs.deadline()));
@@ -185,7 +185,7 @@ void send_status(proxy_pointer self, bool ends) {
   self->state.streams.programs.report(self, given.ecology, given.peer_name, now(self), ends);
 }
 
-void performer::operator()(const proxy::retire&) const {
+void proxy_performer::operator()(const proxy::retire&) const {
   send_status(self, true);
   self->quit();
 }

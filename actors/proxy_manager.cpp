@@ -22,7 +22,7 @@ namespace {
 /// time.
 constexpr duration proxy_restart_delay = 1s;
 
-using manager_pointer = scheduler::actor_pointer<proxy_manager_state, proxy_manager_actor>;
+using proxy_manager_pointer = scheduler::actor_pointer<proxy_manager_state, proxy_manager_actor>;
 
 std::string gateway_name(const managed_island& island, peer_id gateway) {
   const auto found = std::ranges::find(island.gateways, gateway, &managed_gateway::id);
@@ -50,7 +50,7 @@ std::string name_of(const proxy::proxy_identity& who) {
 }
 
 /// Notes whose the key is; tells if the proxy of another mote has it too.
-void claim_key(manager_pointer self, const std::string& prefix, const mote_address& mote) {
+void claim_key(proxy_manager_pointer self, const std::string& prefix, const mote_address& mote) {
   auto& state = self->state;
   std::string folded = prefix;
   std::ranges::transform(folded, folded.begin(), [](char c) {
@@ -71,8 +71,8 @@ void claim_key(manager_pointer self, const std::string& prefix, const mote_addre
                                              ": what is written to one reaches both"});
 }
 
-struct performer {
-  manager_pointer self;
+struct proxy_manager_performer {
+  proxy_manager_pointer self;
 
   void operator()(const proxy::start_proxy& x) const {
     auto& state = self->state;
@@ -116,13 +116,13 @@ struct performer {
   }
 };
 
-void perform(manager_pointer self, proxy::manager::outputs todo) {
+void perform(proxy_manager_pointer self, proxy::manager::outputs todo) {
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(proxy_manager_performer{self}, output);
 }
 
 /// Watches are named by island, so that a tuple's island is known without parsing anything.
-void watch_gateways(manager_pointer self, const managed_island& island) {
+void watch_gateways(proxy_manager_pointer self, const managed_island& island) {
   std::vector<peer_id> ids;
   for (const auto& each : island.gateways)
     ids.push_back(each.id);
@@ -141,7 +141,7 @@ void watch_gateways(manager_pointer self, const managed_island& island) {
 }
 
 /// Tells those of the island.
-void tell_gateway(manager_pointer self, island_id island, peer_id gateway) {
+void tell_gateway(proxy_manager_pointer self, island_id island, peer_id gateway) {
   const auto& islands = self->state.arguments.islands;
   const auto name = gateway_name(*std::ranges::find(islands, island, &managed_island::id), gateway);
   log(self, spdlog::level::info, "event=gateway island={} id={}", to_string(island),
@@ -151,7 +151,7 @@ void tell_gateway(manager_pointer self, island_id island, peer_id gateway) {
       self->send(handle, gateway_changed{gateway, name});
 }
 
-void on_tuple(manager_pointer self, const tuple_event& x) {
+void on_tuple(proxy_manager_pointer self, const tuple_event& x) {
   const island_id island{static_cast<std::uint32_t>(x.watch)};
   auto& manager = self->state.manager;
   auto& gateways = self->state.gateways.at(island);
@@ -168,7 +168,7 @@ void on_tuple(manager_pointer self, const tuple_event& x) {
                                : manager.on_gateway_tuple(island, each.key, each.value, now(self)));
 }
 
-void on_down(manager_pointer self, const caf::down_msg& x) {
+void on_down(proxy_manager_pointer self, const caf::down_msg& x) {
   auto& proxies = self->state.proxies;
   const auto found = std::ranges::find_if(
       proxies, [&](const auto& entry) { return entry.second.address() == x.source; });
@@ -184,7 +184,7 @@ void on_down(manager_pointer self, const caf::down_msg& x) {
 }
 
 /// Classes that have become known since.
-void on_classes(manager_pointer self) {
+void on_classes(proxy_manager_pointer self) {
   auto& state = self->state;
   const auto& all = state.arguments.classes;
   perform(self, state.manager.on_classes(proxy::known_at(all, now(self)), now(self)));
@@ -192,7 +192,7 @@ void on_classes(manager_pointer self) {
 }
 
 /// Proxies that run and those that are started from now on.
-void on_change(manager_pointer self, const change_class& x) {
+void on_change(proxy_manager_pointer self, const change_class& x) {
   auto& state = self->state;
   for (auto& each : state.arguments.classes)
     if (each.name == x.what.class_name)
@@ -203,7 +203,7 @@ void on_change(manager_pointer self, const change_class& x) {
       self->send(handle, x);
 }
 
-void send_status(manager_pointer self) {
+void send_status(proxy_manager_pointer self) {
   report::cause_counts modules;
   report::add_counters<proxy::manager_counters>(modules, "proxy_manager",
                                                 self->state.manager.counters());
@@ -213,7 +213,7 @@ void send_status(manager_pointer self) {
 
 } // namespace
 
-proxy_manager_actor::behavior_type proxy_manager(manager_pointer self,
+proxy_manager_actor::behavior_type proxy_manager(proxy_manager_pointer self,
                                                  proxy_manager_arguments arguments) {
   auto& state = self->state;
   state.arguments = std::move(arguments);

@@ -12,9 +12,9 @@ namespace rubicon {
 
 namespace {
 
-using line_pointer = scheduler::actor_pointer<replay_line_state, serial_line_actor>;
+using replay_line_pointer = scheduler::actor_pointer<replay_line_state, serial_line_actor>;
 
-void give(line_pointer self, bytes octets) {
+void give(replay_line_pointer self, bytes octets) {
   auto& state = self->state;
   if (octets.empty())
     return;
@@ -33,7 +33,7 @@ void give(line_pointer self, bytes octets) {
     self->send(state.pc, serial_octets{payload(std::move(octets))});
 }
 
-void on_write(line_pointer self, const payload& octets) {
+void on_write(replay_line_pointer self, const payload& octets) {
   auto& state = self->state;
   if (!state.plugged) {
     state.unplugged += octets.size();
@@ -45,7 +45,7 @@ void on_write(line_pointer self, const payload& octets) {
   give(self, state.replay.on_pc(octets.view()));
 }
 
-void plug(line_pointer self, bool plugged) {
+void plug(replay_line_pointer self, bool plugged) {
   self->state.plugged = plugged;
   if (self->state.watcher)
     self->send(self->state.watcher, serial_presence{plugged, {}});
@@ -54,7 +54,7 @@ void plug(line_pointer self, bool plugged) {
                            plugged ? "serial cable plugged in again" : "serial cable unplugged"});
 }
 
-void send_status(line_pointer self) {
+void send_status(replay_line_pointer self) {
   const auto& state = self->state;
   serial_status status{state.island, {}};
   status.serial.octets = state.up + state.down;
@@ -67,7 +67,7 @@ void send_status(line_pointer self) {
 
 } // namespace
 
-serial_line_actor::behavior_type replay_line(line_pointer self, serial::replay replay,
+serial_line_actor::behavior_type replay_line(replay_line_pointer self, serial::replay replay,
                                              island_id island, ecology_actor ecology) {
   self->state.replay = std::move(replay);
   self->state.island = island;

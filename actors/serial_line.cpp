@@ -9,9 +9,9 @@ namespace rubicon {
 
 namespace {
 
-using line_pointer = scheduler::actor_pointer<serial_line_state, serial_line_actor>;
+using serial_line_pointer = scheduler::actor_pointer<serial_line_state, serial_line_actor>;
 
-void perform(line_pointer self, serial::line_outputs todo) {
+void perform(serial_line_pointer self, serial::line_outputs todo) {
   for (auto& x : todo) {
     const acting_on its(x.from);
     const auto& end = self->state.ends[static_cast<std::size_t>(x.towards)];
@@ -27,7 +27,7 @@ void perform(line_pointer self, serial::line_outputs todo) {
   self->state.wake.follow(self, self->state.line.deadline());
 }
 
-void plug(line_pointer self, bool plugged) {
+void plug(serial_line_pointer self, bool plugged) {
   log(self, spdlog::level::info, "event={}", plugged ? "plugged" : "unplugged");
   self->send(self->state.ecology,
              notable_event{self->path(),
@@ -38,7 +38,7 @@ void plug(line_pointer self, bool plugged) {
     perform(self, self->state.line.unplug(now(self)));
 }
 
-void send_status(line_pointer self) {
+void send_status(serial_line_pointer self) {
   self->send(self->state.ecology, serial_status{self->state.island, counted(self->state)});
 }
 
@@ -60,8 +60,9 @@ report::serial_report counted(const serial_line_state& x) {
   return sum;
 }
 
-serial_line_actor::behavior_type serial_line(line_pointer self, serial::line line, duration latency,
-                                             island_id island, ecology_actor ecology) {
+serial_line_actor::behavior_type serial_line(serial_line_pointer self, serial::line line,
+                                             duration latency, island_id island,
+                                             ecology_actor ecology) {
   self->state.line = std::move(line);
   self->state.latency = latency;
   self->state.island = island;

@@ -26,7 +26,7 @@ instant own_time(sink_pointer self) {
   return self->state.arguments.crystal.own(now(self));
 }
 
-struct performer {
+struct sink_performer {
   sink_pointer self;
   std::size_t line = 0; ///< whose port it is
 
@@ -92,17 +92,17 @@ void follow(sink_pointer self) {
 
 void perform(sink_pointer self, mote::sink_outputs todo) {
   for (auto& output : todo)
-    std::visit(performer{self}, output);
+    std::visit(sink_performer{self}, output);
   follow(self);
 }
 
 void perform(sink_pointer self, serial::mote_port_outputs todo, std::size_t line) {
   for (auto& output : todo)
-    std::visit(performer{self, line}, output);
+    std::visit(sink_performer{self, line}, output);
   follow(self);
 }
 
-void performer::write(const bytes& packet, std::size_t to, serial::urgency how) const {
+void sink_performer::write(const bytes& packet, std::size_t to, serial::urgency how) const {
   perform(self, self->state.ports[to].send(packet, now(self), how), to);
 }
 

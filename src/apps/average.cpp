@@ -7,7 +7,7 @@ namespace rubicon::apps {
 
 namespace {
 
-constexpr duration pause = 10s; ///< before a stream that could not be opened is tried again
+constexpr duration join_pause = 10s; ///< before a stream that could not be opened is tried again
 
 /// Rounded to the nearest, halves up.
 std::int16_t mean(std::int64_t sum, std::int64_t count) {
@@ -43,7 +43,7 @@ void average::open(write_end& x) {
                                                static_cast<std::uint32_t>(config_.every / 1ms), 0,
                                                stream::sensor_record::size);
   if (accepted == communication::FAIL)
-    x.retry = layer().now() + pause;
+    x.retry = layer().now() + join_pause;
 }
 
 void average::close(write_end& x) {
@@ -63,7 +63,7 @@ void average::openRemoteDone(int stream, std::uint16_t name, communication::stat
   } else if (success == communication::FAIL) {
     ++x->opens_failed;
     if (layer().address()) // else joined() opens it
-      x->retry = layer().now() + pause;
+      x->retry = layer().now() + join_pause;
   } else {
     ++x->openings;
     x->changed = layer().now();
@@ -107,7 +107,7 @@ void average::write() {
     }
     ++x.unwritten;
     close(x);
-    x.retry = layer().now() + pause;
+    x.retry = layer().now() + join_pause;
   }
 }
 

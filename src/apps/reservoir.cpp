@@ -10,7 +10,8 @@ namespace rubicon::apps {
 
 namespace {
 
-constexpr duration pause = 10s; ///< before transducers that could not be opened are tried again
+constexpr duration sense_pause =
+    10s; ///< before transducers that could not be opened are tried again
 
 double tanh(double x) {
   return 1 - 2 / (math::exp(2 * x) + 1);
@@ -60,7 +61,7 @@ void reservoir::open_senses() {
 void reservoir::lose(sense& x) {
   ++senses_refused_;
   x.stream = -1;
-  senses_due_ = layer().now() + pause;
+  senses_due_ = layer().now() + sense_pause;
 }
 
 void reservoir::clock_tick(std::uint32_t) {

@@ -6,7 +6,7 @@ namespace rubicon::apps {
 
 namespace {
 
-constexpr duration pause = 5s; ///< before a stream is opened again
+constexpr duration reopen_pause = 5s; ///< before a stream is opened again
 
 } // namespace
 
@@ -51,7 +51,7 @@ void stream_application::open(read_end& x) {
 
 void stream_application::retry(read_end& x) {
   x.is_wanted = true;
-  retry_ = earliest(retry_, layer().now() + pause);
+  retry_ = earliest(retry_, layer().now() + reopen_pause);
 }
 
 void stream_application::openRemoteDone(int stream, std::uint16_t name,

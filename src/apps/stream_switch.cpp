@@ -6,7 +6,7 @@ namespace rubicon::apps {
 
 namespace {
 
-constexpr duration pause = 5s; ///< before a command that has failed is given again
+constexpr duration command_pause = 5s; ///< before a command that has failed is given again
 
 } // namespace
 
@@ -47,7 +47,7 @@ void stream_switch::command() {
   if (number_)
     return;
   ++failed_;
-  retry_ = layer().now() + pause;
+  retry_ = layer().now() + command_pause;
 }
 
 void stream_switch::ackOf(std::uint32_t number, communication::status success) {
@@ -58,7 +58,7 @@ void stream_switch::ackOf(std::uint32_t number, communication::status success) {
   if (commanded_ != *state_)
     command();
   else if (success == communication::FAIL)
-    retry_ = layer().now() + pause;
+    retry_ = layer().now() + command_pause;
 }
 
 void stream_switch::on_time(instant now) {

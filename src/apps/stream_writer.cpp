@@ -6,8 +6,8 @@ namespace rubicon::apps {
 
 namespace {
 
-constexpr duration pause = 8s; ///< before a stream that could not be opened is tried again: from
-                               ///< half as long to twice as long
+constexpr duration open_pause = 8s; ///< before a stream that could not be opened is tried again:
+                                    ///< from half as long to twice as long
 
 } // namespace
 
@@ -34,7 +34,7 @@ void stream_writer::give_up() {
   ++opens_failed_;
   stop();
   if (is_member_)
-    retry_ = layer().now() + rng_.between(pause / 2, 2 * pause);
+    retry_ = layer().now() + rng_.between(open_pause / 2, 2 * open_pause);
 }
 
 /// Whatever is open is closed.
@@ -81,7 +81,7 @@ void stream_writer::readDone(int stream, byte_view record, communication::status
   }
   ++unwritten_;
   stop();
-  retry_ = layer().now() + rng_.between(pause / 2, 2 * pause);
+  retry_ = layer().now() + rng_.between(open_pause / 2, 2 * open_pause);
 }
 
 void stream_writer::on_time(instant now) {

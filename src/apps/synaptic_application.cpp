@@ -6,7 +6,7 @@ namespace rubicon::apps {
 
 namespace {
 
-constexpr duration pause = 3s; ///< before a channel is created anew
+constexpr duration create_pause = 3s; ///< before a channel is created anew
 
 } // namespace
 
@@ -33,7 +33,7 @@ void synaptic_application::open_all() {
     x.channel = x.is_out ? layer().create_syn_channel_out(x.what.other, x.what.size, {})
                          : layer().create_syn_channel_in(x.what.other, x.what.size, {});
     if (x.channel < 0)
-      retry_ = layer().now() + pause;
+      retry_ = layer().now() + create_pause;
   }
 }
 
@@ -80,7 +80,7 @@ void synaptic_application::lose(end& x) {
   ++losses_;
   x.channel = -1;
   x.is_open = false;
-  retry_ = layer().now() + pause;
+  retry_ = layer().now() + create_pause;
 }
 
 void synaptic_application::on_time(instant now) {

@@ -10,6 +10,7 @@
 
 #include "cli/console.hpp"
 #include "cli/network_text.hpp"
+#include "config/summary_parts.hpp"
 #include "core/printable.hpp"
 #include "io/certificates.hpp"
 #include "report/figures.hpp"
@@ -21,11 +22,6 @@ namespace {
 
 using std::chrono::sys_seconds;
 using certificates = std::vector<io::listed_certificate>;
-
-exit_status refuse(const std::string& why) {
-  static_cast<void>(print(stderr, "rubicon: " + printable(why) + '\n'));
-  return exit_status::refused;
-}
 
 std::string two_digits(unsigned x) {
   return (x < 10 ? "0" : "") + std::to_string(x);
@@ -42,13 +38,6 @@ std::string date_text(sys_seconds x) {
 /// Whole ones; below 0 when it is over.
 std::int64_t days_left(const io::listed_certificate& x, sys_seconds now) {
   return std::chrono::floor<std::chrono::days>(x.valid_until - now).count();
-}
-
-std::string joined(const std::vector<std::string>& all) {
-  std::string text;
-  for (const auto& x : all)
-    text += (text.empty() ? "" : " ") + printable(x);
-  return text;
 }
 
 report::cell judged(std::string text, bool good) {
@@ -71,7 +60,7 @@ std::vector<report::cell> row_of(const io::listed_certificate& x, sys_seconds no
   if (!x.problem.empty())
     return {printable(x.name), "", "", "", judged("unreadable", false), "", key};
   return {printable(x.name),
-          joined(x.addresses),
+          printable(config::joined(x.addresses, " ")),
           date_text(x.valid_until),
           time_left(x, now),
           judged(x.signed_by_authority ? "yes" : "no", x.signed_by_authority),
@@ -116,7 +105,7 @@ std::string json_of(const certificates& all, sys_seconds now) {
 }
 
 /// Every problem that the table has no room for.
-std::string problems_of(const certificates& all) {
+std::string unreadable_of(const certificates& all) {
   std::string text;
   for (const auto& x : all) {
     if (!x.problem.empty())
@@ -189,7 +178,7 @@ exit_status perform_in(const std::string& folder, const list_certificates& x) {
     return refuse_in(folder, *why);
   const auto& all = std::get<certificates>(found);
   const auto now = io::system_time();
-  static_cast<void>(print(stderr, problems_of(all)));
+  static_cast<void>(print(stderr, unreadable_of(all)));
   if (!print(stdout, x.json ? json_of(all, now) : table_of(all, now)))
     return exit_status::refused;
   const bool all_good =

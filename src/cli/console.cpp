@@ -7,6 +7,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "core/printable.hpp"
+
 namespace rubicon::cli {
 
 namespace {
@@ -47,6 +49,15 @@ console console_of(std::FILE* stream) {
 bool print(std::FILE* stream, std::string_view text) {
   const bool written = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
   return std::fflush(stream) == 0 && written;
+}
+
+void say(std::string_view text) {
+  static_cast<void>(print(stderr, printable(text) + '\n'));
+}
+
+exit_status refuse(std::string_view why) {
+  say("rubicon: " + std::string(why));
+  return exit_status::refused;
 }
 
 } // namespace rubicon::cli

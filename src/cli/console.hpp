@@ -6,6 +6,8 @@
 #include <limits>
 #include <string_view>
 
+#include "cli/exit_status.hpp"
+
 namespace rubicon::cli {
 
 struct console {
@@ -24,5 +26,11 @@ struct console {
 
 /// Writes and flushes. @returns false if not everything could be written
 [[nodiscard]] bool print(std::FILE* stream, std::string_view text);
+
+/// A line on standard error, made printable.
+void say(std::string_view text);
+
+/// `rubicon: WHY` on standard error. @returns exit_status::refused
+exit_status refuse(std::string_view why);
 
 } // namespace rubicon::cli

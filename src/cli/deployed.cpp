@@ -19,9 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* ending = ".deployed";
+constexpr const char* deployed_ending = ".deployed";
 
-std::optional<deployed> read(const fs::path& path) {
+std::optional<deployed> read_deployed(const fs::path& path) {
   std::ifstream in(path);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   try {
@@ -45,7 +45,7 @@ fs::path newest() {
   std::error_code error;
   const auto folder = fs::path(io::state_file("x")).parent_path();
   for (const auto& each : fs::directory_iterator(folder, error)) {
-    if (each.path().extension() != ending)
+    if (each.path().extension() != deployed_ending)
       continue;
     const auto written = each.last_write_time(error);
     if (found.empty() || written > when) {
@@ -73,21 +73,22 @@ std::string remember(const deployed& x) {
                  {"file", x.file},   {"certificate", x.tls.certificate},
                  {"key", x.tls.key}, {"authority", x.tls.authority},
                  {"hosts", hosts}};
-  const auto path = io::state_file(x.ecology + ending);
+  const auto path = io::state_file(x.ecology + deployed_ending);
   if (path.empty())
     return "there is no folder to remember the deployment";
   return io::replace_file(path, all.dump(2) + '\n');
 }
 
 void forget(const deployed& x) {
-  const auto path = io::state_file(x.ecology + ending);
-  if (const auto found = read(path); found && found->id == x.id)
+  const auto path = io::state_file(x.ecology + deployed_ending);
+  if (const auto found = read_deployed(path); found && found->id == x.id)
     static_cast<void>(std::remove(path.c_str()));
 }
 
 std::optional<deployed> remembered(const std::string& ecology) {
-  const auto path = ecology.empty() ? newest() : fs::path(io::state_file(ecology + ending));
-  return path.empty() ? std::nullopt : read(path);
+  const auto path =
+      ecology.empty() ? newest() : fs::path(io::state_file(ecology + deployed_ending));
+  return path.empty() ? std::nullopt : read_deployed(path);
 }
 
 } // namespace rubicon::cli

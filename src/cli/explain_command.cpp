@@ -11,8 +11,8 @@ namespace rubicon::cli {
 
 namespace {
 
-exit_status refuse(const std::string& text) {
-  static_cast<void>(print(stderr, printable(text) + '\n'));
+exit_status not_found(const std::string& text) {
+  say(text);
   return exit_status::refused;
 }
 
@@ -30,11 +30,11 @@ struct answerer {
 
   exit_status operator()(const explain::nothing_found& x) const {
     if (x.is_ambiguous)
-      return refuse(asked.record + ": several peers have `" + asked.what + "`: say " +
-                    listed(x.known));
+      return not_found(asked.record + ": several peers have `" + asked.what + "`: say " +
+                       listed(x.known));
     const bool is_message = asked.what.find('#') != std::string::npos;
-    return refuse(asked.record + ": no " + (is_message ? "message" : "tuple") + " `" + asked.what +
-                  '`' + suggestion(asked.what, x.known));
+    return not_found(asked.record + ": no " + (is_message ? "message" : "tuple") + " `" +
+                     asked.what + '`' + suggestion(asked.what, x.known));
   }
 
   exit_status operator()(const explain::message_found& x) const {
@@ -49,7 +49,7 @@ struct answerer {
     if (asked.at) {
       const auto then = value_at(all, x.indices, instant(*asked.at));
       if (!then)
-        return refuse(asked.record + ": `" + asked.what + "` had no value yet at that time");
+        return not_found(asked.record + ": `" + asked.what + "` had no value yet at that time");
       index = *then;
     }
     return say(asked.json ? tuple_json(all, index) : tuple_text(all, index, on));
@@ -65,7 +65,7 @@ struct answerer {
 exit_status perform(const explain_command& x) {
   const auto found = read_record(x.record);
   if (const auto* why = std::get_if<std::string>(&found))
-    return refuse(*why);
+    return not_found(*why);
   const auto& all = std::get<explain::traces>(found);
   const auto output = console_of(stdout);
   const explain::paper on{output.width, output.colour};

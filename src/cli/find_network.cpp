@@ -20,7 +20,7 @@ namespace {
 
 using steady = std::chrono::steady_clock;
 
-constexpr std::size_t urls_max = 16; ///< tried of one network that announces itself
+constexpr std::size_t urls_tried_max = 16; ///< tried of one network that announces itself
 constexpr std::size_t networks_max = 64;
 
 /// Where networks are said to be, by their names.
@@ -30,7 +30,7 @@ void add(places& to, const std::string& network, const std::string& url) {
   if (to.size() >= networks_max && !to.contains(network))
     return;
   auto& urls = to[network];
-  if (urls.size() < urls_max && std::ranges::find(urls, url) == urls.end())
+  if (urls.size() < urls_tried_max && std::ranges::find(urls, url) == urls.end())
     urls.push_back(url);
 }
 

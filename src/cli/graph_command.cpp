@@ -51,7 +51,7 @@ exit_status perform(const visit& at, const show_graph& x) {
   if (x.dot)
     return answer(to_dot(graph));
   const auto output = console_of(stdout);
-  return answer(to_text(graph, output.room(), output.colour));
+  return answer(graph_text(graph, output.room(), output.colour));
 }
 
 } // namespace rubicon::cli

@@ -18,7 +18,7 @@ namespace rubicon::cli {
 
 namespace {
 
-constexpr std::size_t value_octets_max = 60; ///< shown of one value
+constexpr std::size_t value_octets_drawn = 60; ///< shown of one value
 
 bool is_of_kernel(const peis::key& x) {
   return x.folded().starts_with("kernel.");
@@ -124,7 +124,7 @@ report::table tuples_table(const ecology_graph& x) {
   report::table rows({{"owner"}, {"key"}, {"value"}, {"subscribers"}});
   for (const auto& each : x.tuples)
     rows.add({who(x, each.content->owner), printable(each.content->name.text()),
-              printable(value_text(*each.content), value_octets_max), subscribers_text(x, each)});
+              printable(value_text(*each.content), value_octets_drawn), subscribers_text(x, each)});
   return rows;
 }
 
@@ -255,7 +255,7 @@ ecology_graph graph_of(std::map<peer_id, std::string> names,
   return x;
 }
 
-std::string to_text(const ecology_graph& x, std::size_t width, bool colour) {
+std::string graph_text(const ecology_graph& x, std::size_t width, bool colour) {
   std::string text;
   const auto add = [&](const std::string& title, const report::table& rows) {
     if (rows.empty())

@@ -51,7 +51,7 @@ inline constexpr std::size_t graph_subscriptions_max = 20'000;
                                      const std::vector<peis::tuple_pointer>& tuples, peer_id self,
                                      bool all);
 
-[[nodiscard]] std::string to_text(const ecology_graph& x, std::size_t width, bool colour);
+[[nodiscard]] std::string graph_text(const ecology_graph& x, std::size_t width, bool colour);
 
 /// One JSON object.
 [[nodiscard]] std::string to_json(const ecology_graph& x);

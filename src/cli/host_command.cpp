@@ -29,9 +29,9 @@ namespace fs = std::filesystem;
 using steady = std::chrono::steady_clock;
 
 /// How long the part may take to report when the host ends.
-constexpr duration goodbye_max = 10s;
-constexpr duration look_every = 100ms;
-constexpr duration retry_every = 1s;
+constexpr duration host_goodbye_max = 10s;
+constexpr duration host_look_every = 100ms;
+constexpr duration host_retry_every = 1s;
 
 class host_service {
 public:
@@ -61,8 +61,8 @@ public:
                               : ", for certificates of " + command_.tls.authority));
     for (const auto& each : identity_.own().doubts())
       say(each);
-    while (!ending_ || (part_.is_running() && steady::now() < *ending_ + goodbye_max)) {
-      loop_.wait_until(steady::now() + look_every);
+    while (!ending_ || (part_.is_running() && steady::now() < *ending_ + host_goodbye_max)) {
+      loop_.wait_until(steady::now() + host_look_every);
       part_.on_time();
       seeds_.on_time();
     }
@@ -86,7 +86,7 @@ private:
         return opened;
       if (!std::exchange(is_told, true))
         say(*why + "; waits until this computer has the address");
-      const auto until = steady::now() + retry_every;
+      const auto until = steady::now() + host_retry_every;
       while (!ending_ && steady::now() < until)
         loop_.wait_until(until);
     }
@@ -145,11 +145,6 @@ private:
   std::optional<control::server> server_; ///< refers to all of these
   std::optional<io::hangup_watch> hangups_;
 };
-
-exit_status refuse(const std::string& why) {
-  static_cast<void>(print(stderr, "rubicon: " + printable(why) + '\n'));
-  return exit_status::refused;
-}
 
 bool is_loopback(const std::string& address) {
   return address.starts_with("127.");

@@ -10,6 +10,7 @@
 #include "cli/console.hpp"
 #include "cli/network_text.hpp"
 #include "cli/visit.hpp"
+#include "config/summary_parts.hpp"
 #include "peis/link_url.hpp"
 #include "report/figures.hpp"
 #include "report/text_layout.hpp"
@@ -48,13 +49,6 @@ std::vector<std::string> urls_of(const peis::host_record* x) {
   return all;
 }
 
-std::string joined(const std::vector<std::string>& all) {
-  std::string text;
-  for (const auto& x : all)
-    text += (text.empty() ? "" : " ") + x;
-  return text;
-}
-
 std::string hosts_json(const std::map<peer_id, known_host>& all) {
   std::vector<nlohmann::ordered_json> rows;
   for (const auto& [host, x] : all) {
@@ -82,7 +76,8 @@ std::string hosts_table(const std::map<peer_id, known_host>& all) {
     const auto* record = x.record;
     table.add({to_string(host), record ? report::printable(record->full_name) : "?",
                record ? report::printable(record->host_name) : "?",
-               x.metric ? std::to_string(*x.metric) : "lost", joined(urls_of(record))});
+               x.metric ? std::to_string(*x.metric) : "lost",
+               config::joined(urls_of(record), " ")});
   }
   const auto output = console_of(stdout);
   return table.render(output.room(), output.colour);

@@ -78,7 +78,7 @@ std::uint64_t memory_of(pid_t process) {
   return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-deploy::verdict refuse(std::string why) {
+deploy::verdict refusal(std::string why) {
   return {{std::move(why)}, true};
 }
 
@@ -156,7 +156,7 @@ deploy::verdict hosted_part::offer(deploy::offer x) {
   if (x.only_asks || !out.problems.empty())
     return out;
   if (auto why = write_bundle(file(".bundle").string(), x.what); !why.empty())
-    return refuse(std::move(why));
+    return refusal(std::move(why));
   part_.emplace();
   part_->id = x.deployment;
   part_->ecology = *std::move(loaded.ecology);
@@ -169,15 +169,15 @@ deploy::verdict hosted_part::offer(deploy::offer x) {
 
 deploy::verdict hosted_part::begin(const deploy::begin_part& x) {
   if (!has(x.deployment))
-    return refuse("that deployment is not offered here any more");
+    return refusal("that deployment is not offered here any more");
   if (part_->state != deploy::part_state::offered)
     return {};
   if (x.elapsed < duration{} || x.elapsed > part_->what.length)
-    return refuse("it cannot have run for " + to_text(x.elapsed) + " elsewhere");
+    return refusal("it cannot have run for " + to_text(x.elapsed) + " elsewhere");
   part_->began = steady::now() - x.elapsed;
   say_("begins `" + part_->ecology.name + '`');
   start();
-  return part_->refused ? refuse("its process cannot be started") : deploy::verdict{};
+  return part_->refused ? refusal("its process cannot be started") : deploy::verdict{};
 }
 
 void hosted_part::start() {
@@ -264,24 +264,24 @@ void hosted_part::on_time() {
 
 deploy::verdict hosted_part::cause(const deploy::cause_fault& x) {
   if (!has(x.deployment) || !process_)
-    return refuse("it does not run now");
+    return refusal("it does not run now");
   const auto found = deploy::fault_of(part_->what, x.sentence, with_.known);
   if (const auto* why = std::get_if<std::string>(&found))
-    return refuse(*why);
+    return refusal(*why);
   const auto& fault = std::get<config::fault>(found);
   const auto hosts = config::hosts_of(part_->ecology, fault);
   if (std::ranges::find(hosts, with_.host) == hosts.end())
     return {{}, false};
   if (auto why = lacks(part_->what, part_->ecology, fault); !why.empty())
-    return refuse(std::move(why));
+    return refusal(std::move(why));
   if (!process_->feed("fault " + x.sentence + '\n'))
-    return refuse("its process takes nothing now");
+    return refusal("its process takes nothing now");
   return {};
 }
 
 deploy::verdict hosted_part::end(const deploy::end_part& x) {
   if (!has(x.deployment))
-    return refuse("that deployment is not here");
+    return refusal("that deployment is not here");
   end_all();
   return {};
 }

@@ -29,10 +29,6 @@ namespace {
 
 constexpr std::size_t picture_octets_max = std::size_t{16} << 20;
 
-void say(const std::string& text) {
-  static_cast<void>(print(stderr, printable(text) + '\n'));
-}
-
 /// The server's end of a page, as the server knows it.
 class page_session : public io::web_session {
 public:

@@ -1,5 +1,7 @@
 #include "cli/local_time.hpp"
 
+#include <array>
+#include <cstdio>
 #include <ctime>
 
 namespace rubicon::cli {
@@ -27,6 +29,21 @@ std::time_t leap_between(std::time_t from, std::time_t to) {
 duration time_of_day(std::chrono::system_clock::time_point at) {
   const auto parts = local(std::chrono::system_clock::to_time_t(at));
   return parts.tm_hour * 1h + parts.tm_min * 1min + parts.tm_sec * 1s;
+}
+
+std::string clock_now(bool milliseconds) {
+  const auto now = std::chrono::system_clock::now();
+  const auto parts = local(std::chrono::system_clock::to_time_t(now));
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch());
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%02d:%02d:%02d", parts.tm_hour, parts.tm_min,
+                parts.tm_sec);
+  std::string shown = text.data();
+  if (milliseconds) {
+    std::snprintf(text.data(), text.size(), ".%03d", static_cast<int>(ms.count() % 1000));
+    shown += text.data();
+  }
+  return shown;
 }
 
 std::vector<proxy::clock_change> clock_changes(std::chrono::system_clock::time_point begin,

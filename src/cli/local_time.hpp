@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 #include <vector>
 
 #include "core/time.hpp"
@@ -11,6 +12,9 @@ namespace rubicon::cli {
 
 /// Since midnight, to the second.
 [[nodiscard]] duration time_of_day(std::chrono::system_clock::time_point at);
+
+/// What the clock shows now: `12:04:59`, with milliseconds `12:04:59.300`.
+[[nodiscard]] std::string clock_now(bool milliseconds);
 
 /// When the clock will leap within `length`, told since `begin`, to the second.
 [[nodiscard]] std::vector<proxy::clock_change>

@@ -10,7 +10,7 @@
 namespace rubicon::cli {
 
 exit_status fail(const std::string& why) {
-  static_cast<void>(print(stderr, "rubicon: " + printable(why) + '\n'));
+  say("rubicon: " + why);
   return exit_status::failed;
 }
 
@@ -20,7 +20,7 @@ exit_status answer(const std::string& text) {
 
 exit_status perform(const network_command& x) {
   for (const auto& option : x.with.without_effect)
-    static_cast<void>(print(stderr, printable(option) + " has no effect here\n"));
+    say(option + " has no effect here");
   io::loop loop;
   auto joined = join_network(loop, x.with);
   if (const auto* why = std::get_if<std::string>(&joined))

@@ -25,6 +25,10 @@ std::string value_text(const peis::tuple& x) {
   return to_hex(x.value.view());
 }
 
+bool is_of_kernel(const peis::tuple& x) {
+  return x.name.folded().starts_with("kernel.");
+}
+
 nlohmann::ordered_json to_json(const peis::tuple& x) {
   nlohmann::ordered_json out;
   out["owner"] = x.owner.value;

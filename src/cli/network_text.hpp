@@ -14,6 +14,9 @@ namespace rubicon::cli {
 /// hexadecimal.
 [[nodiscard]] std::string value_text(const peis::tuple& x);
 
+/// Whether a kernel keeps it about itself: `kernel.*`.
+[[nodiscard]] bool is_of_kernel(const peis::tuple& x);
+
 /// `{"owner": 7, "key": "lamp.state", "value": "on", ...}`; binary values as `value_hex`; times in
 /// Unix seconds.
 [[nodiscard]] nlohmann::ordered_json to_json(const peis::tuple& x);

@@ -1,21 +1,11 @@
 #include "cli/reloader.hpp"
 
-#include <cstdio>
 #include <utility>
 
 #include "cli/console.hpp"
-#include "core/printable.hpp"
 #include "report/figures.hpp"
 
 namespace rubicon::cli {
-
-namespace {
-
-void say(const std::string& text) {
-  static_cast<void>(print(stderr, printable(text) + '\n'));
-}
-
-} // namespace
 
 reloader::reloader(const std::string& toml, std::string file, const config::overrides& instead,
                    const config::extensions& known)

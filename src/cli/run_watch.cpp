@@ -82,7 +82,7 @@ void run_watch::attach(run_options& options) {
     };
 }
 
-void run_watch::finish(report::run_report& x, const std::string& command,
+void run_watch::finish(report::run_report& x, const std::string& repeats,
                        const std::string& digest) {
   const auto complain = [&x](const std::string& path) {
     x.violations.push_back({instant{} + x.simulated, report::requests_are_met,
@@ -94,7 +94,7 @@ void run_watch::finish(report::run_report& x, const std::string& command,
                std::string(report::csv_tables::name(static_cast<kind>(i))) + ".csv");
   if (wishes_.page_file.empty())
     return;
-  page_ << page::html_of({*ecology_, x, seen_, command, digest});
+  page_ << page::html_of({*ecology_, x, seen_, repeats, digest});
   if (!page_.flush())
     complain(wishes_.page_file);
 }

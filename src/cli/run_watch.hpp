@@ -25,8 +25,8 @@ public:
   void attach(run_options& options);
 
   /// Writes the page and what is left of the tables; what could not be written becomes a violation.
-  /// @param command that repeats the run
-  void finish(report::run_report& x, const std::string& command, const std::string& digest);
+  /// @param repeats the command that repeats the run
+  void finish(report::run_report& x, const std::string& repeats, const std::string& digest);
 
 private:
   using kind = report::csv_tables::kind;

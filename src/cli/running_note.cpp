@@ -24,8 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* ending = ".running";
-constexpr std::size_t urls_max = 64; ///< of one run
+constexpr const char* running_ending = ".running";
+constexpr std::size_t urls_kept_max = 64; ///< of one run
 
 /// The address at which this computer reaches what listens at `listened`.
 std::string own_address(const std::string& listened) {
@@ -42,7 +42,7 @@ bool is_alive(const fs::path& note) {
   return ::kill(process, 0) == 0 || errno == EPERM;
 }
 
-std::optional<running_ecology> read(const fs::path& path) {
+std::optional<running_ecology> read_note(const fs::path& path) {
   std::ifstream in(path);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   try {
@@ -61,13 +61,13 @@ running_note::running_note(const config::ecology_description& x) {
   bool takes_links = false;
   for (const auto& peer : x.peers) {
     takes_links = takes_links || peer.tcp || peer.lan;
-    if (peer.tcp && peer.tcp->port && urls.size() < urls_max)
+    if (peer.tcp && peer.tcp->port && urls.size() < urls_kept_max)
       urls.push_back("tcp://" + own_address(peer.tcp->address) + ':' +
                      std::to_string(*peer.tcp->port));
   }
   if (!takes_links)
     return;
-  const auto path = io::state_file(std::to_string(::getpid()) + ending);
+  const auto path = io::state_file(std::to_string(::getpid()) + running_ending);
   const json all{{"ecology", x.name}, {"network", x.network}, {"urls", urls}};
   if (!path.empty() &&
       io::replace_file(path, all.dump(-1, ' ', false, json::error_handler_t::replace) + '\n')
@@ -87,13 +87,13 @@ std::vector<running_ecology> running_ecologies() {
     return all;
   std::error_code error;
   for (const auto& each : fs::directory_iterator(fs::path(one).parent_path(), error)) {
-    if (each.path().extension() != ending)
+    if (each.path().extension() != running_ending)
       continue;
     if (!is_alive(each.path())) {
       static_cast<void>(std::remove(each.path().c_str())); // its process was killed
       continue;
     }
-    if (auto found = read(each.path()); found && all.size() < running_max)
+    if (auto found = read_note(each.path()); found && all.size() < running_max)
       all.push_back(*std::move(found));
   }
   std::ranges::sort(all, [](const auto& a, const auto& b) { return a.name < b.name; });

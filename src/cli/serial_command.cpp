@@ -158,7 +158,7 @@ std::string json_of(const bytes& packet, instant at) {
 }
 
 void tell_news(const std::string& what) {
-  static_cast<void>(print(stderr, "rubicon: " + printable(what) + '\n'));
+  say("rubicon: " + what);
 }
 
 exit_status perform(const serial_command& with, const listen_serial& x) {

@@ -173,7 +173,7 @@ std::variant<deployed_host, std::string> find_host(const config::ecology_descrip
 }
 
 exit_status refuse(const swarm_command& x, const std::string& why) {
-  static_cast<void>(print(stderr, printable(x.file + ": " + why) + '\n'));
+  say(x.file + ": " + why);
   return exit_status::refused;
 }
 

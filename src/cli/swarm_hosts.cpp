@@ -12,9 +12,9 @@ namespace rubicon::cli {
 
 namespace {
 
-constexpr duration goodbye_max = 5s;
-constexpr duration news_every = 50ms;
-constexpr duration retry_every = 1s;
+constexpr duration swarm_goodbye_max = 5s;
+constexpr duration swarm_news_every = 50ms;
+constexpr duration swarm_retry_every = 1s;
 
 child_end end_of(deploy::seed_result& x) {
   return {x.status, x.signal, std::move(x.out), std::move(x.err), x.overlong};
@@ -92,7 +92,7 @@ void swarm_hosts::on_news(seed_host& x, deploy::seeds_news& news) {
   x.after = news.upto;
   x.jobs = news.jobs;
   x.finished = news.results.size();
-  x.asks_at = steady::now() + news_every;
+  x.asks_at = steady::now() + swarm_news_every;
   for (auto& each : news.results) {
     if (x.given.erase(each.seed) == 0)
       continue; // it was given to another one meanwhile
@@ -135,7 +135,7 @@ void swarm_hosts::take_back(seed_host& x, const std::string& why, phase next) {
                                         " seeds of it are given to others"));
   x.trouble = why;
   x.at = next;
-  x.asks_at = steady::now() + retry_every;
+  x.asks_at = steady::now() + swarm_retry_every;
   x.finished = 0;
   returned_.insert(returned_.begin(), x.given.begin(), x.given.end());
   std::ranges::sort(returned_);
@@ -144,7 +144,7 @@ void swarm_hosts::take_back(seed_host& x, const std::string& why, phase next) {
 
 void swarm_hosts::end() {
   is_ending_ = true;
-  const auto until = steady::now() + goodbye_max;
+  const auto until = steady::now() + swarm_goodbye_max;
   std::set<const seed_host*> told;
   const auto is_open = [&](const seed_host& x) {
     return x.at == phase::running && (x.client->is_asking() || !told.contains(&x));
@@ -153,7 +153,7 @@ void swarm_hosts::end() {
     for (auto& each : hosts_)
       if (each.at == phase::running && !each.client->is_asking() && told.insert(&each).second)
         ask(each);
-    loop_.wait_until(steady::now() + news_every);
+    loop_.wait_until(steady::now() + swarm_news_every);
   }
 }
 

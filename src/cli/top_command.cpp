@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "cli/console.hpp"
+#include "cli/local_time.hpp"
 #include "cli/screen.hpp"
 #include "cli/top_text.hpp"
 #include "cli/visit.hpp"
@@ -21,14 +22,6 @@ namespace rubicon::cli {
 namespace {
 
 constexpr duration look_for_keys_every = 100ms;
-
-std::string time_of_day() {
-  const auto whole = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm parts{};
-  localtime_r(&whole, &parts);
-  std::array<char, 16> text{};
-  return {text.data(), std::strftime(text.data(), text.size(), "%H:%M:%S", &parts)};
-}
 
 /// Everybody but ourselves.
 std::map<peer_id, top_host> hosts_of(const visit& at) {
@@ -112,7 +105,7 @@ private:
     auto picture = seen_.look(hosts_of(at_), all, now - std::exchange(last_, now));
     picture.network = at_.with.network;
     picture.via = at_.with.peer;
-    picture.time = time_of_day();
+    picture.time = clock_now(false);
     if (full)
       return full->draw(
           top_text(picture, full->width(), full->height(), console_of(stdout).colour));

@@ -23,10 +23,6 @@ constexpr std::size_t roomy = 100;           ///< columns
 
 using tuples_by_key = std::map<std::string_view, const peis::tuple*>; ///< of one owner, folded
 
-bool is_of_kernel(const peis::tuple& x) {
-  return x.name.folded().starts_with("kernel.");
-}
-
 std::string first_word(std::string_view x) {
   return std::string(x.substr(0, x.find(' ')));
 }
@@ -263,7 +259,7 @@ std::string page_of(const top_picture& x, const std::array<std::size_t, 3>& show
   return text;
 }
 
-std::size_t lines_of(const std::string& text) {
+std::size_t line_count(const std::string& text) {
   return static_cast<std::size_t>(std::ranges::count(text, '\n'));
 }
 
@@ -374,7 +370,7 @@ std::string top_text(const top_picture& x, std::size_t width, std::optional<std:
   share_rows(shown, rows);
   auto text = page_of(x, shown, width, colour);
   // Headings need lines, and so do notes on rows and columns that are left out.
-  for (auto lines = lines_of(text); lines > *height && rows > 0; lines = lines_of(text)) {
+  for (auto lines = line_count(text); lines > *height && rows > 0; lines = line_count(text)) {
     rows -= std::min(rows, lines - *height);
     share_rows(shown, rows);
     text = page_of(x, shown, width, colour);
@@ -383,12 +379,17 @@ std::string top_text(const top_picture& x, std::size_t width, std::optional<std:
 }
 
 std::string top_json(const top_picture& x) {
-  using json = nlohmann::ordered_json;
-  json out{{"network", x.network},    {"via", x.via},
-           {"tuples", x.tuples},      {"changes_per_s", x.changes_per_s},
-           {"peers", json::array()},  {"gateways", json::array()},
-           {"proxies", json::array()}};
-  const auto or_null = [](const std::optional<unsigned>& y) { return y ? json(*y) : json(); };
+  using nlohmann::ordered_json;
+  ordered_json out{{"network", x.network},
+                   {"via", x.via},
+                   {"tuples", x.tuples},
+                   {"changes_per_s", x.changes_per_s},
+                   {"peers", ordered_json::array()},
+                   {"gateways", ordered_json::array()},
+                   {"proxies", ordered_json::array()}};
+  const auto or_null = [](const std::optional<unsigned>& y) {
+    return y ? ordered_json(*y) : ordered_json();
+  };
   for (const auto& each : x.peers)
     out["peers"].push_back({{"id", each.id.value},
                             {"name", each.name},
@@ -406,9 +407,12 @@ std::string top_json(const top_picture& x) {
                                {"left", each.left},
                                {"changes_per_s", each.changes_per_s}});
   for (const auto& each : x.proxies) {
-    json row{{"owner", each.owner.value}, {"proxy", each.prefix},
-             {"mote", each.mote},         {"status", each.status},
-             {"values", json::object()},  {"changes_per_s", each.changes_per_s}};
+    ordered_json row{{"owner", each.owner.value},
+                     {"proxy", each.prefix},
+                     {"mote", each.mote},
+                     {"status", each.status},
+                     {"values", ordered_json::object()},
+                     {"changes_per_s", each.changes_per_s}};
     for (const auto& [name, value] : each.values)
       row["values"][name] = value;
     out["proxies"].push_back(std::move(row));

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/console.hpp"
+#include "cli/local_time.hpp"
 #include "cli/network_text.hpp"
 #include "cli/visit.hpp"
 #include "core/printable.hpp"
@@ -48,10 +49,6 @@ found_tuples gather(const visit& at, std::optional<peer_id> owner, const std::st
   static_cast<void>(at.self.await_quiet([&] { return !held(at, whose, pattern).empty(); },
                                         [&] { return news + at.peer().hosts().size(); }));
   return held(at, whose, pattern);
-}
-
-bool is_of_kernel(const peis::tuple& x) {
-  return x.name.folded().starts_with("kernel.");
 }
 
 std::string as_json(const found_tuples& all) {
@@ -115,18 +112,6 @@ exit_status show_meta(const visit& at, peer_id owner, const meta_tuple& x) {
                                    (there ? value_text(*there.content) : "(no such tuple)") + '\n');
 }
 
-std::string time_of_day() {
-  const auto now = std::chrono::system_clock::now();
-  const auto whole = std::chrono::system_clock::to_time_t(now);
-  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch());
-  std::tm parts{};
-  localtime_r(&whole, &parts);
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%02d:%02d:%02d.%03d", parts.tm_hour, parts.tm_min,
-                parts.tm_sec, static_cast<int>(ms.count() % 1000));
-  return text.data();
-}
-
 /// Prints changes; columns grow with what has been seen.
 class change_printer {
 public:
@@ -154,7 +139,7 @@ private:
       const std::string blanks(width - used, ' ');
       return left ? text + blanks : blanks + text;
     };
-    return time_of_day() + "  " + padded(to_string(x.owner), owner_width_, false) + "  " +
+    return clock_now(true) + "  " + padded(to_string(x.owner), owner_width_, false) + "  " +
            padded(report::printable(x.name.text()), key_width_, true) + "  " +
            (deleted ? "(deleted)" : value_text(x)) + '\n';
   }

@@ -30,10 +30,6 @@ transport::tunnel_id tunnel_of(stream::channel_handle x) {
   return transport::tunnel_id(x.value & 0xffff);
 }
 
-status status_of(bool success) {
-  return success ? SUCCESS : FAIL;
-}
-
 /// Says where a sensor record comes from, if its island was not known when it was taken.
 void set_island(bytes& record, island_id island) {
   const auto octets = byte_writer().big(island.value).finish();

@@ -22,6 +22,10 @@ namespace rubicon::communication {
 enum class status : std::uint8_t { FAIL, SUCCESS };
 using enum status;
 
+[[nodiscard]] constexpr status status_of(bool success) {
+  return success ? SUCCESS : FAIL;
+}
+
 /// An end of a remote stream that is to be opened.
 struct stream_end {
   bool writes_to_self = false; ///< as in stream::remote_request

@@ -6,14 +6,6 @@
 
 namespace rubicon::communication {
 
-namespace {
-
-status status_of(bool success) {
-  return success ? SUCCESS : FAIL;
-}
-
-} // namespace
-
 remote_process::~remote_process() = default;
 
 interface remote_process::attach(communication_events& program) {

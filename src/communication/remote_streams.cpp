@@ -7,14 +7,6 @@
 
 namespace rubicon::communication {
 
-namespace {
-
-status status_of(bool success) {
-  return success ? SUCCESS : FAIL;
-}
-
-} // namespace
-
 bool remote_process::has_stream(kind what, std::uint16_t name) const {
   return std::ranges::any_of(
       streams_, [&](const auto& x) { return x.second.what == what && x.second.name == name; });

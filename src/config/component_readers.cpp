@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::size_t components_max = 64; ///< of an init
 constexpr std::size_t component_file_octets_max = 65536;
-constexpr std::size_t path_octets_max = 4096;
 constexpr text description{1000};
 
 /// 31, or "+1" for the one after that of the init's peer.
@@ -191,7 +190,7 @@ void take_folder(const placed_init& init, settlement& all, surroundings& with) {
   const auto folder = std::filesystem::path(files.toml).parent_path() / init.folder;
   const auto listed = files.list(folder.string());
   if (!listed.names) {
-    with.shared.problems.add(init.folder_at, config::quoted(folder.string()) + ' ' + listed.reason);
+    with.shared.problems.add(init.folder_at, in_quotes(folder.string()) + ' ' + listed.reason);
     return;
   }
   for (const auto& name : *listed.names) {

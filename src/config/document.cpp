@@ -15,8 +15,6 @@ namespace rubicon::config {
 
 namespace {
 
-constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-
 mark to_mark(const toml::source_region& x) {
   return {static_cast<unsigned>(x.begin.line), static_cast<unsigned>(x.begin.column)};
 }
@@ -105,7 +103,7 @@ struct describer {
   std::string operator()(const node_array& x) const {
     return x.empty() ? "an empty array" : "an array of " + std::to_string(x.size());
   }
-  std::string operator()(const std::string& x) const { return quoted(x); }
+  std::string operator()(const std::string& x) const { return in_quotes(x); }
   std::string operator()(std::int64_t x) const { return std::to_string(x); }
   std::string operator()(double x) const {
     auto text = shown(x);
@@ -130,7 +128,7 @@ std::string describe(const node& x) {
   return std::visit(describer{}, x.content);
 }
 
-std::string quoted(std::string_view x) {
+std::string in_quotes(std::string_view x) {
   constexpr std::size_t octets_max = 60;
   if (x.size() <= octets_max)
     return '"' + std::string(x) + '"';
@@ -159,7 +157,7 @@ std::variant<node, problem> parse(std::string_view text, const std::string& file
   complaints found;
   const auto at = to_mark(parsed.error().source());
   if (const auto bare = bare_text(text, at.line))
-    found.add(bare->first, "a text needs quotes: " + quoted(bare->second));
+    found.add(bare->first, "a text needs quotes: " + in_quotes(bare->second));
   else
     found.add(at, std::string(parsed.error().description()));
   return found.of_file(file).front();

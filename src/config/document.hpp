@@ -45,10 +45,16 @@ struct member {
 [[nodiscard]] std::string describe(const node& x);
 
 /// `x` between quotation marks, cut when it is long.
-[[nodiscard]] std::string quoted(std::string_view x);
+[[nodiscard]] std::string in_quotes(std::string_view x);
 
 /// The shortest decimal that means `x`: `2.5`, `100000`, `1e+20`.
 [[nodiscard]] std::string shown(double x);
+
+/// What some editors write before the text; it means nothing.
+inline constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+
+/// A table without keys.
+inline const node no_keys{{}, node_table{}};
 
 /// A larger file is refused.
 inline constexpr std::size_t file_octets_max = 16 * 1024 * 1024;

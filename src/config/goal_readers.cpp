@@ -14,7 +14,7 @@ namespace rubicon::config {
 namespace {
 
 constexpr duration shortest = 1ms;
-constexpr duration longest = 24h * 10;
+constexpr duration goal_timeout_max = 24h * 10;
 constexpr std::size_t goal_octets_max = 64;
 
 /// What an output tells: a text, or a number.
@@ -83,7 +83,7 @@ void read_output(table_reader& in, pursuer_names& own, goal::pursuer_config& out
   in.all(found);
   if (has_value && in.has("step") && !number_in(found.value))
     in.problems().add(in.at("step"),
-                      "`step` needs a number as `value`, not " + config::quoted(found.value));
+                      "`step` needs a number as `value`, not " + in_quotes(found.value));
   if (in.has("until") && !in.has("step"))
     in.problems().add(in.at("until"), "`until` means nothing without `step`");
   out.outputs.push_back(std::move(found));
@@ -141,7 +141,7 @@ void read_sets(table_reader& in, const goal::pursuer_config& own, goal::state_co
       in.problems().add(name.at, "the app has no output `" + name.value + '`');
     else if (output->step != 0 && !number_in(value))
       in.problems().add(name.at, '`' + name.value + "` has a `step` and must be a number, not " +
-                                     config::quoted(value));
+                                     in_quotes(value));
     out.sets.emplace_back(name.value, std::move(value));
   }
 }
@@ -168,7 +168,7 @@ void read_goal(table_reader& in, claims<std::string>& goals, goal::pursuer_confi
     goals.claim(found.text, "goal `" + found.text + '`', in.at("goal"), in.problems());
   }
   in.optional(
-      "timeout", time_span{shortest, longest}, found.timeout,
+      "timeout", time_span{shortest, goal_timeout_max}, found.timeout,
       "after so long it has failed; when its last state is over just then, it has succeeded");
   in.tables(
       "states", "states", "one after the other, see below",

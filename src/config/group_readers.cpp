@@ -120,7 +120,7 @@ placed_app read_member(table_reader& in) {
   const bool has_group =
       in.required("group", text{smepp::group_description::name_max}, app.group, "its name");
   if (has_group && !in.names().groups.contains(app.group))
-    in.problems().add(in.at("group"), "there is no [[smepp.group]] " + config::quoted(app.group));
+    in.problems().add(in.at("group"), "there is no [[smepp.group]] " + in_quotes(app.group));
   in.all(app);
   claims<std::string> events;
   in.tables("subscribes", "subscriptions of a member",

@@ -295,7 +295,7 @@ mote_types read_mote_types(table_reader& root) {
       "mote_type", "[mote_type.NAME]", "kinds of mote",
       [&](const located<std::string>& name, table_reader& in) {
         if (!is_name(name.value))
-          in.problems().add(name.at, "mote type " + config::quoted(name.value) +
+          in.problems().add(name.at, "mote type " + in_quotes(name.value) +
                                          " must have a name of 1 to 32 letters, digits, - and _");
         mote_profile profile;
         in.required("type", whole<std::uint32_t>{1}, profile.like.type,

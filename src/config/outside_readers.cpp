@@ -33,7 +33,7 @@ void read_replay(table_reader& in, const std::string& island, serial::outside_co
   const auto path = (std::filesystem::path(files->toml).parent_path() / out.replay).string();
   const auto file = files->read(path, serial::recording_octets_max);
   if (!file.text) {
-    in.problems().add(in.at("replay"), config::quoted(path) + ' ' + file.reason);
+    in.problems().add(in.at("replay"), in_quotes(path) + ' ' + file.reason);
     return;
   }
   auto found = serial::read_recording(*file.text, island);
@@ -44,9 +44,8 @@ void read_replay(table_reader& in, const std::string& island, serial::outside_co
   }
   auto& frames = std::get<0>(found);
   if (frames.empty())
-    in.problems().add(in.at("replay"), config::quoted(path) +
-                                           " has nothing of an island with the name `" + island +
-                                           '`');
+    in.problems().add(in.at("replay"),
+                      in_quotes(path) + " has nothing of an island with the name `" + island + '`');
   out.recorded = std::make_shared<const std::vector<serial::recorded_frame>>(std::move(frames));
 }
 

@@ -13,7 +13,7 @@ namespace rubicon::config {
 
 namespace {
 
-std::string quoted(const std::string& x) {
+std::string ticked(const std::string& x) {
   return '`' + x + '`';
 }
 
@@ -117,7 +117,7 @@ bool may_be_divided(const fault& x) {
 std::string listed(const std::vector<std::string>& all) {
   std::string text;
   for (const auto& x : all)
-    text += (text.empty() ? "" : ", ") + quoted(x);
+    text += (text.empty() ? "" : ", ") + ticked(x);
   return text;
 }
 
@@ -139,8 +139,8 @@ void check_peers(const ecology_description& all, const places& where,
   for (const auto& host : used_hosts(all))
     for (const auto port : {host.control_port, host.peis_port})
       if (const auto found = ports.find({host.name, port}); found != ports.end())
-        out.push_back("port " + std::to_string(port) + " of host " + quoted(host.name) +
-                      " is also that of peer " + quoted(found->second) +
+        out.push_back("port " + std::to_string(port) + " of host " + ticked(host.name) +
+                      " is also that of peer " + ticked(found->second) +
                       ": give one of them another");
 }
 
@@ -148,13 +148,13 @@ void check_hosts(const ecology_description& all, std::vector<std::string>& out) 
   std::map<std::pair<std::string, std::uint16_t>, std::string> ports;
   for (const auto& host : used_hosts(all)) {
     if (host.listen.empty())
-      out.push_back("host " + quoted(host.name) + " has an address that is a name, " +
-                    quoted(host.address) +
+      out.push_back("host " + ticked(host.name) + " has an address that is a name, " +
+                    ticked(host.address) +
                     ": say with `listen` at which IPv4 address of that computer it listens");
     for (const auto port : {host.control_port, host.peis_port}) {
       const auto [first, fresh] = ports.try_emplace({host.address, port}, host.name);
       if (!fresh)
-        out.push_back("hosts " + quoted(first->second) + " and " + quoted(host.name) +
+        out.push_back("hosts " + ticked(first->second) + " and " + ticked(host.name) +
                       " both have port " + std::to_string(port) + " of " + host.address +
                       ": give one of them another `control_port` or `peis_port`");
     }

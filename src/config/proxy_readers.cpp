@@ -19,7 +19,6 @@ namespace {
 
 using proxy::encoding;
 
-constexpr std::size_t payload_octets_max = 100; ///< of a message (transport payload, A-51)
 constexpr whole<std::uint16_t> message_channel{0, 255};
 
 /// How a proxy's tuples begin: 1 to 5 parts, so that two more fit behind (TUP-03).
@@ -96,7 +95,7 @@ void read_field_words(table_reader& in, bool sized, proxy::field& out) {
     if (sized && (!whole_number || count < least || count > most))
       in.problems().add(key.at, "a count of `words` must be a whole number from " +
                                     std::to_string(least) + " to " + std::to_string(most) +
-                                    ", not " + config::quoted(digits));
+                                    ", not " + in_quotes(digits));
     out.words.emplace_back(count, std::move(value));
   }
 }
@@ -249,7 +248,7 @@ void read_input(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
   for (auto& [key, octets] : words) {
     if (!is_name(key.value))
       in.problems().add(key.at, "a word must have 1 to 32 letters, digits, - and _, unlike " +
-                                    config::quoted(key.value));
+                                    in_quotes(key.value));
     input.words.emplace_back(key.value, std::move(octets));
   }
   out.inputs.push_back(std::move(input));
@@ -265,7 +264,7 @@ std::vector<std::pair<std::string, std::string>> read_properties(table_reader& i
     if (!is_name(key.value))
       in.problems().add(key.at, "a property's name must have 1 to 32 letters, digits, - and _, "
                                 "unlike " +
-                                    config::quoted(key.value));
+                                    in_quotes(key.value));
     names.claim(key.value, key.at, in.problems());
     out.emplace_back(key.value, std::move(value));
   }

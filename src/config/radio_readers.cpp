@@ -11,7 +11,6 @@ namespace rubicon::config {
 
 namespace {
 
-constexpr std::size_t path_octets_max = 4096;
 constexpr metres range_kind{0.1, 100'000};
 
 /// A file that a TOML file names, and what the command line may say instead.
@@ -44,7 +43,7 @@ named_text(table_reader& in, const file_choice& x, const named_files& files) {
   if (replaced)
     in.problems().add(problem{path, 0, 0, std::move(found.reason)});
   else
-    in.problems().add(in.at(x.key), config::quoted(path) + ' ' + found.reason);
+    in.problems().add(in.at(x.key), in_quotes(path) + ' ' + found.reason);
   return std::nullopt;
 }
 

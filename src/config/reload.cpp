@@ -38,8 +38,6 @@ bool equal(const node& a, const node& b) {
          same(a.as<bool>(), b.as<bool>());
 }
 
-const node nothing{{}, node_table{}};
-
 /// Finds what differs and cannot follow.
 class comparison {
 public:
@@ -52,7 +50,7 @@ public:
       if (!follows(now)) {
         const auto* old = before.find(x.key);
         if (old != nullptr || x.value.as<node_table>() != nullptr)
-          compare(old != nullptr ? *old : nothing, x.value);
+          compare(old != nullptr ? *old : no_keys, x.value);
         else
           refuse(x.value.at, "is new");
       }

@@ -10,7 +10,6 @@ namespace rubicon::config {
 namespace {
 
 constexpr std::string_view no_secret = "\"00000000000000000000000000000000\"";
-constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
 
 void add(secret_names& to, const ecology_description& all, const std::vector<mote_app>& apps) {
   for (const auto& app : apps) {

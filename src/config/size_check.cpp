@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "config/units.hpp"
+#include "radio/mac_rules.hpp"
 
 namespace rubicon::config {
 
@@ -13,8 +14,7 @@ namespace {
 /// What a frame takes of the radio's time at least: back-off (half of seven periods of 320 us), the
 /// look at the channel and turning round (320 us), 26 octets of headers at 32 us, and 544 us until
 /// its acknowledgement is through (IEEE 802.15.4-2006 6.5, 7.5.1.4).
-constexpr duration frame_time = 1120us + 320us + 26 * 32us + 544us;
-constexpr duration octet_time = 32us;
+constexpr duration frame_time = 1120us + 320us + 26 * radio::timing::octet + 544us;
 
 /// Serial frames have 16 octets beside the packet, and each is answered with nine.
 constexpr std::size_t serial_headers = 16;
@@ -22,7 +22,7 @@ constexpr std::size_t serial_ack = 9;
 
 duration radio_time(const apps::load& x) {
   return static_cast<duration::rep>(x.packets) * frame_time +
-         static_cast<duration::rep>(x.octets) * octet_time;
+         static_cast<duration::rep>(x.octets) * radio::timing::octet;
 }
 
 std::string rounded(duration x) {

@@ -6,11 +6,7 @@
 
 namespace rubicon::config {
 
-namespace {
-
-const node nothing{{}, node_table{}};
-
-} // namespace
+namespace {} // namespace
 
 const node* table_reader::ask(std::string_view key) {
   if (std::find(asked_.begin(), asked_.end(), key) == asked_.end())
@@ -25,7 +21,7 @@ void table_reader::add(key_description x) {
 
 void table_reader::walk(std::string_view key, part kind, const std::string& title,
                         const about& what, const part_reader& read, bool is_required) {
-  table_reader part(nothing, title, shared_);
+  table_reader part(no_keys, title, shared_);
   read(part);
   add({.name = std::string(key),
        .meaning = std::string(what.meaning),

@@ -98,7 +98,8 @@ void doubt_traces(const ecology_description& x, const file_places& seen, doubt_l
         if (what.empty())
           continue;
         told[{trace->table.get(), trace->repeats}] = true;
-        out.emplace_back(place->second.at, "the trace " + quoted(place->second.file) + ": " + what);
+        out.emplace_back(place->second.at,
+                         "the trace " + in_quotes(place->second.file) + ": " + what);
       }
 }
 

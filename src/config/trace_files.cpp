@@ -14,7 +14,7 @@ std::shared_ptr<const device::dated_trace> trace_files::read(const table_reader&
     return known->second;
   const auto file = files_.read(path, device::trace_octets_max);
   if (!file.text) {
-    in.problems().add(in.at(key), config::quoted(path) + ' ' + file.reason);
+    in.problems().add(in.at(key), in_quotes(path) + ' ' + file.reason);
     return nullptr;
   }
   auto found = device::read_trace(*file.text, format);

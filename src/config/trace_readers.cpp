@@ -8,8 +8,6 @@ namespace rubicon::config {
 
 namespace {
 
-constexpr std::size_t path_octets_max = 4096;
-
 /// "12.5" or "2004-02-28 00:59:16"
 struct start_text {
   using type = device::trace_time;

@@ -42,7 +42,7 @@ struct arithmetic {
       return std::move(*good);
     const auto& wrong = std::get<translate::expression_problem>(parsed);
     who.complain(x, '`' + std::string(who.key) + "`, at character " + std::to_string(wrong.at + 1) +
-                        " of " + config::quoted(*found) + ": " + wrong.message);
+                        " of " + in_quotes(*found) + ": " + wrong.message);
     return std::nullopt;
   }
   [[nodiscard]] static form takes() { return string_form("text of up to 200 octets"); }

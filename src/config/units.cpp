@@ -41,14 +41,14 @@ constexpr std::array<time_unit, 7> time_units{{{"d", 86'400'000'000'000},
 constexpr std::array<std::pair<std::string_view, double>, 4> bit_rate_units{
     {{"bit/s", 1}, {"kbit/s", 1e3}, {"Mbit/s", 1e6}, {"Gbit/s", 1e9}}};
 
-constexpr auto longest = std::numeric_limits<std::int64_t>::max();
+constexpr auto count_max = std::numeric_limits<std::int64_t>::max();
 
 /// `whole`.`decimals` units in nanoseconds, exactly or not at all.
 std::optional<std::int64_t> scaled(std::string_view whole, std::string_view decimals,
                                    std::int64_t unit) {
   std::int64_t count = 0;
   const auto [stop, error] = std::from_chars(whole.data(), whole.data() + whole.size(), count);
-  if (error != std::errc{} || stop != whole.data() + whole.size() || count > longest / unit)
+  if (error != std::errc{} || stop != whole.data() + whole.size() || count > count_max / unit)
     return std::nullopt;
   auto total = count * unit;
   for (const char digit : decimals) {
@@ -56,7 +56,7 @@ std::optional<std::int64_t> scaled(std::string_view whole, std::string_view deci
       return std::nullopt;
     unit /= 10;
     const auto part = (digit - '0') * unit;
-    if (part > longest - total)
+    if (part > count_max - total)
       return std::nullopt;
     total += part;
   }
@@ -123,7 +123,7 @@ std::optional<duration> parse_duration(std::string_view text) {
     return std::nullopt;
   while (!text.empty()) {
     const auto part = take_part(text, units_from);
-    if (!part || *part > longest - total)
+    if (!part || *part > count_max - total)
       return std::nullopt;
     total += *part;
     if (!text.empty())

@@ -6,19 +6,15 @@
 #include <system_error>
 
 #include "config/units.hpp"
+#include "core/tuple_key.hpp"
 #include "peis/link_url.hpp"
 
 namespace rubicon::config {
 
 namespace {
 
-constexpr std::size_t key_characters_max = 127;
-constexpr std::ptrdiff_t key_parts_max = 7;
-constexpr std::size_t payload_octets_max = 100; ///< of a message (transport payload, A-51)
-
 bool is_tuple_key(std::string_view x, bool wildcards) {
-  if (x.empty() || x.size() > key_characters_max ||
-      std::count(x.begin(), x.end(), '.') >= key_parts_max)
+  if (x.empty() || !fits_tuple_key(x))
     return false;
   for (std::size_t from = 0; from <= x.size();) {
     const auto end = std::min(x.find('.', from), x.size());

@@ -26,6 +26,9 @@
 
 namespace rubicon::config {
 
+inline constexpr std::size_t path_octets_max = 4096;   ///< of a file's name
+inline constexpr std::size_t payload_octets_max = 100; ///< of a message (transport payload, A-51)
+
 /// Whose value is read, and what its reader knows.
 struct asker {
   std::string_view key;

@@ -11,6 +11,7 @@
 
 #include "core/math.hpp"
 #include "core/overloads.hpp"
+#include "radio/mac_rules.hpp"
 #include "radio/tossim_files.hpp"
 
 namespace rubicon::config {
@@ -18,18 +19,18 @@ namespace rubicon::config {
 namespace {
 
 // IEEE 802.15.4-2006, 2.4 GHz: 250 kbit/s.
-constexpr duration octet_time = 32us;
 constexpr int frame_octets = 6 + 127; // preamble, delimiter and length; the longest PSDU
 constexpr duration back_off = 320us;  // of those who wait for the end of a frame one draws next to
                                       // nothing; the next one a unit more
 constexpr duration assessment = 128us;
 constexpr duration turnaround = 192us;
-constexpr duration beacon_time = frame_octets * octet_time + back_off + assessment + turnaround;
+constexpr duration beacon_time =
+    frame_octets * radio::timing::octet + back_off + assessment + turnaround;
 
 // Frames begin in the first three quarters (network/turns.hpp).
 constexpr int open_quarters = 3;
 
-struct station {
+struct listener {
   mote_id id;
   position place;
   double transmit_dbm = 0;
@@ -37,7 +38,7 @@ struct station {
 };
 
 template <class Node>
-station station_of(const Node& x, const radio::channel_config& radio) {
+listener station_of(const Node& x, const radio::channel_config& radio) {
   return {x.id, x.place, x.transmit_dbm.value_or(x.platform->transmit_dbm_max()),
           radio.sensitivity_dbm.value_or(x.platform->sensitivity_dbm)};
 }
@@ -61,8 +62,8 @@ double loss_db(const radio::propagation& x, double distance_m) {
       x);
 }
 
-std::size_t crowd_of_table(const std::vector<station>& all, const radio::gain_matrix& x) {
-  std::map<std::uint32_t, const station*> by_node;
+std::size_t crowd_of_table(const std::vector<listener>& all, const radio::gain_matrix& x) {
+  std::map<std::uint32_t, const listener*> by_node;
   for (const auto& each : all)
     if (each.id.value >= x.first_mote)
       by_node.emplace(each.id.value - x.first_mote, &each);
@@ -93,7 +94,7 @@ duration window_for(std::size_t beacons) {
 
 std::size_t crowd_of(const island_description& x, const radio::channel_config& radio) {
   constexpr std::size_t places_max = 200;
-  std::vector<station> all{station_of(x.sink, radio)};
+  std::vector<listener> all{station_of(x.sink, radio)};
   for (const auto& mote : x.motes)
     all.push_back(station_of(mote, radio));
   if (const auto* table = std::get_if<radio::gain_matrix>(&radio.propagation))

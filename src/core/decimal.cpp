@@ -19,6 +19,14 @@ std::string decimal_text(double value, int decimals) {
   return text;
 }
 
+std::string shortest_decimal(double value) {
+  if (!std::isfinite(value))
+    return {};
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+  return {digits.data(), end};
+}
+
 std::optional<double> number_in(std::string_view text) {
   double value = 0;
   const auto* const end = text.data() + text.size();

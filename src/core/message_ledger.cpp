@@ -33,9 +33,9 @@ std::shared_ptr<message_ledger> message_ledger::make() {
 
 namespace {
 
-std::string place_here() {
+std::string_view place_here() {
   const auto* who = provenance_here.who;
-  return who == nullptr ? std::string() : std::string(who->place());
+  return who == nullptr ? std::string_view() : who->place();
 }
 
 instant time_here() {
@@ -49,6 +49,19 @@ message_account* account_of(const account_ref& x) {
 
 } // namespace
 
+/// Most runs have one thread: what no other can see needs no lock.
+std::unique_lock<std::mutex> message_ledger::locked() const {
+  std::unique_lock lock(mutex_, std::defer_lock);
+  if (account_ref::is_shared_between_threads())
+    lock.lock();
+  return lock;
+}
+
+const std::string& message_ledger::path(const std::string& x) {
+  const auto lock = locked();
+  return *paths_.insert(x).first;
+}
+
 account_ref message_ledger::open(std::uint64_t number, message_kind kind, mote_address source,
                                  mote_address destination) {
   message_end about;
@@ -56,20 +69,21 @@ account_ref message_ledger::open(std::uint64_t number, message_kind kind, mote_a
   about.kind = kind;
   about.source = source;
   about.destination = destination;
-  const std::lock_guard lock(mutex_);
-  ++tallies_[{source, kind}].sent;
-  return account_ref(new message_account(shared_from_this(), std::move(about)));
+  const auto lock = locked();
+  auto& tally = tallies_[{source, kind}];
+  ++tally.sent;
+  return account_ref(new message_account(shared_from_this(), tally, about));
 }
 
 void message_ledger::cancel(message_account& x) {
-  const std::lock_guard lock(mutex_);
+  const auto lock = locked();
   if (std::exchange(x.state_, message_account::state::cancelled) == message_account::state::open)
-    --tallies_[{x.about_.source, x.about_.kind}].sent;
+    --x.tally_.sent;
 }
 
 /// Of two at the same time, which may be noted by two threads in any order, the larger cause and
 /// place stand. That a repeat was recognised, or a greeting came, says less than any other note.
-void message_ledger::keep(message_account& x, note what) {
+void message_ledger::keep(message_account& x, const note& what) {
   auto& known = x.about_;
   const auto weight = [](loss cause) { return cause > loss::unanswered; };
   const auto is_newer = std::tuple(weight(what.why), what.at, what.why, what.place) >
@@ -78,45 +92,42 @@ void message_ledger::keep(message_account& x, note what) {
     return;
   known.cause = what.why;
   known.at = what.at;
-  known.place = std::move(what.place);
+  known.place = what.place;
 }
 
 void message_ledger::note_loss(message_account& x, loss why) {
-  note what{why, time_here(), place_here()};
-  const std::lock_guard lock(mutex_);
-  keep(x, std::move(what));
+  const auto lock = locked();
+  keep(x, {why, time_here(), place_here()});
 }
 
 void message_ledger::note_arrival(message_account& x) {
   {
-    const std::lock_guard lock(mutex_);
+    const auto lock = locked();
     if (finished_ ||
         std::exchange(x.state_, message_account::state::ended) != message_account::state::open)
       return;
     x.about_.outcome = message_end::how::arrived;
     x.about_.place = place_here();
     x.about_.at = time_here();
-    ++tallies_[{x.about_.source, x.about_.kind}].arrived;
+    ++x.tally_.arrived;
   }
   tell(x.about_);
 }
 
 void message_ledger::note_foreign_arrival(mote_address source, message_kind kind) {
-  const std::lock_guard lock(mutex_);
+  const auto lock = locked();
   ++foreign_[{source, kind}];
 }
 
 void message_ledger::finish() {
   {
-    gone left; // destroyed unlocked: it is handed over
-    const std::lock_guard lock(mutex_);
-    for (auto x = departures_.begin(); x != departures_.end();) {
-      const auto name = (x++)->second;
-      if (account_of(packages_.at(name).account)->leaves_)
-        remove(name, left);
-    }
+    packages left; // destroyed unlocked: it is handed over
+    const auto lock = locked();
+    for (auto x = packages_.begin(); x != packages_.end();)
+      if (const auto each = x++; account_of(each->account)->leaves_)
+        remove(each, left);
   }
-  const std::lock_guard lock(mutex_);
+  const auto lock = locked();
   finished_ = true;
 }
 
@@ -134,23 +145,22 @@ void message_ledger::end(message_account& x) {
   using how = message_end::how;
   auto& about = x.about_;
   {
-    const std::lock_guard lock(mutex_);
+    const auto lock = locked();
     if (x.state_ != message_account::state::open || finished_)
       return;
     x.state_ = message_account::state::ended;
-    auto& tally = tallies_[{about.source, about.kind}];
     about.outcome = x.leaves_ ? how::handed_over : how::lost;
     if (x.leaves_) {
-      ++tally.handed_over;
+      ++x.tally_.handed_over;
     } else {
       if (provenance_here.stops || about.place.empty()) {
         about.cause = provenance_here.stops ? loss::node_stopped : about.cause;
         about.place = place_here();
         about.at = time_here();
       }
-      ++tally.lost.at(static_cast<std::size_t>(about.cause));
+      ++x.tally_.lost.at(static_cast<std::size_t>(about.cause));
       const auto known = places_.size() < places_max;
-      ++places_[{about.kind, about.cause, known ? about.place : std::string()}];
+      ++places_[{about.kind, about.cause, std::string(known ? about.place : std::string_view())}];
     }
   }
   tell(about);
@@ -162,20 +172,18 @@ void message_ledger::depart(std::uint64_t name, bool leaves) {
   auto* const what = provenance_here.account;
   if (what == nullptr)
     return;
-  package x{account_ref(what), {loss::package_lost, time_here(), place_here()}, 0};
-  gone over; // destroyed unlocked
-  const std::lock_guard lock(mutex_);
+  package x{name, account_ref(what), {loss::package_lost, time_here(), place_here()}};
+  packages over; // destroyed unlocked
+  const auto lock = locked();
   expire(x.if_lost.at, over);
   remove(name, over);
   account_of(x.account)->leaves_ = leaves;
-  x.order = ++departed_;
-  departures_[x.order] = name;
-  packages_.emplace(name, std::move(x));
+  by_name_[name] = packages_.insert(packages_.end(), std::move(x));
 }
 
 account_ref message_ledger::come(std::uint64_t name) {
-  gone over;
-  const std::lock_guard lock(mutex_);
+  packages over;
+  const auto lock = locked();
   remove(name, over);
   if (over.empty())
     return {};
@@ -185,60 +193,61 @@ account_ref message_ledger::come(std::uint64_t name) {
 }
 
 void message_ledger::package_lost(std::uint64_t name) {
-  gone over;
-  const std::lock_guard lock(mutex_);
+  packages over;
+  const auto lock = locked();
   remove(name, over);
-  for (auto& x : over)
-    keep(*account_of(x.account), std::move(x.if_lost));
+  for (const auto& x : over)
+    keep(*account_of(x.account), x.if_lost);
 }
 
-void message_ledger::remove(std::uint64_t name, gone& to) {
-  auto found = packages_.extract(name);
-  if (found.empty())
-    return;
-  departures_.erase(found.mapped().order);
-  to.push_back(std::move(found.mapped()));
+void message_ledger::remove(packages::iterator which, packages& to) {
+  by_name_.erase(which->name);
+  to.splice(to.end(), packages_, which);
+}
+
+void message_ledger::remove(std::uint64_t name, packages& to) {
+  if (const auto found = by_name_.find(name); found != by_name_.end())
+    remove(found->second, to);
 }
 
 /// Who hands a package to another process sees it come back soon or never.
-void message_ledger::expire(instant now, gone& to) {
+void message_ledger::expire(instant now, packages& to) {
   constexpr duration left_lifetime = 2s;
-  for (auto x = departures_.begin(); x != departures_.end();) {
-    const auto name = (x++)->second;
-    auto& oldest = packages_.at(name);
-    const auto age = now - oldest.if_lost.at;
-    const bool leaves = account_of(oldest.account)->leaves_;
+  for (auto x = packages_.begin(); x != packages_.end();) {
+    const auto oldest = x++;
+    const auto age = now - oldest->if_lost.at;
+    const bool leaves = account_of(oldest->account)->leaves_;
     if (packages_.size() < packages_max) {
       if (age < left_lifetime)
         return;
       if (!leaves && age < package_lifetime)
         continue;
     }
-    remove(name, to);
-    keep(*account_of(to.back().account), to.back().if_lost);
+    remove(oldest, to);
+    keep(*account_of(oldest->account), oldest->if_lost);
   }
 }
 
 // What it says.
 
 message_ledger::tallies message_ledger::tallied() const {
-  const std::lock_guard lock(mutex_);
+  const auto lock = locked();
   return tallies_;
 }
 
 message_tally message_ledger::of(mote_address source, message_kind kind) const {
-  const std::lock_guard lock(mutex_);
+  const auto lock = locked();
   const auto found = tallies_.find({source, kind});
   return found == tallies_.end() ? message_tally{} : found->second;
 }
 
 message_ledger::places message_ledger::lost_at() const {
-  const std::lock_guard lock(mutex_);
+  const auto lock = locked();
   return places_;
 }
 
 std::map<message_ledger::sender, std::uint64_t> message_ledger::foreign_arrivals() const {
-  const std::lock_guard lock(mutex_);
+  const auto lock = locked();
   return foreign_;
 }
 

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -18,8 +19,9 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
-#include <vector>
 
 #include "core/address.hpp"
 #include "core/fields.hpp"
@@ -62,7 +64,7 @@ struct message_end {
   mote_address destination;
   how outcome = how::lost;
   loss cause = loss::unknown; ///< if it is lost
-  std::string place;          ///< where that was, an actor path; or where it arrived
+  std::string_view place;     ///< where that was, an actor path of its ledger; or where it arrived
   instant at;
 };
 
@@ -90,6 +92,9 @@ public:
   void observe(std::function<void(const message_end&)> observer) {
     observer_ = std::move(observer);
   }
+
+  /// One text for all who have this path, as long as the ledger lives.
+  [[nodiscard]] const std::string& path(const std::string& x);
 
   // -- what the free functions below do
 
@@ -125,32 +130,34 @@ private:
   struct note {
     loss why = loss::unknown;
     instant at;
-    std::string place;
+    std::string_view place;
   };
 
   /// On a link.
   struct package {
+    std::uint64_t name = 0;
     account_ref account;
     note if_lost;
-    std::uint64_t order = 0;
   };
-  using gone = std::vector<package>;
+  using packages = std::list<package>;
 
   message_ledger() = default;
   static void close(message_account* x) noexcept;
-  static void keep(message_account& x, note what);
+  static void keep(message_account& x, const note& what);
   void end(message_account& x);
   void tell(const message_end& x);
-  void remove(std::uint64_t name, gone& to);
-  void expire(instant now, gone& to);
+  void remove(packages::iterator which, packages& to);
+  void remove(std::uint64_t name, packages& to);
+  void expire(instant now, packages& to);
+  [[nodiscard]] std::unique_lock<std::mutex> locked() const;
 
   mutable std::mutex mutex_;
+  std::unordered_set<std::string> paths_;
   tallies tallies_;
   places places_;
   std::map<sender, std::uint64_t> foreign_;
-  std::map<std::uint64_t, package> packages_;         ///< by name
-  std::map<std::uint64_t, std::uint64_t> departures_; ///< names by their order
-  std::uint64_t departed_ = 0;
+  packages packages_; ///< as they departed
+  std::unordered_map<std::uint64_t, packages::iterator> by_name_;
   bool finished_ = false;
   std::function<void(const message_end&)> observer_;
 };
@@ -158,8 +165,9 @@ private:
 /// Of one message, until no copy of it is left. Its ledger guards it.
 class message_account : public copy_count {
 public:
-  message_account(std::shared_ptr<message_ledger> in, message_end about)
-      : in_(std::move(in)), about_(std::move(about)) {}
+  message_account(std::shared_ptr<message_ledger> in, message_tally& tally,
+                  const message_end& about)
+      : in_(std::move(in)), tally_(tally), about_(about) {}
 
   [[nodiscard]] mote_address source() const { return about_.source; }
   [[nodiscard]] message_kind kind() const { return about_.kind; }
@@ -170,7 +178,8 @@ private:
   enum class state : std::uint8_t { open, cancelled, ended };
 
   std::shared_ptr<message_ledger> in_;
-  message_end about_; ///< with the newest note
+  message_tally& tally_; ///< of its sender, in there
+  message_end about_;    ///< with the newest note
   state state_ = state::open;
   bool leaves_ = false;
 };

@@ -56,6 +56,9 @@ public:
 
   /// Several threads are about to execute a run: counts are kept atomically from now on.
   static void share_between_threads() { is_shared.store(true, std::memory_order_relaxed); }
+  [[nodiscard]] static bool is_shared_between_threads() {
+    return is_shared.load(std::memory_order_relaxed);
+  }
 
   [[nodiscard]] explicit operator bool() const { return of_ != nullptr; }
   [[nodiscard]] copy_count* get() const { return of_; }
@@ -65,14 +68,14 @@ private:
   void add() {
     if (of_ == nullptr)
       return;
-    if (is_shared.load(std::memory_order_relaxed))
+    if (is_shared_between_threads())
       of_->copies_.fetch_add(1, std::memory_order_relaxed);
     else
       of_->copies_.store(of_->copies_.load(std::memory_order_relaxed) + 1,
                          std::memory_order_relaxed);
   }
   std::uint32_t remove() {
-    if (is_shared.load(std::memory_order_relaxed))
+    if (is_shared_between_threads())
       return of_->copies_.fetch_sub(1, std::memory_order_acq_rel) - 1;
     const auto left = of_->copies_.load(std::memory_order_relaxed) - 1;
     of_->copies_.store(left, std::memory_order_relaxed);
@@ -99,7 +102,8 @@ public:
   /// Where messages are accounted for; nullptr: nowhere.
   [[nodiscard]] virtual message_ledger* ledger() = 0;
 
-  /// Where a loss happens, `mote/kitchen/climate-7`, and when.
+  /// Where a loss happens, `mote/kitchen/climate-7`, in a text that lives as long as the ledger;
+  /// and when.
   [[nodiscard]] virtual std::string_view place() const = 0;
   [[nodiscard]] virtual instant time() const = 0;
 

@@ -11,7 +11,7 @@ namespace rubicon::device {
 
 namespace {
 
-constexpr std::string_view blanks = " \t";
+constexpr std::string_view spaces = " \t";
 
 void trim(std::string_view& x, std::string_view set) {
   x.remove_prefix(std::min(x.find_first_not_of(set), x.size()));
@@ -35,7 +35,7 @@ public:
       rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
       if (line_.ends_with('\r'))
         line_.remove_suffix(1);
-      const auto first = line_.find_first_not_of(blanks);
+      const auto first = line_.find_first_not_of(spaces);
       if (first != std::string_view::npos && line_[first] != '#')
         return true;
     }
@@ -78,7 +78,7 @@ public:
   std::string split(std::string_view line, std::vector<std::string_view>& fields) const {
     fields.clear();
     if (separator_ == ' ')
-      trim(line, blanks);
+      trim(line, spaces);
     for (bool more = true; more;) {
       if (fields.size() == trace_columns_max)
         return "more than " + std::to_string(trace_columns_max) + " fields";
@@ -96,7 +96,7 @@ public:
 
 private:
   [[nodiscard]] std::size_t end_of_field(std::string_view line) const {
-    return std::min(separator_ == ' ' ? line.find_first_of(blanks) : line.find(separator_),
+    return std::min(separator_ == ' ' ? line.find_first_of(spaces) : line.find(separator_),
                     line.size());
   }
 
@@ -120,7 +120,7 @@ private:
   }
 
   char separator_;
-  std::string_view around_ = blanks; ///< what a field does not begin or end with
+  std::string_view around_ = spaces; ///< what a field does not begin or end with
 };
 
 bool is_missing(std::string_view x) {

@@ -10,7 +10,7 @@ namespace rubicon::explain {
 
 namespace {
 
-using json = nlohmann::ordered_json;
+using nlohmann::ordered_json;
 
 constexpr std::size_t depth_max = 200;
 
@@ -68,8 +68,8 @@ std::string_view word_of(cargo x) {
   return "unknown";
 }
 
-json value_of(const tuple_value& x) {
-  json value = {{"key", x.key}, {"owner", x.owner.value}, {"deleted", x.is_deletion}};
+ordered_json value_of(const tuple_value& x) {
+  ordered_json value = {{"key", x.key}, {"owner", x.owner.value}, {"deleted", x.is_deletion}};
   if (x.is_text)
     value["text"] = rubicon::to_string(byte_view(x.value));
   else
@@ -77,12 +77,12 @@ json value_of(const tuple_value& x) {
   return value;
 }
 
-json step_of(const traces& all, node_index n, std::size_t depth) {
+ordered_json step_of(const traces& all, node_index n, std::size_t depth) {
   const auto& x = all.nodes[n];
-  json y = {{"step", word_of(x.what)},
-            {"time_s", in_seconds(x.time())},
-            {"at", where(all, x)},
-            {"what", what(all, x)}};
+  ordered_json y = {{"step", word_of(x.what)},
+                    {"time_s", in_seconds(x.time())},
+                    {"at", where(all, x)},
+                    {"what", what(all, x)}};
   if (x.about.is_tuple)
     y["tuple"] = all.tuples[x.about.index].key;
   else
@@ -94,14 +94,14 @@ json step_of(const traces& all, node_index n, std::size_t depth) {
     y["to"] = x.to;
     y["arrived"] = x.arrived.has_value();
     y["fragments"] = x.fragments;
-    auto& attempts = y["attempts"] = json::array();
+    auto& attempts = y["attempts"] = ordered_json::array();
     for (const auto& each : x.attempts)
       attempts.push_back({{"time_s", in_seconds(each.begin)}, {"outcome", each.outcome}});
     if (!x.arrived)
       y["why"] = obstacle(x);
   }
   if (depth < depth_max && !x.children.empty()) {
-    auto& then = y["then"] = json::array();
+    auto& then = y["then"] = ordered_json::array();
     for (const auto child : x.children)
       then.push_back(step_of(all, child, depth + 1));
   }
@@ -109,30 +109,30 @@ json step_of(const traces& all, node_index n, std::size_t depth) {
 }
 
 /// The steps that led to this one, without what else came of them.
-json path_to(const traces& all, node_index n) {
+ordered_json path_to(const traces& all, node_index n) {
   std::vector<node_index> path;
   for (auto x = all.nodes[n].parent; x != no_node; x = all.nodes[x].parent)
     path.push_back(x);
-  auto steps = json::array();
+  auto steps = ordered_json::array();
   for (auto x = path.rbegin(); x != path.rend(); ++x)
     steps.push_back(step_of(all, *x, depth_max));
   return steps;
 }
 
-json summary_of(const traces& all, std::size_t index) {
+ordered_json summary_of(const traces& all, std::size_t index) {
   const auto& x = all.messages[index];
   const auto y = outcome_of(all, x);
-  json out = {{"message", x.name},
-              {"time_s", in_seconds(all.nodes[x.root].begin)},
-              {"from", all.known.of(x.source)},
-              {"to", all.known.of(x.destination)},
-              {"channel", x.channel},
-              {"reliable", x.is_reliable},
-              {"kind", x.is_on_channel  ? "channel"
-                       : x.is_in_tunnel ? "tunnel"
-                                        : "message"},
-              {"accounted", x.is_accounted},
-              {"outcome", to_string(y.status)}};
+  ordered_json out = {{"message", x.name},
+                      {"time_s", in_seconds(all.nodes[x.root].begin)},
+                      {"from", all.known.of(x.source)},
+                      {"to", all.known.of(x.destination)},
+                      {"channel", x.channel},
+                      {"reliable", x.is_reliable},
+                      {"kind", x.is_on_channel  ? "channel"
+                               : x.is_in_tunnel ? "tunnel"
+                                                : "message"},
+                      {"accounted", x.is_accounted},
+                      {"outcome", to_string(y.status)}};
   if (x.content)
     out["octets"] = to_hex(*x.content);
   if (y.took)
@@ -154,10 +154,10 @@ json summary_of(const traces& all, std::size_t index) {
   return out;
 }
 
-json audience_json(const traces& all, const tuple_value& x) {
-  auto out = json::array();
+ordered_json audience_json(const traces& all, const tuple_value& x) {
+  auto out = ordered_json::array();
   for (const auto& who : audience_of(all, x)) {
-    json one = {{"who", who.who}};
+    ordered_json one = {{"who", who.who}};
     if (who.after)
       one["after_s"] = seconds(*who.after);
     out.push_back(std::move(one));
@@ -165,8 +165,8 @@ json audience_json(const traces& all, const tuple_value& x) {
   return out;
 }
 
-std::string text_of(const json& x) {
-  return printable_json(x.dump(2, ' ', false, json::error_handler_t::replace)) + '\n';
+std::string text_of(const ordered_json& x) {
+  return printable_json(x.dump(2, ' ', false, ordered_json::error_handler_t::replace)) + '\n';
 }
 
 } // namespace
@@ -193,7 +193,7 @@ std::string tuple_json(const traces& all, std::size_t index) {
 
 std::string values_json(const traces& all, const std::vector<std::size_t>& indices,
                         std::size_t limit) {
-  auto out = json::array();
+  auto out = ordered_json::array();
   const auto first = limit != 0 && indices.size() > limit ? indices.size() - limit : 0;
   for (auto i = first; i < indices.size(); ++i) {
     const auto& x = all.tuples[indices[i]];
@@ -208,14 +208,14 @@ std::string values_json(const traces& all, const std::vector<std::size_t>& indic
 }
 
 std::string list_json(const traces& all, const listing& asked) {
-  json out = {{"ecology", all.about.ecology},
-              {"seed", all.about.seed},
-              {"length_s", in_seconds(all.end)},
-              {"cut_off", all.cut_off}};
-  auto& causes = out["lost"] = json::object();
+  ordered_json out = {{"ecology", all.about.ecology},
+                      {"seed", all.about.seed},
+                      {"length_s", in_seconds(all.end)},
+                      {"cut_off", all.cut_off}};
+  auto& causes = out["lost"] = ordered_json::object();
   for (const auto& [why, count] : loss_causes(all, asked))
     causes[why] = count;
-  auto& list = out["messages"] = json::array();
+  auto& list = out["messages"] = ordered_json::array();
   for (const auto i : selected(all, asked))
     list.push_back(summary_of(all, i));
   return text_of(out);

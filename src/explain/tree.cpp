@@ -10,7 +10,7 @@ namespace rubicon::explain {
 
 namespace {
 
-constexpr std::size_t depth_max = 200; ///< traces of messages that set off each other without end
+constexpr std::size_t indent_max = 200; ///< traces of messages that set off each other without end
 
 bool is_hop_of(const node& x, cargo of) {
   return x.what == step::hop && x.of == of;
@@ -26,7 +26,7 @@ void tree::add(node_index root) {
 
 void tree::add_path_to(node_index n) {
   std::vector<node_index> path;
-  for (auto x = at(n).parent; x != no_node && path.size() < depth_max; x = at(x).parent)
+  for (auto x = at(n).parent; x != no_node && path.size() < indent_max; x = at(x).parent)
     path.push_back(x);
   std::ranges::reverse(path);
   for (std::size_t i = 0; i < path.size(); ++i) {
@@ -52,7 +52,7 @@ void tree::show(const block& x, instant before, const std::string& lead,
   rows_.push_back({x.time, x.time - before, rows_.empty(), own_lead + x.where, x.what, x.look});
   const auto next = blocks_of(x.then);
   constexpr std::size_t rows_max = 2000;
-  if (next.empty() || rows_.size() > rows_max || lead.size() > depth_max)
+  if (next.empty() || rows_.size() > rows_max || lead.size() > indent_max)
     return;
   if (next.size() == 1) {
     show(next.front(), x.time, lead, lead);

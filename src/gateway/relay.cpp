@@ -8,22 +8,22 @@ namespace rubicon::gateway {
 
 namespace {
 
-enum class kind : std::uint8_t { message = 1, input = 2, outcome = 3 };
+enum class relayed : std::uint8_t { message = 1, input = 2, outcome = 3 };
 
 struct encoder {
   byte_writer& out;
 
-  byte_writer& start(kind x) const { return out.octet(static_cast<std::uint8_t>(x)); }
+  byte_writer& start(relayed x) const { return out.octet(static_cast<std::uint8_t>(x)); }
 
   void operator()(const relayed_message& x) const {
-    start(kind::message).big(x.source.value).append(network::encode(x.packet));
+    start(relayed::message).big(x.source.value).append(network::encode(x.packet));
   }
   void operator()(const relayed_input& x) const {
     assert(x.octets.size() <= network::body_max);
-    start(kind::input).big(x.number).big(x.mote.value).big(x.channel).append(x.octets);
+    start(relayed::input).big(x.number).big(x.mote.value).big(x.channel).append(x.octets);
   }
   void operator()(const relayed_outcome& x) const {
-    start(kind::outcome).big(x.number).octet(static_cast<std::uint8_t>(x.outcome));
+    start(relayed::outcome).big(x.number).octet(static_cast<std::uint8_t>(x.outcome));
   }
 };
 
@@ -80,12 +80,12 @@ result<relay> decode_relay(byte_view octets) {
   const auto first = in.octet();
   if (!in.ok())
     return errc::truncated;
-  switch (static_cast<kind>(first)) {
-  case kind::message:
+  switch (static_cast<relayed>(first)) {
+  case relayed::message:
     return decode_message(in);
-  case kind::input:
+  case relayed::input:
     return decode_input(in);
-  case kind::outcome:
+  case relayed::outcome:
     return decode_outcome(in);
   }
   return errc::unsupported;

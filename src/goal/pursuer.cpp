@@ -1,7 +1,6 @@
 #include "goal/pursuer.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -21,10 +20,7 @@ constexpr std::size_t shown_goal_max = 64;
 /// With at most six decimals, so that steps of 0.1 do not show what they are in binary.
 std::string number_text(double x) {
   constexpr double millionths = 1e6;
-  const double rounded = std::round(x * millionths) / millionths;
-  char text[32];
-  const auto [end, error] = std::to_chars(std::begin(text), std::end(text), rounded);
-  return {std::begin(text), error == std::errc{} ? end : std::begin(text)};
+  return shortest_decimal(std::round(x * millionths) / millionths);
 }
 
 std::string shown(std::string_view goal) {

@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "io/descriptor.hpp"
+
 namespace rubicon::io {
 
 namespace {
@@ -24,18 +26,6 @@ constexpr mode_t key_mode = 0600;
 std::string failed(const std::string& path) {
   return path + ": " + std::generic_category().message(errno);
 }
-
-struct descriptor {
-  explicit descriptor(int x) : number(x) {}
-  ~descriptor() {
-    if (number != -1)
-      ::close(number);
-  }
-  descriptor(const descriptor&) = delete;
-  descriptor& operator=(const descriptor&) = delete;
-
-  int number;
-};
 
 std::string_view octets_of(BIO& x) {
   const char* data = nullptr;
@@ -67,7 +57,7 @@ std::variant<owned<BIO>, std::string> content_of(const std::string& path) {
   // Whatever it is, opening it does not wait for anybody.
   const descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   struct stat about {};
-  if (file.number == -1 || ::fstat(file.number, &about) != 0)
+  if (file.get() == -1 || ::fstat(file.get(), &about) != 0)
     return failed(path);
   if (!S_ISREG(about.st_mode))
     return path + ": not a file";
@@ -75,7 +65,7 @@ std::variant<owned<BIO>, std::string> content_of(const std::string& path) {
   if (!content)
     return path + ": " + openssl_reason();
   std::array<char, 4096> block{};
-  const auto why_not = copy(file.number, *content, block, path);
+  const auto why_not = copy(file.get(), *content, block, path);
   OPENSSL_cleanse(block.data(), block.size());
   if (why_not)
     return *why_not;
@@ -115,12 +105,12 @@ std::optional<std::string> fill(int file, std::string_view octets, const std::st
 std::optional<std::string> create_file(const std::string& path, mode_t mode,
                                        std::string_view octets) {
   const descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
-  if (file.number == -1 && errno == EEXIST)
+  if (file.get() == -1 && errno == EEXIST)
     return path + ": it is there already and never overwritten; choose another name or folder, "
                   "or move it away first";
-  if (file.number == -1)
+  if (file.get() == -1)
     return failed(path);
-  auto why_not = fill(file.number, octets, path);
+  auto why_not = fill(file.get(), octets, path);
   if (why_not)
     ::unlink(path.c_str());
   return why_not;

@@ -26,7 +26,6 @@ using std::chrono::sys_seconds;
 
 constexpr int serial_bits = 128;
 constexpr mode_t folder_mode = 0700;
-constexpr days clock_error_max{1};
 
 /// From a day before now, as many days as asked for.
 struct validity {

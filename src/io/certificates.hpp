@@ -18,6 +18,8 @@ inline constexpr std::string_view authority_name = "ca";
 
 inline constexpr unsigned certificate_days_max = 36500;
 inline constexpr std::size_t certificate_addresses_max = 64;
+/// Certificates and lists are valid from so long before they are made: clocks differ.
+inline constexpr std::chrono::days clock_error_max{1};
 
 /// The time of the system's clock.
 [[nodiscard]] std::chrono::sys_seconds system_time();

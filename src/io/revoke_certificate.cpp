@@ -18,9 +18,6 @@ namespace {
 
 using std::chrono::sys_seconds;
 
-/// For hosts whose clocks are behind.
-constexpr std::chrono::days clock_error_max{1};
-
 /// HOST.crt and what it has taken the place of.
 std::vector<std::string> certificates_of(const std::string& folder, const std::string& host) {
   std::vector<std::string> all{path_in(folder, host, ".crt")};

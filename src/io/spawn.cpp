@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "io/descriptor.hpp"
 #include "io/group_guard.hpp"
 
 extern char** environ;
@@ -23,26 +24,6 @@ namespace {
 [[noreturn]] void fail(int error, const std::string& what) {
   throw std::system_error(error, std::generic_category(), what);
 }
-
-/// A descriptor that is closed unless it is taken.
-class descriptor {
-public:
-  descriptor() = default;
-  explicit descriptor(int number) : number_(number) {}
-  ~descriptor() { close(); }
-  descriptor(descriptor&& x) noexcept : number_(x.take()) {}
-  descriptor& operator=(descriptor&&) = delete;
-
-  [[nodiscard]] int get() const { return number_; }
-  [[nodiscard]] int take() { return std::exchange(number_, -1); }
-  void close() {
-    if (number_ != -1)
-      ::close(take());
-  }
-
-private:
-  int number_ = -1;
-};
 
 struct pipe_ends {
   descriptor ours;

@@ -15,12 +15,6 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-namespace {
-
-constexpr duration pause_after_error = 100ms;
-
-} // namespace
-
 error_code listen_at(tcp::acceptor& acceptor, const tcp::endpoint& where) {
   error_code error;
   acceptor.open(where.protocol(), error);

@@ -22,12 +22,6 @@ using asio::ip::address_v4;
 using asio::ip::udp;
 using boost::system::error_code;
 
-namespace {
-
-constexpr auto pause_after_error = std::chrono::milliseconds(100);
-
-} // namespace
-
 struct udp_group::state : std::enable_shared_from_this<state> {
   state(loop& where, udp_group_config with, callback f)
       : where_loop(where), config(std::move(with)), receiver(context_of(where)),

@@ -33,7 +33,6 @@ constexpr int option_receive_many = 104;
 
 constexpr int system_buffer = 4 * 1024 * 1024; ///< wanted; net.core.rmem_max and wmem_max limit it
 constexpr int reads_of_a_turn = 16;
-constexpr duration pause_after_error = 100ms;
 
 sockaddr_in address_of(const ipv4_address& to, std::uint16_t port) {
   sockaddr_in x{};

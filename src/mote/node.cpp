@@ -497,7 +497,7 @@ void node::pace(communication::channel_packet x, node_outputs& out, instant now)
   if (waiting.packets.size() >= paced_max) {
     ++counters_.paced_out;
     note_loss(waiting.packets.front().second, loss::overtaken);
-    waiting.packets.pop_front();
+    waiting.packets.erase(waiting.packets.begin());
   }
   waiting.packets.emplace_back(std::move(x.octets), x.from);
 }
@@ -516,7 +516,7 @@ void node::carry_in_slot(Packet x, node_outputs& out, instant now) {
 void node::send_slotted(node_outputs& out, instant now) {
   while (!slotted_.empty() && slotted_.front().due <= now) {
     auto next = std::move(slotted_.front());
-    slotted_.pop_front();
+    slotted_.erase(slotted_.begin());
     std::visit([&](auto& x) { carry(std::move(x), true, out, now); }, next.what);
   }
 }
@@ -555,7 +555,7 @@ void node::send_paced(node_outputs& out, instant now) {
       auto& [octets, from] = waiting.packets.front();
       const acting_on its(from);
       send_on(channel, std::move(octets), network::departure::at_once, out, now);
-      waiting.packets.pop_front();
+      waiting.packets.erase(waiting.packets.begin());
     }
     if (waiting.packets.empty()) {
       x = paced_.erase(x);

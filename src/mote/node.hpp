@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -248,7 +247,7 @@ private:
     instant due;
     std::variant<communication::channel_packet, transport::to_network> what;
   };
-  std::deque<slotted> slotted_; ///< further packets of vectors, for their part of the slot
+  std::vector<slotted> slotted_; ///< further packets of vectors, for their part of the slot
   std::optional<communication::layer>
       layer_; ///< always there once constructed; programs point to it
   /// Most frames do not concern the layer: what it last said is kept while nobody uses it.
@@ -259,8 +258,8 @@ private:
   synaptic::rubicon_clock clock_;
   duty_cycle duty_;
   struct paced {
-    instant due; ///< the channel's turn
-    std::deque<std::pair<bytes, provenance>> packets;
+    instant due;                                       ///< the channel's turn
+    std::vector<std::pair<bytes, provenance>> packets; ///< few, the oldest first
   };
   std::map<stream::channel_handle, paced> paced_; ///< none without packets
   duration slack_{};                              ///< as told to the layer

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint8_t flag_place = 1;
 constexpr std::uint8_t flag_flooded = 2;
 
-struct writer {
+struct channel_writer {
   byte_writer& to;
 
   void operator()(const connect_message& x) const {
@@ -75,7 +75,7 @@ bytes encode(const channel_message& x) {
   byte_writer to;
   to.octet(static_cast<std::uint8_t>(x.content.index() + 1));
   to.big(x.channel.source.value).big(x.channel.number);
-  std::visit(writer{to}, x.content);
+  std::visit(channel_writer{to}, x.content);
   return to.finish();
 }
 

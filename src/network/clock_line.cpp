@@ -21,10 +21,6 @@ constexpr double wander_margin = 2;    ///< over what was seen, which forgets
 constexpr double believed = 0.7;       ///< of what was assumed, when one point shows less
 constexpr double wander_memory = 1800; ///< s, within which it does
 
-std::int64_t us_of(instant x) {
-  return std::chrono::floor<microseconds>(x.time_since_epoch()).count();
-}
-
 microseconds rounded_up(double us) {
   return microseconds(static_cast<std::int64_t>(std::ceil(us)));
 }

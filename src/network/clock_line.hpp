@@ -12,6 +12,11 @@
 
 namespace rubicon::network {
 
+/// A clock's reading, rounded down.
+[[nodiscard]] inline std::int64_t us_of(instant x) {
+  return std::chrono::floor<std::chrono::microseconds>(x.time_since_epoch()).count();
+}
+
 /// Least squares over the newest points gives offset and rate; before points are far enough apart
 /// the rate is the one known before, or none. A crystal's rate wanders, as its temperature does:
 /// how fast is measured by how far the line misses each new point, and decides how old a point may

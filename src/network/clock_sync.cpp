@@ -31,10 +31,6 @@ bool is_newer_era(std::uint8_t a, std::uint8_t b) {
   return static_cast<std::int8_t>(static_cast<std::uint8_t>(a - b)) > 0;
 }
 
-std::int64_t us_of(instant x) {
-  return std::chrono::floor<microseconds>(x.time_since_epoch()).count();
-}
-
 /// How a line goes on from one time to another.
 network_line moved(network_line x, microseconds by) {
   x.ahead += microseconds(

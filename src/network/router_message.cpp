@@ -20,7 +20,7 @@ std::optional<virtual_coordinates> read_place(byte_reader& from) {
   return place.x == hops_unknown ? std::nullopt : std::optional(place);
 }
 
-struct writer {
+struct message_writer {
   byte_writer& to;
 
   void operator()(const user_content& x) const { to.append(x.content); }
@@ -39,7 +39,7 @@ struct writer {
 bytes encode(const router_message& x) {
   byte_writer to;
   to.octet(static_cast<std::uint8_t>(x.index()));
-  std::visit(writer{to}, x);
+  std::visit(message_writer{to}, x);
   return to.finish();
 }
 

@@ -14,8 +14,8 @@ namespace rubicon::page {
 namespace {
 
 constexpr std::size_t bins = 30;
-constexpr std::size_t violations_shown = 200;
-constexpr double width = 520;
+constexpr std::size_t violations_listed = 200;
+constexpr double figure_width = 520;
 constexpr double height = 190;
 constexpr double left = 44;
 constexpr double right = 16;
@@ -36,15 +36,15 @@ std::string histogram(const std::string& title, const std::vector<seed_figures::
     ++counts[std::min(bins - 1, static_cast<std::size_t>(share * bins))];
   }
   const auto most = *std::ranges::max_element(counts);
-  drawing out(width, height,
+  drawing out(figure_width, height,
               "role='img' aria-label='" + escaped("Distribution of " + title) + '\'');
-  out.rect({left, top}, width - left - right, height - top - bottom, "class='frame'");
-  const axis across{low, high, left + 6, width - right - 6};
+  out.rect({left, top}, figure_width - left - right, height - top - bottom, "class='frame'");
+  const axis across{low, high, left + 6, figure_width - right - 6};
   const axis up{0, static_cast<double>(most), height - bottom, top + 6};
   for (const auto& each : ticks(0, static_cast<double>(most), 3)) {
     if (each.value != std::floor(each.value))
       continue;
-    out.line({left, up.at(each.value)}, {width - right, up.at(each.value)}, "class='grid'");
+    out.line({left, up.at(each.value)}, {figure_width - right, up.at(each.value)}, "class='grid'");
     out.text({left - 6, up.at(each.value) + 4}, "class='soft' text-anchor='end'", each.label);
   }
   const auto bar = (across.end - across.begin) / bins;
@@ -96,7 +96,7 @@ std::string violations_of(const swarm_page& x) {
   std::size_t shown = 0;
   for (const auto& seed : x.failed)
     for (const auto& each : seed.violations) {
-      if (++shown > violations_shown)
+      if (++shown > violations_listed)
         continue;
       rows += row({{std::to_string(seed.seed), true},
                    {each.invariant, false, "long"},
@@ -104,7 +104,7 @@ std::string violations_of(const swarm_page& x) {
                    {seed.command, false, "long"}});
     }
   out += "<h3>By seed</h3>" + wide("<table>" + rows + "</table>");
-  if (shown > violations_shown || x.failed.size() < x.failures)
+  if (shown > violations_listed || x.failed.size() < x.failures)
     out += element("p", "… and more: `--json` lists them", "class='soft'");
   return section("violations", "Violations", out);
 }

@@ -15,7 +15,7 @@ namespace rubicon::page {
 
 namespace {
 
-constexpr double width = 1100;
+constexpr double lanes_width = 1100;
 constexpr double names_width = 150;
 constexpr double lane_height = 24;
 constexpr double axis_height = 30;
@@ -118,9 +118,9 @@ void draw_mark(drawing& out, const mark& x, double at, double middle) {
 
 std::string draw(const run_page& x, const std::vector<lane>& lanes) {
   const auto bottom = 8 + lane_height * static_cast<double>(lanes.size());
-  drawing out(width, bottom + axis_height, "role='img' aria-label='Time line of the run'");
-  const axis time{0, std::max(seconds(x.report.simulated), 1e-9), names_width, width - 24};
-  out.rect({names_width - 10, 4}, width - names_width - 4, bottom, "class='frame' rx='4'");
+  drawing out(lanes_width, bottom + axis_height, "role='img' aria-label='Time line of the run'");
+  const axis time{0, std::max(seconds(x.report.simulated), 1e-9), names_width, lanes_width - 24};
+  out.rect({names_width - 10, 4}, lanes_width - names_width - 4, bottom, "class='frame' rx='4'");
   for (const auto& each : time_ticks(x.report.simulated, 10)) {
     out.line({time.at(each.value), 4}, {time.at(each.value), bottom + 4}, "class='grid'");
     out.text({time.at(each.value), bottom + 20}, "class='soft' text-anchor='middle'", each.label);
@@ -135,7 +135,7 @@ std::string draw(const run_page& x, const std::vector<lane>& lanes) {
   return wide(out.finish());
 }
 
-std::string legend() {
+std::string marks_legend() {
   std::string out = "<div class='legend'>";
   const auto entry = [&out](const char* look, std::string_view text) {
     drawing sample(34, 14, "aria-hidden='true'");
@@ -178,7 +178,7 @@ std::string time_line_of(const run_page& x) {
     lanes.push_back(std::move(each));
   if (lanes.empty() || x.report.simulated <= 0s)
     return {};
-  return section("time", "Time line", draw(x, lanes) + legend() + log_of(x));
+  return section("time", "Time line", draw(x, lanes) + marks_legend() + log_of(x));
 }
 
 } // namespace rubicon::page

@@ -7,14 +7,14 @@ namespace rubicon::peis {
 namespace {
 
 constexpr std::size_t network_at = 8;
-constexpr std::size_t network_size = 64;
+constexpr std::size_t network_octets = 64;
 constexpr std::size_t record_at = 72;
 
 } // namespace
 
 bytes encode(const announcement& x) {
   layout_writer<record_at> to;
-  to.big(0, x.version).text(network_at, network_size, x.network);
+  to.big(0, x.version).text(network_at, network_octets, x.network);
   bytes out;
   out.reserve(announcement_size);
   to.append_to(out);
@@ -31,7 +31,7 @@ result<announcement> decode_announcement(byte_view octets) {
   if (octets.size() != announcement_size)
     return octets.size() < announcement_size ? errc::truncated : errc::too_long;
   const layout_reader from(octets);
-  const auto network = from.text(network_at, network_size);
+  const auto network = from.text(network_at, network_octets);
   if (!network)
     return errc::bad_value;
   auto sender = decode_host_record(octets.subspan(record_at));

@@ -20,7 +20,7 @@ constexpr std::size_t cached_at = 544;
 low_level_address decode_address(byte_view octets) {
   low_level_address x;
   const auto device = octets.first(device_size);
-  x.device = to_string(device);
+  x.device = rubicon::to_string(device);
   x.device.resize(std::min(x.device.find('\0'), x.device.size())); // no NUL if 8 characters
   x.loopback = octets[8] != 0;
   // The only integer of the record in little-endian order (peis-wire.md 5).

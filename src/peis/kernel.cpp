@@ -16,7 +16,7 @@ constexpr std::string_view id_taken_key = "kernel.id-taken"; ///< who else uses 
 
 /// Any value but these asks to quit (peis-wire.md 18).
 bool asks_to_quit(const tuple& x) {
-  const auto text = key::from_wire(x.text().substr(0, key_length_max));
+  const auto text = key::from_wire(x.text().substr(0, key_characters_max));
   return text && !text->folded().empty() && text->folded() != "no" && text->folded() != "nil";
 }
 

@@ -18,10 +18,6 @@ std::string_view next_part(std::string_view& rest) {
   return part;
 }
 
-std::size_t count_parts(std::string_view text) {
-  return text.empty() ? 0 : 1 + static_cast<std::size_t>(std::count(text.begin(), text.end(), '.'));
-}
-
 bool ends_part(std::string_view text, std::size_t at) {
   return at == text.size() || text[at] == '.';
 }
@@ -53,7 +49,7 @@ key::key(std::string_view text) {
   x->text = text;
   x->folded = text;
   std::transform(text.begin(), text.end(), x->folded.begin(), lower);
-  x->parts = count_parts(text);
+  x->parts = key_parts_of(text);
   x->wild_at = find_wildcard(text);
   content_ = x;
 }
@@ -64,16 +60,16 @@ const key::parsed& key::content() const {
 }
 
 result<key> key::parse(std::string_view text) {
-  if (text.size() > key_length_max)
+  if (text.size() > key_characters_max)
     return errc::too_long;
-  if (count_parts(text) > key_parts_max || text.find('\0') != std::string_view::npos ||
+  if (key_parts_of(text) > key_parts_max || text.find('\0') != std::string_view::npos ||
       has_stray_star(text))
     return errc::bad_value;
   return key(text);
 }
 
 result<key> key::from_wire(std::string_view text) {
-  if (text.size() > key_length_max)
+  if (text.size() > key_characters_max)
     return errc::too_long;
   return key(first_parts(text, key_parts_max));
 }

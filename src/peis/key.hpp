@@ -8,11 +8,9 @@
 #include <string_view>
 
 #include "core/error.hpp"
+#include "core/tuple_key.hpp"
 
 namespace rubicon::peis {
-
-inline constexpr std::size_t key_length_max = 127;
-inline constexpr std::size_t key_parts_max = 7;
 
 /// A key or a pattern. The part `*` stands for exactly one part; the empty key matches every key.
 /// Copies share their text.

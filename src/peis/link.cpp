@@ -8,7 +8,7 @@ namespace rubicon::peis {
 
 namespace {
 
-constexpr std::size_t network_at = 12;
+constexpr std::size_t connect_network_at = 12;
 constexpr std::size_t network_size = 64;
 
 } // namespace
@@ -16,7 +16,7 @@ constexpr std::size_t network_size = 64;
 bytes encode(const connect_request& request) {
   layout_writer<connect_request_size> to;
   to.big(0, request.version).big(4, request.id.value).big(8, request.flags);
-  to.text(network_at, network_size, request.network);
+  to.text(connect_network_at, network_size, request.network);
   return to_bytes(to.view());
 }
 
@@ -24,7 +24,7 @@ result<connect_request> decode_connect_request(byte_view octets) {
   if (octets.size() < connect_request_size)
     return errc::truncated;
   const layout_reader from(octets);
-  const auto network = from.text(network_at, network_size);
+  const auto network = from.text(connect_network_at, network_size);
   if (!network)
     return errc::bad_value;
   return connect_request{from.big<std::int32_t>(0), peer_id{from.big<std::int32_t>(4)},

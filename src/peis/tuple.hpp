@@ -28,6 +28,11 @@ inline constexpr timestamp never{0, 0};      ///< as expiry: lives until deleted
 inline constexpr timestamp deleted{1, 0};    ///< as expiry: delete it now (peis-wire.md 15.4)
 inline constexpr timestamp any_time{-1, -1}; ///< in patterns
 
+/// Seconds and microseconds are wildcards one by one.
+[[nodiscard]] constexpr bool is_wildcard(const timestamp& x) {
+  return x.seconds == any_time.seconds || x.microseconds == any_time.microseconds;
+}
+
 enum class encoding : std::int32_t { any = -1, text = 0, binary = 1 };
 
 inline constexpr std::string_view text_mimetype = "text/plain";

@@ -42,10 +42,6 @@ timestamp read_time(const layout_reader& from, std::size_t offset, timestamp kno
   return x;
 }
 
-bool wildcard(timestamp x) {
-  return x.seconds == -1 || x.microseconds == -1;
-}
-
 std::size_t mimetype_length(const layout_reader& from) {
   const auto length = from.octet(36);
   return length == 255 ? 0 : length;
@@ -166,9 +162,10 @@ result<tuple> decode_tuple_message(const payload& octets, timestamp known) {
   x.seqno = from.big<std::int32_t>(216);
   x.append_seqno = from.big<std::int32_t>(220);
   const auto head = tuple_record_size + mimetype->size();
-  if (x.owner.value <= 0 || x.creator.value <= 0 || wildcard(x.user_time) || wildcard(x.expiry) ||
-      (x.form != encoding::text && x.form != encoding::binary) || name->is_pattern() ||
-      mimetype->empty() || from.big<std::uint32_t>(40) == 0 || octets.size() == head)
+  if (x.owner.value <= 0 || x.creator.value <= 0 || is_wildcard(x.user_time) ||
+      is_wildcard(x.expiry) || (x.form != encoding::text && x.form != encoding::binary) ||
+      name->is_pattern() || mimetype->empty() || from.big<std::uint32_t>(40) == 0 ||
+      octets.size() == head)
     return errc::bad_value;
   x.name = std::move(*name);
   x.mimetype = std::move(*mimetype);

@@ -21,10 +21,6 @@ std::optional<timestamp> to_timestamp(instant x, duration offset) {
   return timestamp{whole.count(), static_cast<std::int32_t>(rest.count())};
 }
 
-bool wildcard(timestamp x) {
-  return x.seconds == any_time.seconds || x.microseconds == any_time.microseconds;
-}
-
 } // namespace
 
 tuple_space::tuple_space(tuple_space_config config, peer_id self, duration clock_offset)
@@ -72,8 +68,8 @@ std::optional<tuple> tuple_space::draft(peer_id owner, const key& name,
 
 /// Checks what a user has filled in and fills in the rest.
 cause tuple_space::prepare(tuple& x, instant now) const {
-  if (x.owner == any_peer || x.name.is_pattern() || wildcard(x.user_time) || wildcard(x.expiry) ||
-      x.form == encoding::any || x.mimetype.empty())
+  if (x.owner == any_peer || x.name.is_pattern() || is_wildcard(x.user_time) ||
+      is_wildcard(x.expiry) || x.form == encoding::any || x.mimetype.empty())
     return cause::abstract;
   if (x.owner.value <= 0 || x.mimetype.size() > mimetype_length_max)
     return cause::bad_value;

@@ -1,9 +1,9 @@
 #include "proxy/class_change.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
-#include <charconv>
+
+#include "core/decimal.hpp"
 
 namespace rubicon::proxy {
 
@@ -13,13 +13,6 @@ template <class T, class To>
 void set(const std::optional<T>& from, To& to) {
   if (from)
     to = *from;
-}
-
-/// As short as can be.
-std::string shown(double x) {
-  std::array<char, 32> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr;
-  return {digits.data(), end};
 }
 
 void say(std::string what, std::string& text) {
@@ -60,9 +53,9 @@ std::string to_text(const class_change& x) {
   if (x.unit)
     say(x.field + " in " + *x.unit, text);
   if (x.scale)
-    say("scale of " + x.field + ' ' + shown(*x.scale), text);
+    say("scale of " + x.field + ' ' + shortest_decimal(*x.scale), text);
   if (x.add)
-    say("add of " + x.field + ' ' + shown(*x.add), text);
+    say("add of " + x.field + ' ' + shortest_decimal(*x.add), text);
   if (x.decimals)
     say("decimals of " + x.field + ' ' + std::to_string(*x.decimals), text);
   return text;

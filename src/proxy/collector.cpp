@@ -6,7 +6,7 @@ namespace rubicon::proxy {
 
 namespace {
 
-constexpr std::uint64_t watch_read = 0;
+constexpr std::uint64_t watch_of_keys = 0;
 constexpr std::uint64_t watch_listed = 1;
 
 } // namespace
@@ -14,7 +14,7 @@ constexpr std::uint64_t watch_listed = 1;
 components::outputs collector::start(instant) {
   components::outputs out;
   for (const auto& key : keys_)
-    out.emplace_back(components::watch{watch_read, any_peer, key});
+    out.emplace_back(components::watch{watch_of_keys, any_peer, key});
   if (every_ > duration{})
     out.emplace_back(
         components::watch{watch_listed, any_peer, std::string(all_device_statuses_key)});

@@ -89,7 +89,8 @@ void rules::start(instant now, std::optional<instant> away_since) {
 /// A time of day has passed while the rules were away.
 void rules::make_up(state& x, instant previous, instant now) {
   const auto late = "the time of a rule that writes " + x.what.writes.front().key +
-                    " has passed while the rules were away, " + to_text(now - previous) + " ago";
+                    " has passed while the rules were away, " + rubicon::to_text(now - previous) +
+                    " ago";
   x.is_late = x.what.retry && retry_ > 0s && now - previous <= lateness_max;
   if (!x.is_late)
     ++counters_.missed;
@@ -330,7 +331,7 @@ void rules::on_written(std::string_view key, write_end end, std::string_view cau
     x->accepted_at = now;
     x->pause = retry_;
     if (std::exchange(x->is_told, false))
-      tell(what + " has arrived, " + to_text(now - x->since) + " late");
+      tell(what + " has arrived, " + rubicon::to_text(now - x->since) + " late");
   } else if (end == write_end::refused) {
     ++ended_[x->rule].refused;
     x->is = stage::done;

@@ -70,11 +70,6 @@ std::string fill_prefix(std::string_view prefix,
   return key_parts(filled);
 }
 
-bool fits_tuple_key(std::string_view key) {
-  const auto dots = static_cast<std::size_t>(std::count(key.begin(), key.end(), '.'));
-  return key.size() <= key_characters_max && dots < key_parts_max;
-}
-
 bool same_key(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](char x, char y) { return lower(x) == lower(y); });

@@ -9,12 +9,9 @@
 #include <vector>
 
 #include "core/address.hpp"
+#include "core/tuple_key.hpp"
 
 namespace rubicon::proxy {
-
-/// Limits of a tuple key (peis-wire.md 15.7, TUP-03).
-inline constexpr std::size_t key_characters_max = 127;
-inline constexpr std::size_t key_parts_max = 7;
 
 /// Whose proxy it is.
 struct proxy_identity {
@@ -44,9 +41,6 @@ struct proxy_identity {
 [[nodiscard]] std::string
 fill_prefix(std::string_view prefix,
             const std::vector<std::pair<std::string_view, std::string>>& names);
-
-/// Whether a key is short enough and has few enough parts to be set.
-[[nodiscard]] bool fits_tuple_key(std::string_view key);
 
 /// Keys are compared without letter case (TUP-03).
 [[nodiscard]] bool same_key(std::string_view a, std::string_view b);

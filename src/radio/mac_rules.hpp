@@ -15,6 +15,7 @@ namespace rubicon::radio {
 /// The standard's numbers for 2.4 GHz (tinyos.md 5.3).
 namespace timing {
 inline constexpr duration symbol = 16us;
+inline constexpr duration octet = 2 * symbol;
 inline constexpr duration unit_backoff = 20 * symbol;
 inline constexpr duration cca = 8 * symbol; ///< what every transceiver here assesses
 inline constexpr duration turnaround = 12 * symbol;

@@ -1,24 +1,17 @@
 #include "report/csv.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+
+#include "core/decimal.hpp"
 
 namespace rubicon::report {
 
 namespace {
 
 /// The shortest text that reads back as the same number; empty if it is not finite.
-std::string number(double x) {
-  if (!std::isfinite(x))
-    return {};
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, x).ptr;
-  return {text, end};
-}
-
 std::string time_s(instant x) {
-  return number(seconds(x.time_since_epoch()));
+  return shortest_decimal(seconds(x.time_since_epoch()));
 }
 
 void add_field(std::string& line, std::string_view x) {
@@ -118,8 +111,8 @@ std::string csv_tables::energy(const run_sample& x) const {
   for (const auto& mote : x.motes)
     rows += csv_line({time_s(x.at), island_of(mote.address.island),
                       mote_of(mote.address.island, mote.address.mote), mote.alive ? "1" : "0",
-                      number(mote.used_mah),
-                      number(100 * std::max(1 - mote.used_mah / mote.battery_mah, 0.0))});
+                      shortest_decimal(mote.used_mah),
+                      shortest_decimal(100 * std::max(1 - mote.used_mah / mote.battery_mah, 0.0))});
   return rows;
 }
 
@@ -132,7 +125,7 @@ std::string csv_tables::links(const run_sample& x) const {
                       routed ? mote_of(mote.address.island, mote.parent) : std::string(),
                       routed ? std::to_string(mote.hops) : std::string(),
                       mote.signal_dbm ? std::to_string(*mote.signal_dbm) : std::string(),
-                      mote.etx ? number(*mote.etx) : std::string()});
+                      mote.etx ? shortest_decimal(*mote.etx) : std::string()});
   }
   return rows;
 }

@@ -1,8 +1,8 @@
 // How expectations read.
-#include <charconv>
 #include <cmath>
 #include <variant>
 
+#include "core/decimal.hpp"
 #include "report/expectations.hpp"
 #include "report/figures.hpp"
 
@@ -10,15 +10,9 @@ namespace rubicon::report {
 
 namespace {
 
-std::string number(double x) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, x).ptr;
-  return {text, end};
-}
-
 /// `99.9%`: as the file's author thinks of it, without what binary fractions add.
 std::string share(double x) {
-  return number(std::round(x * 1e8) / 1e6) + '%';
+  return shortest_decimal(std::round(x * 1e8) / 1e6) + '%';
 }
 
 std::string scope(const config::mote_scope& x) {
@@ -30,9 +24,9 @@ std::string condition(const config::tuple_condition& x) {
   for (std::size_t i = 0; i < x.equals.size(); ++i)
     text += (i == 0 ? " = \"" : " or \"") + x.equals[i] + '"';
   if (x.above)
-    text += " >= " + number(*x.above);
+    text += " >= " + shortest_decimal(*x.above);
   if (x.below)
-    text += (x.above ? " and < " : " < ") + number(*x.below);
+    text += (x.above ? " and < " : " < ") + shortest_decimal(*x.below);
   return text;
 }
 

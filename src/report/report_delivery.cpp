@@ -9,18 +9,17 @@ namespace rubicon::report {
 
 namespace {
 
-constexpr std::size_t motes_listed_max = 12;
 constexpr std::size_t worst_shown = 5;
 constexpr std::size_t losses_shown = 5;
 
-struct mote_entry {
+struct delivery_entry {
   const island_report* island;
   const mote_report* mote;
   double delivery;
 };
 
-std::vector<mote_entry> worst_first(const run_report& x) {
-  std::vector<mote_entry> entries;
+std::vector<delivery_entry> worst_first(const run_report& x) {
+  std::vector<delivery_entry> entries;
   for (const auto& island : x.islands)
     for (const auto& mote : island.motes)
       if (const auto delivery = mote.messages.delivery())
@@ -30,7 +29,7 @@ std::vector<mote_entry> worst_first(const run_report& x) {
   return entries;
 }
 
-std::string parent_of(const mote_entry& x) {
+std::string parent_of(const delivery_entry& x) {
   const auto parent = x.mote->parent;
   if (parent == mote_id{})
     return "–";

@@ -208,9 +208,10 @@ json to_json(const program_report& x) {
 }
 
 json to_json(const expectation_report& x) {
-  using verdict = expectation_report::verdict;
   return {{"expect", x.text},
-          {"met", x.outcome == verdict::unjudged ? json() : json(x.outcome == verdict::met)},
+          {"met", x.outcome == expectation_report::verdict::unjudged
+                      ? json()
+                      : json(x.outcome == expectation_report::verdict::met)},
           {"measured", x.measured},
           {"at_s", at_s(x.at)},
           {"command", x.command}};

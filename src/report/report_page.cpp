@@ -55,8 +55,8 @@ void report_page::add(const table& x) {
   text_ += x.render(room_, colour_);
 }
 
-std::size_t report_page::shown(std::size_t rows, std::size_t rows_max) const {
-  return full_ ? rows : std::min(rows, rows_max);
+std::size_t report_page::shown(std::size_t rows, std::size_t at_most) const {
+  return full_ ? rows : std::min(rows, at_most);
 }
 
 void report_page::add_rest(table& rows, std::size_t all, std::size_t shown) {

@@ -26,8 +26,8 @@ public:
 
   void add(const table& x);
 
-  /// How many of so many rows are shown, where not more than `rows_max` are unless all are wanted.
-  [[nodiscard]] std::size_t shown(std::size_t rows, std::size_t rows_max) const;
+  /// How many of so many rows are shown, where not more than `at_most` are unless all are wanted.
+  [[nodiscard]] std::size_t shown(std::size_t rows, std::size_t at_most) const;
   [[nodiscard]] bool is_full() const { return full_; }
 
   /// Below a table of which only so many rows are shown.

@@ -12,6 +12,7 @@
 namespace rubicon::report {
 
 inline constexpr std::size_t rows_max = 20; ///< of islands, flows, peers, proxies and actuations
+inline constexpr std::size_t motes_listed_max = 12; ///< one by one; of more, those that stand out
 
 /// `loss 12, collision 3`, the most frequent first; causes that never happened are left out.
 [[nodiscard]] std::string causes(const cause_counts& x);

@@ -18,7 +18,6 @@ namespace {
 
 constexpr std::size_t log_lines_max = 40;
 constexpr std::size_t alike_min = 4; ///< equal neighbours in the event log that become one line
-constexpr std::size_t motes_listed_max = 12;
 constexpr std::size_t least_left_shown = 5;
 constexpr std::size_t failures_shown = 10;
 constexpr std::size_t violations_shown = 40;
@@ -301,13 +300,13 @@ void add_network(report_page& page, const run_report& x) {
 }
 
 /// A mote and the island it lives in.
-struct mote_entry {
+struct energy_entry {
   const island_report* island;
   const mote_report* mote;
 };
 
-std::vector<mote_entry> least_left_first(const run_report& x) {
-  std::vector<mote_entry> entries;
+std::vector<energy_entry> least_left_first(const run_report& x) {
+  std::vector<energy_entry> entries;
   for (const auto& island : x.islands)
     for (const auto& mote : island.motes)
       entries.push_back({&island, &mote});
@@ -325,7 +324,7 @@ int decimals_for(double largest_mah) {
   return largest_mah < 10 ? 3 : largest_mah < 100 ? 2 : 1;
 }
 
-void add_energy_row(table& rows, const mote_entry& entry, int decimals) {
+void add_energy_row(table& rows, const energy_entry& entry, int decimals) {
   const auto& mote = *entry.mote;
   const auto& x = mote.energy;
   const auto radio_on = x.radio_listen + x.radio_receive + x.radio_transmit;

@@ -66,12 +66,22 @@ void trace_part::fold(std::uint64_t& of, instant time, const envelope& message) 
 }
 
 void traced_base::place(std::string path, process& where, trace_recorder* recorder) {
-  path_ = std::move(path);
-  path_hash_ = fold64().add(std::string_view(path_)).value();
+  path_hash_ = fold64().add(std::string_view(path)).value();
   fold_ = path_hash_;
   process_ = &where;
-  recorder_ = path_.empty() ? nullptr : recorder;
-  is_watched_ = recorder_ != nullptr && recorder_->watches(path_);
+  recorder_ = path.empty() ? nullptr : recorder;
+  is_watched_ = recorder_ != nullptr && recorder_->watches(path);
+  if (recorder_ != nullptr) {
+    path_ = &recorder_->messages().path(path);
+  } else {
+    own_path_ = std::make_unique<std::string>(std::move(path));
+    path_ = own_path_.get();
+  }
+}
+
+const std::string& traced_base::path() const {
+  static const std::string nowhere;
+  return path_ != nullptr ? *path_ : nowhere;
 }
 
 instant traced_base::time() const {

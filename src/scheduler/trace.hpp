@@ -153,7 +153,7 @@ class traced_base : public provenance_source {
 public:
   /// Where the actor stands in the ecology, such as `island/7/mote/12`; empty if it was never
   /// placed.
-  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] const std::string& path() const;
 
   /// Gives the actor its path, its process and its recorder. Must happen right after the spawn,
   /// before anything runs; the spawn helpers in spawn.hpp and world.hpp do it.
@@ -166,13 +166,13 @@ public:
   [[nodiscard]] process* where() const { return process_; }
 
   [[nodiscard]] std::uint64_t begin(std::string_view what, std::uint64_t id) override {
-    return recorder_ != nullptr && recorder_->wants_remarks() ? recorder_->begin(path_, what, id)
+    return recorder_ != nullptr && recorder_->wants_remarks() ? recorder_->begin(path(), what, id)
                                                               : 0;
   }
   [[nodiscard]] message_ledger* ledger() override {
     return recorder_ != nullptr ? &recorder_->messages() : nullptr;
   }
-  [[nodiscard]] std::string_view place() const override { return path_; }
+  [[nodiscard]] std::string_view place() const override { return path(); }
   [[nodiscard]] instant time() const override;
 
   /// Tells observers; costs nothing without any.
@@ -181,7 +181,7 @@ public:
   void remark(std::string_view what, std::uint64_t id, Octets octets) const {
     if (recorder_ != nullptr && recorder_->wants_remarks()) {
       const auto content = octets();
-      recorder_->note({{}, path_, what, id, content});
+      recorder_->note({{}, path(), what, id, content});
     }
   }
 
@@ -189,7 +189,7 @@ public:
   template <class Make>
   void remark_any(std::string_view what, Make make) const {
     if (recorder_ != nullptr && recorder_->wants_remarks())
-      recorder_->note({{}, path_, what, 0, {}, 0, make()});
+      recorder_->note({{}, path(), what, 0, {}, 0, make()});
   }
 
 protected:
@@ -222,7 +222,8 @@ private:
 
   [[nodiscard]] trace_part& part() const;
 
-  std::string path_;
+  const std::string* path_ = nullptr;     ///< in the account of messages, or else its own
+  std::unique_ptr<std::string> own_path_; ///< without a recorder
   std::uint64_t path_hash_ = 0;
   std::uint64_t fold_ = 0; ///< of what it was delivered
   process* process_ = nullptr;

@@ -23,10 +23,6 @@ constexpr std::array<std::uint16_t, 256> make_crc_table() {
 
 constexpr auto crc_table = make_crc_table();
 
-bool has_sequence(frame_type x) {
-  return x == frame_type::ack || x == frame_type::packet_with_ack;
-}
-
 void append_escaped(bytes& wire, byte_view octets) {
   for (const auto octet : octets) {
     if (octet == flag_octet || octet == escape_octet) {

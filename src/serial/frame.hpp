@@ -30,6 +30,11 @@ enum class frame_type : std::uint8_t {
   unknown = 0xff,         ///< answer to a frame of unknown type
 };
 
+/// Which frames have a sequence number on the wire.
+[[nodiscard]] constexpr bool has_sequence(frame_type x) {
+  return x == frame_type::ack || x == frame_type::packet_with_ack;
+}
+
 /// What stands between two flags, without the CRC.
 struct frame {
   frame_type type = frame_type::packet;

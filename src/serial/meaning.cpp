@@ -93,7 +93,7 @@ std::string oscilloscope_text(byte_reader in) {
 
 /// A buffer of text, filled up with zeros.
 std::string printf_text(byte_reader in) {
-  auto text = to_string(in.rest());
+  auto text = rubicon::to_string(in.rest());
   text.erase(std::min(text.find('\0'), text.size()));
   return "printf \"" + printable(text) + '"';
 }

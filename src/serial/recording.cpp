@@ -34,10 +34,6 @@ recording_problem wrong(std::string what) {
   return {0, std::move(what)};
 }
 
-bool has_sequence(frame_type x) {
-  return x == frame_type::ack || x == frame_type::packet_with_ack;
-}
-
 std::optional<frame_type> type_of(std::uint8_t x) {
   switch (static_cast<frame_type>(x)) {
   case frame_type::ack:

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 
+#include "core/tuple_key.hpp"
+
 namespace rubicon::translate {
 
 namespace {
-
-constexpr std::size_t key_characters_max = 127;
-constexpr std::ptrdiff_t key_parts_max = 7;
 
 bool is_key_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
@@ -61,7 +60,7 @@ std::size_t stars_in(std::string_view pattern) {
 }
 
 bool is_target(std::string_view to, std::size_t stars) {
-  if (to.size() > key_characters_max || std::ranges::count(to, '.') >= key_parts_max)
+  if (!fits_tuple_key(to))
     return false;
   bool part_is_empty = true;
   while (!to.empty()) {

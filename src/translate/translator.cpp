@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/decimal.hpp"
+#include "core/tuple_key.hpp"
 #include "translate/pattern.hpp"
 
 namespace rubicon::translate {
@@ -13,12 +14,6 @@ namespace {
 
 constexpr std::string_view history_suffix = ".history";
 constexpr std::string_view unit_suffix = ".unit";
-constexpr std::size_t key_characters_max = 127;
-constexpr std::ptrdiff_t key_parts_max = 7;
-
-bool fits(std::string_view key) {
-  return key.size() <= key_characters_max && std::ranges::count(key, '.') < key_parts_max;
-}
 
 /// One field of a line of CSV.
 std::string csv(std::string_view text) {
@@ -110,8 +105,8 @@ translator::target* translator::target_at(const std::string& key) {
 void translator::tell(const translation& rule, const std::string& base, std::string_view key,
                       std::string_view text, instant now, outputs& out) {
   const bool keeps = rule.history > 0;
-  if (!fits(base) || (keeps && !fits(base + std::string(history_suffix))) ||
-      (!rule.unit.empty() && !fits(base + std::string(unit_suffix)))) {
+  if (!fits_tuple_key(base) || (keeps && !fits_tuple_key(base + std::string(history_suffix))) ||
+      (!rule.unit.empty() && !fits_tuple_key(base + std::string(unit_suffix)))) {
     ++counters_.bad_keys;
     return;
   }

@@ -12,7 +12,7 @@ namespace rubicon::view {
 
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 using report::mote_sample;
 
 /// An infinite one is null, as is what is unset.

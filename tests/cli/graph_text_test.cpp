@@ -74,7 +74,7 @@ TEST_CASE("a graph says who has what and who subscribes to it", "[cli][SVC-07]")
 }
 
 TEST_CASE("a graph as text shows peers, subscriptions, meta tuples and tuples", "[cli][SVC-07]") {
-  const auto text = to_text(small_graph(), 100, false);
+  const auto text = graph_text(small_graph(), 100, false);
   CAPTURE(text);
   CHECK(text.find("9 robot") != std::string::npos);
   CHECK(text.find("mi-fan      7 lamp     room.fan    no such tuple") != std::string::npos);
@@ -82,7 +82,7 @@ TEST_CASE("a graph as text shows peers, subscriptions, meta tuples and tuples", 
   CHECK(text.find("mi-door     nowhere") != std::string::npos);
   CHECK(text.find("room.temp   21.5") != std::string::npos);
   for (std::size_t width = 20; width < 120; ++width) {
-    const auto narrow = to_text(small_graph(), width, false);
+    const auto narrow = graph_text(small_graph(), width, false);
     for (std::size_t from = 0; from < narrow.size();) {
       const auto end = narrow.find('\n', from);
       CHECK(report::display_width(narrow.substr(from, end - from)) <= width);
@@ -122,6 +122,6 @@ TEST_CASE("hostile names break neither text nor quotes of a graph", "[cli][SVC-0
   const auto dot = to_dot(x);
   CHECK(dot.find('\033') == std::string::npos);
   CHECK(dot.find(R"(a\"]; x\\\"\\x1b[2J\\n)") != std::string::npos);
-  CHECK(to_text(x, 200, false).find('\033') == std::string::npos);
+  CHECK(graph_text(x, 200, false).find('\033') == std::string::npos);
   CHECK(nlohmann::json::parse(to_json(x)).at("tuples")[0].at("subscribers") == nlohmann::json({9}));
 }
