@@ -70,7 +70,7 @@ cost measure(unsigned motes) {
     x.wall_s = (bench::wall_s() - started->wall_s) / minutes;
     x.octets = (resident() - before) / motes;
   };
-  const auto report = run_ecology(what, options);
+  const auto report = run_ecology(std::move(what), options);
   const auto messages = report.messages();
   x.events = static_cast<double>(report.events) / motes;
   x.joined = static_cast<double>(report.motes_joined()) / motes;
