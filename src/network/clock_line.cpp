@@ -28,7 +28,7 @@ microseconds rounded_up(double us) {
 } // namespace
 
 void clock_line::add(instant own, std::int64_t ahead_us, microseconds noise) {
-  const point here{own, ahead_us};
+  const point here{own, ahead_us, noise};
   learn_wander(here, noise);
   points_.push_back(here);
   if (points_.size() > points_max)
@@ -38,7 +38,12 @@ void clock_line::add(instant own, std::int64_t ahead_us, microseconds noise) {
 }
 
 void clock_line::restart(instant own, std::int64_t ahead_us, microseconds noise) {
-  points_.assign(1, {own, ahead_us});
+  if (!points_.empty() && own > points_.back().own) {
+    const auto missed = static_cast<double>(std::abs(ahead_us - this->ahead_us(own)));
+    const auto since = seconds(own - points_.back().own);
+    slope_doubt_ = std::min(std::max(slope_doubt_, missed * 1e-6 / since), rate_max);
+  }
+  points_.assign(1, {own, ahead_us, noise});
   noise_ = noise;
   fit();
 }
@@ -123,7 +128,10 @@ void clock_line::fit() {
   for (const auto& x : used)
     worst = std::max(worst, std::abs(static_cast<double>(x.ahead_us - ahead_us(x.own))));
   noise_ += rounded_up(worst);
-  const auto noise = std::max(worst, static_cast<double>(fit_noise.count()));
+  auto noise = std::max(worst, static_cast<double>(fit_noise.count()));
+  // A line through few points passes near them whatever their noise has done to its rate.
+  const auto of_ends = static_cast<double>((used.front().noise + used.back().noise).count());
+  noise = std::max(noise, of_ends / count);
   if (tells_rate) {
     slope_doubt_ = std::min(2 * noise * 1e-6 / seconds(span), rate_max);
     lag_ = seconds(used.back().own - middle_);
@@ -133,8 +141,10 @@ void clock_line::fit() {
 microseconds clock_line::doubt(instant x) const {
   assert(!empty());
   const auto since = seconds(std::chrono::abs(x - points_.back().own));
+  const bool knows_rate = slope_doubt_ < rate_max;
   const auto of_rate = since * slope_doubt_ * 1e6 + wander() * missed_by_wander(since);
-  return noise_ + rounded_up(std::min(of_rate, since * rate_max * 1e6));
+  const auto most = since * (rate_max + std::abs(slope_)) * 1e6; // the rate is the other extreme
+  return noise_ + rounded_up(knows_rate ? std::min(of_rate, most) : most);
 }
 
 duration clock_line::lasts(microseconds limit) const {

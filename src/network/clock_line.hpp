@@ -33,7 +33,8 @@ public:
   /// Both clocks read at the same moment, wrong by `noise` at most.
   void add(instant own, std::int64_t ahead_us, microseconds noise);
 
-  /// Begins anew at such a point; the rate of the two crystals against each other is kept.
+  /// Begins anew at such a point. The rate of the two crystals against each other is kept, and
+  /// doubted as much as it would explain by how much the line has missed the point.
   void restart(instant own, std::int64_t ahead_us, microseconds noise);
 
   /// A line without points through this one, whose rate is 0.
@@ -60,13 +61,15 @@ public:
   /// Microseconds per microsecond.
   [[nodiscard]] double rate() const { return slope_; }
 
-  /// On a mote, which keeps its points as 32 bits of time and difference from the middle.
-  [[nodiscard]] static std::size_t footprint() { return points_max * 8 + 32; }
+  /// On a mote, which keeps its points as 32 bits of time and difference from the middle, and 16
+  /// of noise.
+  [[nodiscard]] static std::size_t footprint() { return points_max * 10 + 32; }
 
 private:
   struct point {
     instant own;
     std::int64_t ahead_us = 0;
+    microseconds noise{};
   };
 
   void learn_wander(const point& x, microseconds noise);

@@ -1,7 +1,7 @@
 rubicon_unit_test(unit.network SOURCES unit/network_packet_test.cpp unit/network_places_test.cpp
              unit/network_event_test.cpp
              unit/network_channels_test.cpp unit/network_collection_test.cpp unit/network_sequence_windows_test.cpp
-             unit/network_router_test.cpp unit/network_schedule_test.cpp unit/network_search_test.cpp
+             unit/network_clock_line_test.cpp unit/network_router_test.cpp unit/network_schedule_test.cpp unit/network_search_test.cpp
              unit/network_turns_test.cpp
   EVERYWHERE unit/network_clock_test.cpp unit/network_reference_test.cpp
   NEEDS rubicon_network)
