@@ -171,6 +171,9 @@ stamp_value clock_sync::take_point(const clock_point& here, bool is_news, bool a
     return stamp_value::in_dispute;
   }
   last_leap_ = microseconds(here.ahead_us - line_.ahead_us(here.own));
+  if (is_news && at_once &&
+      !is_stale(here.own)) // a new era: the root's time has leapt, not its rate
+    line_.shift(last_leap_);
   line_.restart(here.own, here.ahead_us, here.doubt);
   disputed_.reset();
   distrusted_ = false;
