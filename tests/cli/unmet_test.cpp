@@ -145,7 +145,7 @@ TEST_CASE("a run without memory does not end well", "[cli][ACT-03]") {
   // From too little to begin to more than enough: whatever fails, wherever, it is told.
   const fs::path home = RUBICON_CONFIG_DIR "/home.toml";
   bool ran_out = false;
-  for (int kilobytes = 32'000; kilobytes <= 38'000; kilobytes += 250) {
+  for (int kilobytes = 28'000; kilobytes <= 36'000; kilobytes += 250) {
     CAPTURE(kilobytes);
     const auto x = shell("(ulimit -v " + std::to_string(kilobytes) + "; exec '" + binary +
                          "' run --json --for 3min '" + home.string() + "') 2>/dev/null");
