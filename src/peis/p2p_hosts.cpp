@@ -170,10 +170,16 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
     }
     return;
   }
+  // What a record leads to may close the link that it came over.
+  const auto is_gone = [this, from] { return !connections_.contains(from); };
+  if (is_gone())
+    return;
   // The first to describe itself over a link is the neighbour there, for good.
   auto& x = connections_.at(from);
   if (!message->cached && header.type != package_type::broadcast)
     tell_rivals(from, record);
+  if (is_gone())
+    return;
   if (is_own_word && refuse_rival(x, record, now))
     return;
   for (auto& address : standing_) {
@@ -205,6 +211,8 @@ void p2p::on_host_record(link_id from, const package_header& header, byte_view d
     bind_neighbour(x, record.id, now);
   }
   store_record(*message, now);
+  if (is_gone())
+    return;
   if (meets_original)
     show_ourselves(x);
   else if (!message->cached)
