@@ -1,4 +1,4 @@
-// What the key of a tuple may measure, and how many parts one has (peis-wire.md 15.7, TUP-03).
+// What the key of a tuple may measure, and how many parts one has (TUP-03).
 #pragma once
 
 #include <algorithm>
