@@ -47,10 +47,14 @@ key::key(std::string_view text) {
     return;
   const auto x = std::make_shared<parsed>();
   x->text = text;
-  x->folded = text;
-  std::transform(text.begin(), text.end(), x->folded.begin(), lower);
-  x->parts = key_parts_of(text);
-  x->wild_at = find_wildcard(text);
+  if (std::ranges::any_of(text, [](char c) { return lower(c) != c; })) {
+    std::string folded(text);
+    std::ranges::transform(folded, folded.begin(), lower);
+    x->folded = std::make_unique<const std::string>(std::move(folded));
+  }
+  x->parts = static_cast<std::uint8_t>(key_parts_of(text));
+  if (const auto at = find_wildcard(text); at != std::string_view::npos)
+    x->wild_at = static_cast<std::uint8_t>(at);
   content_ = x;
 }
 

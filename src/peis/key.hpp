@@ -28,9 +28,12 @@ public:
 
   [[nodiscard]] const std::string& text() const { return content().text; }
   /// In lower case: equal for equal keys.
-  [[nodiscard]] const std::string& folded() const { return content().folded; }
+  [[nodiscard]] const std::string& folded() const {
+    const auto& x = content();
+    return x.folded ? *x.folded : x.text;
+  }
   [[nodiscard]] std::size_t parts() const { return content_ ? content_->parts : 0; } ///< 0: empty
-  [[nodiscard]] bool is_pattern() const { return !content_ || content_->wild_at != npos; }
+  [[nodiscard]] bool is_pattern() const { return !content_ || content_->wild_at != no_wildcard; }
   [[nodiscard]] bool any() const { return parts() == 0; }
 
   /// The folded characters before the first wildcard: all keys that match begin with them.
@@ -46,13 +49,13 @@ public:
   }
 
 private:
-  static constexpr std::size_t npos = std::string_view::npos;
+  static constexpr std::uint8_t no_wildcard = 255; ///< no key is so long
 
   struct parsed {
     std::string text;
-    std::string folded;
-    std::size_t parts = 0;
-    std::size_t wild_at = npos; ///< where the first wildcard stands
+    std::unique_ptr<const std::string> folded; ///< nullptr: as the text
+    std::uint8_t parts = 0;
+    std::uint8_t wild_at = no_wildcard; ///< where the first wildcard stands
   };
 
   explicit key(std::string_view text);
@@ -61,6 +64,15 @@ private:
   [[nodiscard]] static std::string_view first_parts(std::string_view text, std::size_t count);
 
   std::shared_ptr<const parsed> content_; ///< unset for the empty key
+};
+
+/// By folded text, which may stand for a key.
+struct key_order {
+  using is_transparent = void;
+
+  bool operator()(const key& a, const key& b) const { return a.folded() < b.folded(); }
+  bool operator()(const key& a, std::string_view b) const { return a.folded() < b; }
+  bool operator()(std::string_view a, const key& b) const { return a < b.folded(); }
 };
 
 /// Does it name what describes a kernel, which others may not write (TUP-22)?

@@ -9,6 +9,7 @@ namespace rubicon::peis {
 namespace {
 
 constexpr std::size_t slots_at_first = 64;
+constexpr std::size_t full_quarters = 3; ///< of the slots are taken when their number is doubled
 constexpr std::size_t memory_per_search = 1024;
 
 } // namespace
@@ -26,7 +27,7 @@ bool seen_ids::insert(peer_id source, std::int32_t id, link_id over) {
     return false;
   if (size_ >= memory_)
     forget_one();
-  if (2 * (size_ + 1) > slots_.size())
+  if (full_quarters * slots_.size() < 4 * (size_ + 1))
     grow();
   slots_[slot_of(x)] = x;
   ++size_;

@@ -191,7 +191,7 @@ public:
   template <class Visitor>
   void read(const prototype& wanted, instant now, Visitor visit) const {
     store_.for_matching(wanted, [&](const tuple_store::entry& x) {
-      if ((!x.expiry || *x.expiry > now) && visit(x.content, x.is_new))
+      if (x.expiry > now && visit(x.content, x.is_new))
         x.is_new = false;
     });
   }

@@ -6,17 +6,17 @@ namespace rubicon::peis {
 
 namespace {
 
-/// Calls `visit` with what stands in an ordered map under keys that a pattern may match.
-template <class Map, class Visitor>
-void walk(const Map& map, const key& pattern, Visitor visit) {
-  if (!pattern.is_pattern()) {
-    if (const auto at = map.find(pattern.folded()); at != map.end())
-      visit(at->first, at->second);
-    return;
+/// Calls `visit` with each element of an ordered container whose key a pattern may match.
+/// @param key_of of an element
+template <class Ordered, class KeyOf, class Visitor>
+void walk(const Ordered& all, const key& pattern, KeyOf key_of, Visitor visit) {
+  const auto prefix = pattern.literal_prefix(); // of no pattern: the whole key
+  for (auto at = all.lower_bound(prefix); at != all.end(); ++at) {
+    const std::string_view name = key_of(*at).folded();
+    if (pattern.is_pattern() ? !name.starts_with(prefix) : name != prefix)
+      break;
+    visit(*at);
   }
-  const auto prefix = pattern.literal_prefix();
-  for (auto at = map.lower_bound(prefix); at != map.end() && at->first.starts_with(prefix); ++at)
-    visit(at->first, at->second);
 }
 
 /// Nodes of two trees, the tuple, its key and the head of the message that brought it.
@@ -32,7 +32,7 @@ const tuple_store::entry* tuple_store::find(peer_id owner, const key& name) cons
   const auto of_owner = owners_.find(owner);
   if (of_owner == owners_.end())
     return nullptr;
-  const auto at = of_owner->second.find(name.folded());
+  const auto at = of_owner->second.find(name);
   return at == of_owner->second.end() ? nullptr : &at->second;
 }
 
@@ -49,15 +49,15 @@ fair_share* tuple_store::share_of(origin x) {
 }
 
 void tuple_store::remember(const entry& x) {
-  if (x.expiry)
-    expiries_.emplace(*x.expiry, x.content->owner, x.content->name.folded());
+  if (x.expiry != instant::max())
+    expiries_.emplace(x.expiry, x.content->owner, x.content->name.folded());
   if (auto* share = share_of(x.by.from))
     share->add(x.by.host, x.weight);
 }
 
 void tuple_store::forget(const entry& x) {
-  if (x.expiry)
-    expiries_.erase({*x.expiry, x.content->owner, x.content->name.folded()});
+  if (x.expiry != instant::max())
+    expiries_.erase({x.expiry, x.content->owner, x.content->name.folded()});
   if (auto* share = share_of(x.by.from))
     share->remove(x.by.host, x.weight);
 }
@@ -74,17 +74,22 @@ bool tuple_store::admits(const tuple& x, source by) const {
 
 tuple_pointer tuple_store::put(tuple x, std::optional<instant> expiry, source by) {
   const auto owner = x.owner;
-  auto& slot = owners_[owner][x.name.folded()];
+  auto& slot = owners_[owner][x.name];
   const bool by_other = by.from == origin::written && (!slot.content || slot.created_by_other);
   if (slot.content) {
     forget(slot);
     x.name = slot.content->name;
   } else {
-    keys_[x.name.folded()].insert(owner);
+    all_keys_.emplace(x.name, owner);
     ++size_;
   }
-  const auto weight = weight_of(x);
-  slot = {std::make_shared<const tuple>(std::move(x)), expiry, by, weight, by_other, true};
+  const auto weight = static_cast<std::uint32_t>(weight_of(x));
+  slot = {std::make_shared<const tuple>(std::move(x)),
+          expiry.value_or(instant::max()),
+          by,
+          weight,
+          by_other,
+          true};
   remember(slot);
   return slot.content;
 }
@@ -93,14 +98,11 @@ tuple_pointer tuple_store::remove(peer_id owner, const key& name) {
   const auto of_owner = owners_.find(owner);
   if (of_owner == owners_.end())
     return nullptr;
-  const auto at = of_owner->second.find(name.folded());
+  const auto at = of_owner->second.find(name);
   if (at == of_owner->second.end())
     return nullptr;
   forget(at->second);
-  const auto same_key = keys_.find(at->first);
-  same_key->second.erase(owner);
-  if (same_key->second.empty())
-    keys_.erase(same_key);
+  all_keys_.erase({name, owner});
   auto taken = std::move(at->second.content);
   of_owner->second.erase(at);
   if (of_owner->second.empty())
@@ -113,7 +115,7 @@ tuple_pointer tuple_store::take_expired(instant now) {
   if (expiries_.empty() || std::get<instant>(*expiries_.begin()) > now)
     return nullptr;
   const auto& [when, owner, name] = *expiries_.begin();
-  const auto content = owners_.at(owner).at(name).content;
+  const auto content = owners_.at(owner).find(std::string_view(name))->second.content;
   return remove(content->owner, content->name);
 }
 
@@ -122,13 +124,14 @@ std::vector<const tuple_store::entry*> tuple_store::candidates(peer_id owner,
   std::vector<const entry*> found;
   if (owner != any_peer) {
     if (const auto at = owners_.find(owner); at != owners_.end())
-      walk(at->second, pattern, [&](const std::string&, const entry& x) { found.push_back(&x); });
+      walk(
+          at->second, pattern, [](const auto& x) -> const key& { return x.first; },
+          [&](const auto& x) { found.push_back(&x.second); });
     return found;
   }
-  walk(keys_, pattern, [&](const std::string& name, const std::set<peer_id>& holders) {
-    for (const auto id : holders)
-      found.push_back(&owners_.at(id).at(name));
-  });
+  walk(
+      all_keys_, pattern, [](const owned_key& x) -> const key& { return x.first; },
+      [&](const owned_key& x) { found.push_back(&owners_.at(x.second).at(x.first)); });
   return found;
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/time.hpp"
@@ -43,9 +44,9 @@ public:
 
   struct entry {
     tuple_pointer content;
-    std::optional<instant> expiry;
+    instant expiry = instant::max(); ///< max: none
     source by = {};
-    std::size_t weight = 0;
+    std::uint32_t weight = 0;
     bool created_by_other = false;
     mutable bool is_new = true; ///< not read since it was stored (TUP-12)
   };
@@ -89,11 +90,11 @@ public:
       return true;
     const auto prefix = pattern.literal_prefix();
     const auto& all = of_owner->second;
-    auto at = after.empty() ? all.lower_bound(prefix) : all.upper_bound(after);
-    for (; at != all.end() && at->first.starts_with(prefix); ++at) {
+    auto at = after.empty() ? all.lower_bound(prefix) : all.upper_bound(std::string_view(after));
+    for (; at != all.end() && at->first.folded().starts_with(prefix); ++at) {
       if (!visit(at->second))
         return false;
-      after = at->first;
+      after = at->first.folded();
       if (!pattern.is_pattern())
         break;
     }
@@ -109,16 +110,28 @@ public:
   [[nodiscard]] const fair_share& held() const { return held_; }       ///< octets, by owner
 
 private:
-  using tuples_of_owner = std::map<std::string, entry, std::less<>>;
+  using tuples_of_owner = std::map<key, entry, key_order>;
+  using owned_key = std::pair<key, peer_id>;
+
+  struct owned_key_order {
+    using is_transparent = void;
+
+    bool operator()(const owned_key& a, const owned_key& b) const {
+      const auto names = a.first.folded().compare(b.first.folded());
+      return names != 0 ? names < 0 : a.second < b.second;
+    }
+    bool operator()(const owned_key& a, std::string_view b) const { return a.first.folded() < b; }
+    bool operator()(std::string_view a, const owned_key& b) const { return a < b.first.folded(); }
+  };
 
   [[nodiscard]] std::vector<const entry*> candidates(peer_id owner, const key& pattern) const;
   void remember(const entry& x);
   void forget(const entry& x);
   [[nodiscard]] fair_share* share_of(origin x);
 
-  std::map<peer_id, tuples_of_owner> owners_; ///< by folded key; no owner without tuples
-  std::map<std::string, std::set<peer_id>, std::less<>> keys_; ///< whose tuples have this key
-  std::set<std::tuple<instant, peer_id, std::string>> expiries_;
+  std::map<peer_id, tuples_of_owner> owners_;                    ///< no owner without tuples
+  std::set<owned_key, owned_key_order> all_keys_;                ///< of all owners
+  std::set<std::tuple<instant, peer_id, std::string>> expiries_; ///< by folded key
   std::size_t size_ = 0;
   fair_share written_;
   fair_share held_;
