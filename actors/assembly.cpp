@@ -84,10 +84,10 @@ std::uint32_t device_of(ecology_pointer self, const std::string& name) {
          1U;
 }
 
-/// What a mote's members of groups need; nothing if it has none.
-std::optional<smepp::node_config> groups_of(ecology_pointer self,
-                                            const config::island_description& island,
-                                            const config::mote_description& mote) {
+/// What a mote's members of groups need; nullptr if it has none.
+std::shared_ptr<const smepp::node_config> groups_of(ecology_pointer self,
+                                                    const config::island_description& island,
+                                                    const config::mote_description& mote) {
   const auto& all = self->state.description.smepp;
   smepp::node_config x;
   for (const auto& app : mote.apps)
@@ -95,20 +95,20 @@ std::optional<smepp::node_config> groups_of(ecology_pointer self,
       x.members.emplace_back(
           *member, *std::ranges::find(all.groups, member->group, &smepp::group_description::name));
   if (x.members.empty())
-    return std::nullopt;
+    return nullptr;
   x.self = mote.id;
   x.is_real = self->state.description.mode == config::run_mode::wall;
   x.settings = all;
   for (const auto& each : mote.transducers)
     x.transducers |= smepp::mask_of(each.kind);
-  if (!all.authenticates_sender)
-    return x; // nobody has a key of its own with others
-  for (const auto& other : island.motes)
-    if (other.id != mote.id && std::ranges::any_of(other.apps, [](const auto& app) {
-          return std::holds_alternative<config::member_app>(app);
-        }))
-      x.others.push_back(other.id);
-  return x;
+  const auto is_member = [](const auto& app) {
+    return std::holds_alternative<config::member_app>(app);
+  };
+  if (all.authenticates_sender) // each pair has a key
+    for (const auto& other : island.motes)
+      if (other.id != mote.id && std::ranges::any_of(other.apps, is_member))
+        x.others.push_back(other.id);
+  return std::make_shared<const smepp::node_config>(std::move(x));
 }
 
 /// The store of a mote whose frames may have been counted by earlier processes: the high half of

@@ -29,16 +29,17 @@ void refuse(ecology_pointer self, const std::string& who, const std::string& why
 }
 
 std::shared_ptr<const mote_arguments> with_period(mote_arguments of, const config::rate_change& x) {
-  config::set_period(of.apps, x);
+  config::set_period(of.apps.edit(), x);
   return std::make_shared<const mote_arguments>(std::move(of));
 }
 
 std::shared_ptr<const mote_arguments> with_keys(mote_arguments of,
                                                 const config::network_keys_change& x) {
-  auto& settings = of.smepp->settings;
-  settings.network_key = x.network_key;
+  auto groups = *of.smepp;
+  groups.settings.network_key = x.network_key;
   if (x.network_mac)
-    settings.network_mac = x.network_mac;
+    groups.settings.network_mac = x.network_mac;
+  of.smepp = std::make_shared<const smepp::node_config>(std::move(groups));
   return std::make_shared<const mote_arguments>(std::move(of));
 }
 

@@ -1047,7 +1047,7 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
   assemble(self);
   for (auto& island : self->state.description.islands)
     if (!config::has_plain_sink(island)) // names of plain motes are asked for again
-      island.motes = {}; // what they were made from; ten thousand of them weigh something
+      island.motes = std::vector<config::mote_description>(); // `= {}` would keep its memory
   schedule_fault(self);
   schedule_sample(self);
   return {

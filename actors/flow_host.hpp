@@ -30,13 +30,12 @@ public:
   template <class Self>
   void start(Self self, const std::vector<config::mote_app>& apps, mote_address address,
              radio::radio_index radio, air_actor air, random_stream rng) {
-    radio_ = radio;
-    air_ = std::move(air);
     const auto config = config_of(apps);
     if (config.empty())
       return;
-    program_ = std::make_unique<traffic::program>(config, address, rng);
-    perform(self, program_->start(now(self)));
+    flows_ =
+        std::make_unique<running>(radio, std::move(air), traffic::program(config, address, rng));
+    perform(self, flows_->program.start(now(self)));
   }
 
   /// @returns whether the frame was the flows'
@@ -44,21 +43,21 @@ public:
   bool take(Self self, const radio::frame& x) {
     if (x.am_type != traffic::am_type)
       return false;
-    if (program_)
-      perform(self, program_->on_packet(x.source, x.payload, now(self)));
+    if (flows_)
+      perform(self, flows_->program.on_packet(x.source, x.payload, now(self)));
     return true;
   }
 
   /// Of any request of the radio's owner.
   template <class Self>
   void on_done(Self self, const radio_done& x) {
-    if (x.token == 0 || !program_)
+    if (x.token == 0 || !flows_)
       return; // a request of the stack; counted by the air
     const bool sent = x.status == radio::send_status::sent;
     const auto cause = sent ? radio::to_string(x.last) : radio::to_string(x.status);
     perform(
         self,
-        program_->on_done(
+        flows_->program.on_done(
             x.token - 1,
             {.sent = sent, .arrived = x.arrived, .cause = cause, .transmissions = x.transmissions},
             now(self)));
@@ -66,29 +65,40 @@ public:
 
   template <class Self>
   void on_timer(Self self, const timer_expired& x) {
-    if (wake_.accepts(x))
-      perform(self, program_->on_time(now(self)));
+    if (flows_ && flows_->wake.accepts(x))
+      perform(self, flows_->program.on_time(now(self)));
   }
 
-  [[nodiscard]] bool is_used() const { return program_ != nullptr; }
+  [[nodiscard]] bool is_used() const { return flows_ != nullptr; }
 
   /// The power is lost for good.
   template <class Self>
   void stop(Self self) {
-    if (program_)
-      program_->stop(now(self));
-    wake_.stop();
+    if (!flows_)
+      return;
+    flows_->program.stop(now(self));
+    flows_->wake.stop();
   }
 
   template <class Self>
   void report(Self self, const ecology_actor& ecology) const {
-    if (!program_)
+    if (!flows_)
       return;
-    if (auto parts = program_->parts(now(self)); !parts.empty())
+    if (auto parts = flows_->program.parts(now(self)); !parts.empty())
       self->send(ecology, flow_status{std::move(parts)});
   }
 
 private:
+  struct running {
+    running(radio::radio_index its_radio, air_actor its_air, traffic::program what)
+        : radio(its_radio), air(std::move(its_air)), program(std::move(what)) {}
+
+    radio::radio_index radio;
+    air_actor air;
+    traffic::program program;
+    timer wake{timer_number};
+  };
+
   static traffic::program_config config_of(const std::vector<config::mote_app>& apps) {
     traffic::program_config all;
     for (const auto& app : apps) {
@@ -106,15 +116,12 @@ private:
   template <class Self>
   void perform(Self self, traffic::outputs todo) {
     for (auto& x : todo)
-      self->send(air_, radio_send{radio_, x.token + 1, x.next_hop, traffic::am_type,
-                                  payload(std::move(x.payload)), x.ack});
-    wake_.follow(self, program_->deadline());
+      self->send(flows_->air, radio_send{flows_->radio, x.token + 1, x.next_hop, traffic::am_type,
+                                         payload(std::move(x.payload)), x.ack});
+    flows_->wake.follow(self, flows_->program.deadline());
   }
 
-  std::unique_ptr<traffic::program> program_; ///< nullptr: nothing to do with flows
-  timer wake_{timer_number};
-  radio::radio_index radio_;
-  air_actor air_;
+  std::unique_ptr<running> flows_; ///< nullptr, as in most: no flows begin, pass or end here
 };
 
 } // namespace rubicon

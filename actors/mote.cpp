@@ -232,10 +232,10 @@ void move_to(mote_pointer self, position place) {
 
 void go(mote_pointer self) {
   auto& state = self->state;
-  if (state.walk.empty())
+  if (!state.moves)
     return;
-  move_to(self, state.walk.at(now(self)));
-  state.walk_wake.follow(self, state.walk.next(now(self)));
+  move_to(self, state.moves->walk.at(now(self)));
+  state.moves->wake.follow(self, state.moves->walk.next(now(self)));
 }
 
 void on_timer(mote_pointer self, const timer_expired& x) {
@@ -256,7 +256,7 @@ void on_timer(mote_pointer self, const timer_expired& x) {
   if (state.groups_wake.accepts(x) && !state.flat)
     perform(self, state.groups->node.on_time(state.groups->own(now(self))));
   const bool stays = state.flat && state.arguments->stays_when_flat; // else it is carried on
-  if (state.walk_wake.accepts(x) && !stays)
+  if (state.moves && state.moves->wake.accepts(x) && !stays)
     go(self);
 }
 
@@ -399,7 +399,8 @@ struct report_starter {
   void operator()(const apps::sampler_config& x) const {
     const auto path = path_of("sampler", x.channel);
     const random_stream rng(self->state.arguments->seed, path);
-    auto program = std::make_unique<apps::sampler>(x, rng);
+    auto program = std::make_unique<apps::sampler>(
+        std::shared_ptr<const apps::sampler_config>(self->state.arguments, &x), rng);
     self->state.samplers[x.channel] = program.get();
     begin(path, std::move(program));
   }
@@ -497,7 +498,10 @@ void start(mote_pointer self) {
   else
     mote_performer{self}(mote::store_nonvolatile{begin_life(state.store)});
   start_plain(self, life);
-  state.walk = device::walk(arguments.path, arguments.step);
+  if (!arguments.path.empty()) {
+    state.moves = std::make_unique<mote_state::moving>();
+    state.moves->walk = device::walk(arguments.path, arguments.step);
+  }
   go(self);
   if (state.node) {
     start_programs(self, life);
@@ -543,7 +547,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
           change_programs(self, [&x](auto& programs) { programs.on_commands(x); });
       },
       [self](const move_mote& x) {
-        self->state.walk_wake.stop();
+        self->state.moves.reset();
         move_to(self, x.place);
       },
       [self](crash_now) {

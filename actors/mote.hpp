@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +20,8 @@
 #include "apps/messenger.hpp"
 #include "apps/sampler.hpp"
 #include "config/ecology.hpp"
+#include "core/shared_list.hpp"
+#include "core/small_map.hpp"
 #include "device/walk.hpp"
 #include "mote/crystal.hpp"
 #include "mote/node.hpp"
@@ -33,11 +34,11 @@ struct mote_arguments {
   mote_address address;
   std::string name; ///< `kitchen/climate-7`
   config::stack stack = config::stack::full;
-  mote::node_config node;                  ///< full stack only
-  std::optional<smepp::node_config> smepp; ///< none without an app `member`
+  mote::node_config node;                          ///< full stack only
+  std::shared_ptr<const smepp::node_config> smepp; ///< nullptr without an app `member`
   std::shared_ptr<smepp::kept> smepp_kept; ///< with it: what its lives have put into its store
   mote::crystal crystal;
-  std::vector<config::mote_app> apps;
+  shared_list<config::mote_app> apps;
   std::vector<device::waypoint> path; ///< empty: it does not move
   duration step = 1s;                 ///< of its moves
   bool stays_when_flat = false;       ///< its walk ends with its battery
@@ -61,18 +62,22 @@ struct mote_state {
   std::unique_ptr<plain_host> plain;   ///< nullptr: no plain programs of TinyOS
   std::unique_ptr<smepp_shell> groups; ///< nullptr: none, as in most motes; it is large
   radio_wish radio;
-  device::walk walk;
+  /// How it moves.
+  struct moving {
+    device::walk walk;
+    timer wake{walk_timer};
+  };
+  std::unique_ptr<moving> moves; ///< nullptr: not at all
   timer wake;
-  timer walk_wake{walk_timer};
   timer last_words{last_words_timer}; ///< until the fault plan's end of the battery
   timer reports_wake{reports_timer};
   timer groups_wake{groups_timer};
   /// Samplers, actuators, messengers and listeners. They go by the world's time: what they are
   /// asked for, and judged by, are periods of those who listen to them.
   program_host reports;
-  std::map<std::uint16_t, apps::sampler*> samplers;     ///< among them, by channel
-  std::map<std::uint16_t, apps::messenger*> messengers; ///< the same, by AM type
-  program_host programs;                                ///< all others, in the mote's own time
+  small_map<std::uint16_t, apps::sampler*> samplers;     ///< among them, by channel
+  small_map<std::uint16_t, apps::messenger*> messengers; ///< the same, by AM type
+  program_host programs;                                 ///< all others, in the mote's own time
   separate_programs separate;
   std::uint32_t program_turns = 0;     ///< of the node, when programs were last asked,
   std::optional<instant> programs_due; ///< and what those in the mote's time said

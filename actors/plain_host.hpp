@@ -13,6 +13,7 @@
 #include "actors/timer.hpp"
 #include "config/ecology.hpp"
 #include "core/random.hpp"
+#include "core/shared_list.hpp"
 #include "device/transducer.hpp"
 #include "mote/crystal.hpp"
 #include "radio/frame.hpp"
@@ -31,7 +32,7 @@ struct plain_host_config {
   radio::radio_index radio;
   air_actor air;
   mote::crystal crystal;
-  std::vector<device::transducer_config> transducers;
+  shared_list<device::transducer_config> transducers;
   std::uint64_t transducer_seed = 0;
   position place;
 };

@@ -219,8 +219,8 @@ struct numbered_program {
 };
 
 /// The programs among a node's apps.
-template <class App>
-[[nodiscard]] std::vector<numbered_program> programs_among(const std::vector<App>& all) {
+template <class Apps>
+[[nodiscard]] std::vector<numbered_program> programs_among(const Apps& all) {
   std::vector<numbered_program> found;
   for (const auto& app : all) {
     std::visit(

@@ -584,6 +584,8 @@ public:
         judge_(description_.expectations, description_.length),
         files_(description_, options_, judge_), report_(empty_report(description_)) {
     attempt([this] { run_.emplace(description_, options_, files_, judge_, report_); });
+    for (auto& island : description_.islands)
+      island.motes = std::vector<config::mote_description>(); // the ecology's actor has them
   }
 
   one_run& run() {
@@ -630,7 +632,7 @@ private:
 
   const steady::time_point started_ = steady::now();
   const run_options options_;
-  const config::ecology_description description_;
+  config::ecology_description description_; ///< once the run has begun without its motes
   report::expectations judge_;
   run_files files_;
   report::run_report report_;

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "actors/messages/programs.hpp"
 #include "communication/program_port.hpp"
+#include "core/small_map.hpp"
 
 namespace rubicon {
 
@@ -41,9 +41,9 @@ public:
 
   /// What it has open is closed. @pre contains(number)
   void leave(std::uint32_t number) {
-    auto leaving = all_.extract(number);
-    leaving.mapped().port->leave();
-    gone_ += leaving.mapped().port->counters();
+    const auto leaving = all_.extract(number);
+    leaving->port->leave();
+    gone_ += leaving->port->counters();
   }
 
   /// Of all that were ever attached.
@@ -74,7 +74,7 @@ private:
     std::unique_ptr<communication::program_port> port;
   };
 
-  std::map<std::uint32_t, attached> all_; ///< by their numbers
+  small_map<std::uint32_t, attached> all_; ///< by their numbers
   communication::program_port_counters gone_;
 };
 

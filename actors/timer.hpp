@@ -34,11 +34,11 @@ public:
   /// @pre the same `self` each time, which owns the timer
   template <class Self>
   void follow(Self* self, std::optional<instant> deadline) {
-    if (!deadline)
+    if (!deadline || *deadline == none)
       return stop();
-    if (deadline == deadline_)
+    if (*deadline == deadline_)
       return;
-    deadline_ = deadline;
+    deadline_ = *deadline;
     process_ = self->where();
     if (process_->move(pending_, *deadline))
       return;
@@ -49,27 +49,29 @@ public:
 
   /// No expiry is awaited any more.
   void stop() {
-    if (!deadline_)
+    if (deadline_ == none)
       return;
-    deadline_.reset();
+    deadline_ = none;
     ++epoch_;
     process_->cancel(pending_);
   }
 
   /// @returns whether `x` is the expiry awaited; then follow() must be called again
   [[nodiscard]] bool accepts(const timer_expired& x) {
-    if (!deadline_ || x.which != which_ || x.epoch != epoch_)
+    if (deadline_ == none || x.which != which_ || x.epoch != epoch_)
       return false;
-    deadline_.reset();
+    deadline_ = none;
     return true;
   }
 
 private:
+  static constexpr instant none = instant::max();
+
   std::uint8_t which_ = 0;
   std::uint64_t epoch_ = 0; ///< of the message that is pending or not yet handled
   scheduler::process* process_ = nullptr;
   scheduler::movable_message pending_;
-  std::optional<instant> deadline_; ///< what the awaited expiry is for
+  instant deadline_ = none; ///< what the awaited expiry is for
 };
 
 } // namespace rubicon

@@ -8,15 +8,15 @@
 
 namespace rubicon::apps {
 
-sampler::sampler(sampler_config config, random_stream rng)
-    : config_(std::move(config)), rng_(rng),
-      means_(config_.mean_of.begin(), config_.mean_of.end()) {}
+sampler::sampler(std::shared_ptr<const sampler_config> config, random_stream rng)
+    : config_(std::move(config)), own_period_(config_->every), rng_(rng),
+      means_(config_->mean_of.begin(), config_->mean_of.end()) {}
 
 std::optional<duration> sampler::period() const {
   const bool asked = wanted_ && wanted_->period.count() > 0;
-  if (!in_island_ || (config_.only_subscribed && !wanted_))
+  if (!in_island_ || (config_->only_subscribed && !wanted_))
     return std::nullopt;
-  return asked ? std::max<duration>(wanted_->period, config_.every_min) : config_.every;
+  return asked ? std::max<duration>(wanted_->period, config_->every_min) : own_period_;
 }
 
 void sampler::joined(communication::island_octet, std::uint16_t, communication::status success) {
@@ -25,12 +25,12 @@ void sampler::joined(communication::island_octet, std::uint16_t, communication::
 }
 
 void sampler::outputsWanted(std::span<const communication::output_wanted> all) {
-  wanted_ = communication::wanted_on(all, config_.channel);
+  wanted_ = communication::wanted_on(all, config_->channel);
   begins_ = begins_ || period() != every_;
 }
 
 void sampler::set_period(duration every) {
-  config_.every = every;
+  own_period_ = every;
   begins_ = begins_ || period() != every_;
 }
 
@@ -47,18 +47,18 @@ void sampler::on_time(instant now) {
     due_ = next_period_ = every_ ? now + rng_.between(0s, *every_) : now;
   } else if (every_ && due_ <= now) {
     sampled_ = now;
-    layer().read_transducers(config_.transducers);
+    layer().read_transducers(config_->transducers);
     next_period_ += *every_;
-    due_ = next_period_ + rng_.between(0s, config_.jitter);
+    due_ = next_period_ + rng_.between(0s, config_->jitter);
   }
 }
 
 bool sampler::is_news(const std::vector<std::int16_t>& counts) const {
-  if (config_.dead_band.empty() || sent_.size() != counts.size() || !every_ ||
-      sampled_ + *every_ + config_.jitter > sent_at_ + config_.silence_max)
+  if (config_->dead_band.empty() || sent_.size() != counts.size() || !every_ ||
+      sampled_ + *every_ + config_->jitter > sent_at_ + config_->silence_max)
     return true;
-  for (std::size_t i = 0; i < counts.size() && i < config_.dead_band.size(); ++i)
-    if (config_.dead_band[i] > 0 && std::abs(counts[i] - sent_[i]) >= config_.dead_band[i])
+  for (std::size_t i = 0; i < counts.size() && i < config_->dead_band.size(); ++i)
+    if (config_->dead_band[i] > 0 && std::abs(counts[i] - sent_[i]) >= config_->dead_band[i])
       return true;
   return false;
 }
@@ -72,10 +72,10 @@ void sampler::transducersRead(std::span<const std::int16_t> counts, std::uint32_
   byte_writer out;
   for (const auto count : told)
     out.big(count);
-  if (config_.stamped)
+  if (config_->stamped)
     out.big(time_ms);
-  layer().send_numbered(own_gateway, out.finish(), config_.reliable,
-                        static_cast<std::uint8_t>(config_.channel));
+  layer().send_numbered(own_gateway, out.finish(), config_->reliable,
+                        static_cast<std::uint8_t>(config_->channel));
   sent_ = std::move(told);
   sent_at_ = sampled_;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -16,7 +17,8 @@ namespace rubicon::apps {
 /// it has sent, the first of a phase, and what would come too late if it waited for the next.
 class sampler final : public application {
 public:
-  sampler(sampler_config config, random_stream rng);
+  /// @param config not nullptr; samplers that are alike share one
+  sampler(std::shared_ptr<const sampler_config> config, random_stream rng);
 
   /// Its own period is another from now on, which begins at a random phase.
   void set_period(duration every);
@@ -34,7 +36,8 @@ private:
   [[nodiscard]] std::optional<duration> period() const; ///< nothing: it is not to send
   [[nodiscard]] bool is_news(const std::vector<std::int16_t>& counts) const;
 
-  sampler_config config_;
+  std::shared_ptr<const sampler_config> config_;
+  duration own_period_; ///< while nobody has asked for another
   random_stream rng_;
   std::vector<running_mean> means_; ///< of each transducer; empty: counts go as they are
   bool in_island_ = false;

@@ -223,7 +223,7 @@ void direct_process::leave() {
   }
   for (const auto number : owned(below_.senders_, number_))
     below_.senders_.erase(number);
-  std::erase_if(below_.movers_, [this](const auto& x) { return x.second == number_; });
+  below_.movers_.erase_if([this](const auto& x) { return x.second == number_; });
   if (below_.rest_owner_ == number_)
     below_.rest_owner_.reset();
   std::erase_if(below_.events_, [this](const auto& x) { return x.first == number_; });

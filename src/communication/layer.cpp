@@ -248,9 +248,9 @@ void layer::on_received(transport::received& x) {
 
 void layer::on_outcome(const transport::outcome& x) {
   const auto sender = senders_.extract(x.id);
-  if (sender.empty())
+  if (!sender)
     return;
-  const auto process = sender.mapped();
+  const auto process = *sender;
   const auto number = static_cast<std::uint32_t>(x.id);
   const auto result = status_of(x.acked);
   note(process, {.what = program_note::kind::send_ended, .number = number, .yes = x.acked});
@@ -298,16 +298,16 @@ void layer::take(transport::tunnels_outputs todo, bool in_slot) {
       outputs_.emplace_back(transport::to_network{packet->destination, transport::tunnel_channel,
                                                   std::move(packet->octets), in_slot});
     } else if (const auto* open = std::get_if<transport::tunnel_connected>(&x)) {
-      if (const auto who = connecting_.extract(open->id); !who.empty())
-        on_connected(who.mapped(), handle_of(open->id), now_);
+      if (const auto who = connecting_.extract(open->id); who)
+        on_connected(*who, handle_of(open->id), now_);
     } else if (const auto* offered = std::get_if<transport::tunnel_accepted>(&x)) {
       on_accepted(handle_of(offered->id), offered->source, now_);
     } else if (auto* content = std::get_if<transport::tunnel_received>(&x)) {
       on_channel_octets(handle_of(content->id), content->content, now_);
     } else {
       const auto id = std::get<transport::tunnel_ended>(x).id;
-      if (const auto who = connecting_.extract(id); !who.empty())
-        on_connect_failed(who.mapped(), now_);
+      if (const auto who = connecting_.extract(id); who)
+        on_connect_failed(*who, now_);
       else
         on_channel_closed(handle_of(id), now_);
     }
@@ -334,9 +334,9 @@ void layer::disconnect(stream::channel_handle channel) {
 /// Whoever has asked for less than the route can promise does not get it.
 void layer::on_connected(channel_request who, stream::channel_handle channel, instant now) {
   now_ = now;
-  if (const auto asked = latencies_asked_.extract(who); !asked.empty()) {
+  if (const auto asked = latencies_asked_.extract(who); asked) {
     const auto bound = latency_bound(channel);
-    if (!bound || *bound > asked.mapped()) {
+    if (!bound || *bound > *asked) {
       ++counters_.too_slow;
       disconnect(channel);
       on_connect_failed(who, now);
@@ -403,9 +403,9 @@ void layer::on_channel_closed(stream::channel_handle channel, instant now) {
   std::erase_if(unclaimed_, [channel](const auto& x) { return x.first == channel; });
   latency_bounds_.erase(channel);
   const auto user = is_synaptic_.extract(channel);
-  if (user.empty())
+  if (!user)
     return;
-  if (user.mapped())
+  if (*user)
     take(synaptic_.on_channel_closed(channel));
   else
     take(streams_.on_channel_closed(channel));

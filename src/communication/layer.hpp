@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,6 +21,7 @@
 #include "core/bytes.hpp"
 #include "core/fields.hpp"
 #include "core/random.hpp"
+#include "core/small_map.hpp"
 #include "core/time.hpp"
 #include "stream/sensor_record.hpp"
 #include "stream/streams.hpp"
@@ -119,7 +119,8 @@ struct own_layer_config {
   std::uint32_t incarnation = 0;     ///< how often this node has been started before
   std::uint32_t transducer_mask = 0; ///< bit n: there is a transducer n
   std::size_t unclaimed_max = 4;     ///< accepted channels that have carried nothing yet
-  duration slot_min = 200us; ///< from a tick to its vectors at least: so long programs may take
+  /// From a tick to its vectors at least: so long programs may take.
+  static constexpr duration slot_min = 200us;
 };
 
 struct layer_config : own_layer_config {
@@ -301,17 +302,17 @@ private:
   std::optional<duration> network_ahead_;
 
   std::vector<std::unique_ptr<direct_process>> programs_; ///< programs point to them
-  std::map<std::uint8_t, std::size_t> owners_;            ///< of AM types
+  small_map<std::uint8_t, std::size_t> owners_;           ///< of AM types
   std::optional<std::size_t> rest_owner_;                 ///< of all others
-  std::map<std::string, std::size_t> movers_;             ///< who has set an actuator last
-  std::map<stream::descriptor, std::size_t> stream_owners_;
-  std::map<synaptic::descriptor, std::size_t> synaptic_owners_;
-  std::map<transport::ticket, std::size_t> senders_; ///< of reliable sends in flight
+  small_map<std::string, std::size_t> movers_;            ///< who has set an actuator last
+  small_map<stream::descriptor, std::size_t> stream_owners_;
+  small_map<synaptic::descriptor, std::size_t> synaptic_owners_;
+  small_map<transport::ticket, std::size_t> senders_; ///< of reliable sends in flight
   std::uint32_t last_number_ = 0;
-  std::map<transport::tunnel_id, channel_request> connecting_;
-  std::map<channel_request, duration> latencies_asked_;       ///< of channels that are being opened
-  std::map<stream::channel_handle, bool> is_synaptic_;        ///< of channels in use
-  std::map<stream::channel_handle, duration> latency_bounds_; ///< of channels of Network
+  small_map<transport::tunnel_id, channel_request> connecting_;
+  small_map<channel_request, duration> latencies_asked_; ///< of channels that are being opened
+  small_map<stream::channel_handle, bool> is_synaptic_;  ///< of channels in use
+  small_map<stream::channel_handle, duration> latency_bounds_; ///< of channels of Network
   std::vector<std::pair<stream::channel_handle, mote_address>> unclaimed_;
 
   std::vector<std::pair<std::size_t, event>> events_;

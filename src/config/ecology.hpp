@@ -19,6 +19,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/ipv4_network.hpp"
+#include "core/shared_list.hpp"
 #include "core/time.hpp"
 #include "core/wire_form.hpp"
 #include "device/transducer_config.hpp"
@@ -83,9 +84,9 @@ struct mote_description {
   std::optional<double> battery_mah;  ///< unset: the platform's
   radio::access_parameters access;
   std::optional<std::uint8_t> channel; ///< of its radio; unset: its island's
-  std::vector<device::transducer_config> transducers;
-  std::vector<device::actuator_config> actuators;
-  std::vector<mote_app> apps;
+  shared_list<device::transducer_config> transducers;
+  shared_list<device::actuator_config> actuators;
+  shared_list<mote_app> apps;
 };
 
 struct sink_description {

@@ -271,6 +271,7 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
   const layout_rng rng{with_.seed, island_.name + "/layout/" + std::to_string(first)};
   if (positions_matter_ || in.has("layout") || in.walks())
     places = read_layout(in, count, rng);
+  island_.motes.reserve(island_.motes.size() + count);
   bool ids_are_free = true;
   bool has_node = true;
   bool has_traces = true;

@@ -169,8 +169,9 @@ struct end_setter {
 mote_description mote_profile::mote() const {
   auto out = like;
   for (const auto& each : apps) {
-    out.apps.push_back(each.app);
-    if (auto* sampler = std::get_if<sampler_app>(&out.apps.back()))
+    auto& all = out.apps.edit();
+    all.push_back(each.app);
+    if (auto* sampler = std::get_if<sampler_app>(&all.back()))
       sampler->dead_band = band_counts(like.transducers, *sampler, each.dead_band);
   }
   return out;
@@ -191,8 +192,8 @@ void read_profile(table_reader& in, mote_profile& out) {
               {"of its radio, which exchanges frames with radios of the same channel only",
                "the mote type's, or the island's"});
   read_access(in, out.like.access, out.access_at);
-  read_transducers(in, out.like.transducers);
-  read_actuators(in, out.like.actuators);
+  read_transducers(in, out.like.transducers.edit());
+  read_actuators(in, out.like.actuators.edit());
   merge(out.apps, read_mote_apps(in));
 }
 

@@ -11,6 +11,7 @@
 #include "config/ecology.hpp"
 #include "config/references.hpp"
 #include "config/table_reader.hpp"
+#include "core/shared_list.hpp"
 
 namespace rubicon::config {
 
@@ -87,7 +88,7 @@ void read_transducers(table_reader& in, std::vector<device::transducer_config>& 
 /// Lets traces without a `mote` of their own replay what they have of `mote`; complains at `at` if
 /// they have nothing.
 /// @returns whether they have it
-[[nodiscard]] bool settle_traces(std::vector<device::transducer_config>& transducers, mote_id mote,
+[[nodiscard]] bool settle_traces(shared_list<device::transducer_config>& transducers, mote_id mote,
                                  mark at, reading& shared);
 
 /// actuators = [{ ... }], into `out`.

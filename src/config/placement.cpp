@@ -245,7 +245,7 @@ void move_on(Moving& x, duration elapsed) {
 
 void let_world_go_on(mote_description& x, duration elapsed) {
   move_on(x, elapsed);
-  for (auto& each : x.transducers)
+  for (auto& each : x.transducers.edit())
     each.elapsed = elapsed;
 }
 

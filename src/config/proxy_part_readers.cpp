@@ -87,16 +87,19 @@ std::vector<std::string> field_names(const proxy::proxy_class& of) {
   return names;
 }
 
-/// The sampler of a mote that sends on the channel. @param mote const, if the sampler is to be
-template <class Mote>
-auto sampler_on(Mote& mote, std::uint16_t channel) {
-  decltype(std::get_if<sampler_app>(&mote.apps[0])) found = nullptr;
-  for (auto& app : mote.apps) {
-    auto* const sampler = std::get_if<sampler_app>(&app);
-    if (found == nullptr && sampler != nullptr && sampler->channel == channel)
-      found = sampler;
-  }
-  return found;
+/// Where among a mote's programs the sampler that sends on the channel is; their number: nowhere.
+std::size_t sampler_index(const mote_description& mote, std::uint16_t channel) {
+  const auto sends_on_it = [channel](const mote_app& app) {
+    const auto* const sampler = std::get_if<sampler_app>(&app);
+    return sampler != nullptr && sampler->channel == channel;
+  };
+  return static_cast<std::size_t>(std::ranges::find_if(mote.apps, sends_on_it) - mote.apps.begin());
+}
+
+/// The sampler itself, or nullptr.
+const sampler_app* sampler_on(const mote_description& mote, std::uint16_t channel) {
+  const auto i = sampler_index(mote, channel);
+  return i < mote.apps.size() ? &std::get<sampler_app>(mote.apps[i]) : nullptr;
 }
 
 /// Calls `use` with the name, as in `kitchen/fan`, and each mote that a class claims.
@@ -289,7 +292,7 @@ void place_computations(const std::vector<placed_computation>& all,
     if (field == nullptr || field->mean_of <= 1)
       continue;
     each_mote_of(x.proxy, table, islands, [&](const std::string& name, mote_description& mote) {
-      auto* const sampler = sampler_on(mote, field->channel);
+      const auto* const sampler = sampler_on(mote, field->channel);
       const auto index = field->offset / 2;
       if (sampler == nullptr || field->layout != proxy::encoding::i16 || field->offset % 2 != 0 ||
           index >= sampler->transducers.size()) {
@@ -297,8 +300,10 @@ void place_computations(const std::vector<placed_computation>& all,
                                "` has no sampler that sends a count there which it could average");
         return;
       }
-      sampler->mean_of.resize(sampler->transducers.size(), 1);
-      sampler->mean_of[index] = field->mean_of;
+      auto& apps = mote.apps.edit();
+      auto& averaging = std::get<sampler_app>(apps[sampler_index(mote, field->channel)]);
+      averaging.mean_of.resize(averaging.transducers.size(), 1);
+      averaging.mean_of[index] = field->mean_of;
     });
   }
 }

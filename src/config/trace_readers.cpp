@@ -72,14 +72,15 @@ device::trace_model read_trace(table_reader& in, device::quantity kind) {
   return out;
 }
 
-bool settle_traces(std::vector<device::transducer_config>& transducers, mote_id mote, mark at,
+bool settle_traces(shared_list<device::transducer_config>& transducers, mote_id mote, mark at,
                    reading& shared) {
   bool good = true;
-  for (auto& each : transducers) {
-    auto* trace = std::get_if<device::trace_model>(&each.model);
+  for (std::size_t i = 0; i < transducers.size(); ++i) {
+    const auto& each = transducers[i];
+    const auto* trace = std::get_if<device::trace_model>(&each.model);
     if (trace == nullptr || trace->table == nullptr || trace->mote)
       continue;
-    trace->mote = mote.value;
+    std::get<device::trace_model>(transducers.edit()[i].model).mote = mote.value;
     if (trace->table->of_mote.contains(mote.value))
       continue;
     good = false;

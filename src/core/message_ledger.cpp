@@ -14,7 +14,8 @@ std::string_view to_string(message_kind x) {
 }
 
 std::uint64_t message_tally::lost_in_all() const {
-  return std::accumulate(lost.begin(), lost.end(), std::uint64_t{0});
+  return std::accumulate(lost.begin(), lost.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const auto& x) { return sum + x.second; });
 }
 
 namespace {
@@ -158,7 +159,7 @@ void message_ledger::end(message_account& x) {
         about.place = place_here();
         about.at = time_here();
       }
-      ++x.tally_.lost.at(static_cast<std::size_t>(about.cause));
+      ++x.tally_.lost[about.cause];
       const auto known = places_.size() < places_max;
       ++places_[{about.kind, about.cause, std::string(known ? about.place : std::string_view())}];
     }

@@ -8,7 +8,6 @@
 // account is as large as what is in transit.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <list>
@@ -27,6 +26,7 @@
 #include "core/fields.hpp"
 #include "core/loss.hpp"
 #include "core/provenance.hpp"
+#include "core/small_map.hpp"
 #include "core/time.hpp"
 
 namespace rubicon {
@@ -45,8 +45,8 @@ enum class message_kind : std::uint8_t {
 struct message_tally {
   std::uint64_t sent = 0;
   std::uint64_t arrived = 0;
-  std::uint64_t handed_over = 0;                ///< to another process, which accounts for them
-  std::array<std::uint64_t, loss_count> lost{}; ///< by cause
+  std::uint64_t handed_over = 0;       ///< to another process, which accounts for them
+  small_map<loss, std::uint64_t> lost; ///< by cause
 
   [[nodiscard]] std::uint64_t lost_in_all() const;
   [[nodiscard]] std::uint64_t in_transit() const {

@@ -39,8 +39,8 @@ void duty_cycle::reserve(const network::channel_reserved& x) {
 
 void duty_cycle::on_sent(std::uint64_t token, instant now) {
   const auto sent = in_flight_.extract(token);
-  if (!sent.empty() && sent.mapped())
-    served_.emplace_back(now, *sent.mapped());
+  if (sent && *sent)
+    served_.emplace_back(now, **sent);
 }
 
 void duty_cycle::on_received(network::channel_id channel, instant now) {

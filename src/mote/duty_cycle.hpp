@@ -5,12 +5,12 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "core/small_map.hpp"
 #include "core/time.hpp"
 #include "mote/duty_config.hpp"
 #include "network/channels.hpp"
@@ -89,9 +89,9 @@ private:
   duty_config config_;
   bool is_sink_ = false;
   network::radio_schedule schedule_;
-  std::map<network::channel_id, network::channel_reserved> channels_;
+  small_map<network::channel_id, network::channel_reserved> channels_;
   std::vector<held> held_;
-  std::map<std::uint64_t, std::optional<network::channel_id>> in_flight_; ///< by token
+  small_map<std::uint64_t, std::optional<network::channel_id>> in_flight_; ///< by token
   std::vector<std::pair<instant, network::channel_id>> served_; ///< to be told to the schedule
   bool is_member_ = false;
   std::optional<instant> due_;

@@ -40,17 +40,23 @@ using join_output =
 using join_outputs = std::vector<join_output>;
 
 struct join_config {
-  duration start_jitter = 250ms;  ///< the first request leaves uniformly within this,
-  duration start_jitter_hop = 1s; ///< and this more for each hop of the route after the first
-  duration reply_wait = 500ms;    ///< for each hop of the route,
-  unsigned attempts_max = 5;      ///< then a pause, and again without end
-  duration pause = 2s;            ///< doubles each time, jittered by half
-  duration pause_max = 30s;
-  duration refused_pause = 30s; ///< silence of a mote whose address another has; doubles each time,
-  duration refused_pause_max = 10min; ///< jittered by half
-  duration keep_alive = 3s; ///< send a keep-alive when nothing else was sent for this long; or for
-  duration first_keep_alive = 4s; ///< this long after the join, doubled each time: a sink that has
-                                  ///< never heard a confirm has given the mote up
+  duration start_jitter = 250ms; ///< the first request leaves uniformly within this, and
+  static constexpr duration start_jitter_hop = 1s; ///< this for each hop of the route but the first
+  static constexpr duration reply_wait = 500ms;    ///< for each hop of the route
+  static constexpr unsigned attempts_max = 5;      ///< before a pause
+
+  /// After attempts_max requests without a reply; doubles each time up to pause_max, +-50 %.
+  duration pause = 2s;
+  static constexpr duration pause_max = 30s;
+
+  /// After a refusal, since another mote has its address: doubles each time, +-50 %.
+  static constexpr duration refused_pause = 30s;
+  static constexpr duration refused_pause_max = 10min;
+
+  duration keep_alive = 3s; ///< a keep-alive is sent when nothing else was sent for so long
+  /// One is sent so long after the join, too, and at twice the time after each: a sink that never
+  /// received a confirm has given the mote up.
+  static constexpr duration first_keep_alive = 4s;
 };
 
 /// off --start--> requesting --reply--> joined --rejoin_prompt--> requesting

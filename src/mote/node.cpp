@@ -374,8 +374,8 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
       [&](const network::clock_corrected&) { tick(now); },
       [&](const network::channel_connected& x) {
         tell_latency(x.channel);
-        if (const auto who = connecting_.extract(x.channel); !who.empty())
-          use_layer().on_connected(who.mapped(), handle_of(x.channel), now);
+        if (const auto who = connecting_.extract(x.channel); who)
+          use_layer().on_connected(*who, handle_of(x.channel), now);
       },
       [&](const network::channel_accepted& x) {
         if (joined()) { // before that nobody here knows our address
@@ -391,8 +391,8 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
         use_layer().on_channel_octets(handle_of(x.channel), x.content, now);
       },
       [&](const network::channel_ended& x) {
-        if (const auto who = connecting_.extract(x.channel); !who.empty())
-          use_layer().on_connect_failed(who.mapped(), now);
+        if (const auto who = connecting_.extract(x.channel); who)
+          use_layer().on_connect_failed(*who, now);
         else
           use_layer().on_channel_closed(handle_of(x.channel), now);
       },

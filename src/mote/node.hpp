@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +17,8 @@
 #include "core/fields.hpp"
 #include "core/provenance.hpp"
 #include "core/random.hpp"
+#include "core/shared_list.hpp"
+#include "core/small_map.hpp"
 #include "core/time.hpp"
 #include "device/actuator.hpp"
 #include "device/transducer_config.hpp"
@@ -46,8 +47,8 @@ struct node_config {
   /// sent nothing for half as long again, so that reports on time make that unnecessary.
   duration keep_alive = 2s;
   bool joins_alone = true; ///< else its programs call initCommunications and joinIsland
-  std::vector<device::transducer_config> transducers;
-  std::vector<device::actuator_config> actuators;
+  shared_list<device::transducer_config> transducers;
+  shared_list<device::actuator_config> actuators;
   position place;                    ///< for what its transducers measure
   std::uint64_t transducer_seed = 0; ///< of random walks: the same in all lives of a mote
   /// Never nullptr; motes that are alike share one.
@@ -261,10 +262,10 @@ private:
     instant due;                                       ///< the channel's turn
     std::vector<std::pair<bytes, provenance>> packets; ///< few, the oldest first
   };
-  std::map<stream::channel_handle, paced> paced_; ///< none without packets
-  duration slack_{};                              ///< as told to the layer
-  std::map<network::channel_id, communication::channel_request> connecting_;
-  std::map<std::string, device::actuator> actuators_;
+  small_map<stream::channel_handle, paced> paced_; ///< none without packets
+  duration slack_{};                               ///< as told to the layer
+  small_map<network::channel_id, communication::channel_request> connecting_;
+  small_map<std::string, device::actuator> actuators_;
   node_counters counters_;
 };
 

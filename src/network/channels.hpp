@@ -31,16 +31,19 @@ struct channels_config {
   /// And a packet; the radio itself tries four times (NET-05), but once in a slot: that round is
   /// not counted.
   unsigned data_rounds_max = 2;
-  unsigned losses_max =
-      4; ///< packets in a row that the next mote does not take: the path is broken
+  /// Packets in a row that the next mote does not acknowledge: the path is broken.
+  unsigned losses_max = 4;
   duration round_pause = 30ms;    ///< between rounds, up to twice as long
   duration connect_timeout = 10s; ///< until the source gives up, beside what frames wait
-  duration setup_timeout = 12s;   ///< until a mote on the path does, likewise
-  duration flood_spread = 60ms;   ///< a flood is passed on within this time,
-  unsigned flood_copies = 3;      ///< in a crowd unless it has been heard so often until then
+  static constexpr duration setup_timeout = 12s; ///< until a mote on the path does, likewise
+
+  /// A flood is forwarded within flood_spread; in a crowd not if so many copies came before.
+  duration flood_spread = 60ms;
+  static constexpr unsigned flood_copies = 3;
+
   std::uint8_t hops_max = 32;
-  std::size_t tries_max = 3;     ///< neighbours, at each mote, before a set-up goes back
-  std::size_t dead_ends_max = 3; ///< set-ups that are refused when they come again
+  std::size_t tries_max = 3; ///< neighbours, at each mote, before a set-up goes back
+  static constexpr std::size_t dead_ends_max = 3; ///< set-ups that are refused when they come again
 };
 
 struct channels_counters {

@@ -20,17 +20,23 @@ namespace rubicon::network {
 struct clock_sync_config {
   mote_id self;
   bool is_root = false;
-  std::uint8_t era = 0;          ///< the root's last one: it begins the next
-  duration period_first = 1s;    ///< between the root's broadcasts when it has started or something
-                                 ///< has changed;
-  unsigned first_rounds = 4;     ///< after so many each gap is twice as long as the one before,
-  duration period = 1min;        ///< up to this, or what a mote has requested,
-  duration period_least = 10s;   ///< but not less than this;
-  duration request_hold = 15min; ///< so long a request holds
-  duration resume_wait = 3s;     ///< a root that starts listens so long for the time it had before
-  duration resume_more = 300ms;  ///< or so long after it was told
-  duration stale_after = 3min;   ///< without a round of the root: it may have begun anew
-  tick_setting tick;             ///< the root's, unless it learns the one it had before
+  std::uint8_t era = 0; ///< the root's last one: it begins the next
+
+  /// Between the root's broadcasts after its start or a change. After first_rounds each gap is
+  /// twice as long as the one before, up to `period` or what a mote has requested, but period_least
+  /// at least. A request holds for request_hold.
+  static constexpr duration period_first = 1s;
+  static constexpr unsigned first_rounds = 4;
+  duration period = 1min;
+  static constexpr duration period_least = 10s;
+  static constexpr duration request_hold = 15min;
+
+  /// A root that starts listens so long for the time it had before, or so long after an answer.
+  duration resume_wait = 3s;
+  static constexpr duration resume_more = 300ms;
+
+  duration stale_after = 3min; ///< without a round of the root: it may have begun anew
+  tick_setting tick;           ///< the root's, unless it learns the one it had before
 };
 
 /// What a stamp was worth.

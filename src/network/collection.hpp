@@ -32,9 +32,9 @@ struct collection_config {
   /// Times a packet is handed to the radio, which itself tries four times, before it is given up.
   unsigned rounds_max = 8;
   duration pause = 40ms; ///< before the second round, up to twice as long; more before each further
-  duration route_wait = 1s;     ///< without a route up; a round each
+  static constexpr duration route_wait = 1s; ///< without a route up; a round each
   duration flood_spread = 40ms; ///< motes that send the same flood on do so within this time
-  unsigned flood_copies = 2;    ///< each mote sends a flood on so often
+  static constexpr unsigned flood_copies = 2; ///< each mote sends a flood on so often
   std::uint8_t hops_max = 32;
 };
 

@@ -86,9 +86,10 @@ struct coordinates_part {
 struct coordinates_config {
   mote_id self;
   bool is_sink = false;
-  duration first_quiet = 60s;         ///< before the sink's first decision
-  duration quiet = 40s;               ///< for which a candidate must stay the best at the sink
-  std::uint8_t company_samples = 6;   ///< beacons of a neighbour before a sink believes to be alone
+  static constexpr duration first_quiet = 60s; ///< before the sink's first decision
+  static constexpr duration quiet = 40s; ///< for which a candidate must stay the best at the sink
+  /// Beacons of a neighbour before a sink believes to be alone.
+  static constexpr std::uint8_t company_samples = 6;
   duration anchor_patience = 2min;    ///< without a route to an anchor: the sink elects all anew
   duration sequence_patience = 30min; ///< without news of an anchor: there is no route to it
 };

@@ -37,11 +37,11 @@ struct gradient_config {
   mote_id self;
   bool is_root = false;
   std::uint8_t hops_max = 64;
-  etx_cost hysteresis = etx_one / 4; ///< that another parent must be better by
-  duration root_patience = 20min;    ///< without a newer root sequence number: the root is gone
+  static constexpr etx_cost hysteresis = etx_one / 4; ///< that another parent must be better by
+  duration root_patience = 20min; ///< without a newer root sequence number: the root is gone
   /// So often, without a route, we may hear our root count on behind what we take for its number
   /// before we believe that the number was never its own.
-  std::uint8_t behind_max = 8;
+  static constexpr std::uint8_t behind_max = 8;
 };
 
 struct gradient_counters {

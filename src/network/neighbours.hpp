@@ -28,21 +28,23 @@ inline constexpr etx_cost etx_one = 128;
 inline constexpr etx_cost etx_infinite = 65535; ///< no route
 
 struct neighbours_config {
-  std::size_t capacity = 12;             ///< what a mote has room for
-  std::uint8_t good_samples = 6;         ///< beacons that a link must have shown to be good
-  std::uint8_t usable_samples = 3;       ///< beacons from which on it has an ETX
-  quality good_from = quality_of(0.85);  ///< in both directions: the link becomes good
-  quality bad_below = quality_of(0.7);   ///< in either direction: it no longer is
-  quality usable_from = quality_of(0.1); ///< in * out, the least that has an ETX
+  std::size_t capacity = 12;            ///< what a mote has room for
+  std::uint8_t good_samples = 6;        ///< beacons that a link must have shown to be good
+  std::uint8_t usable_samples = 3;      ///< beacons from which on it has an ETX
+  quality good_from = quality_of(0.85); ///< in both directions: the link becomes good
+  quality bad_below = quality_of(0.7);  ///< in either direction: it no longer is
+  static constexpr quality usable_from = quality_of(0.1); ///< in * out, the least that has an ETX
   std::uint8_t unusable_missed =
       2; ///< beacons overdue in a row: no ETX; one more below 3/4, two below 1/2
-  std::uint8_t bad_missed = 3;         ///< no longer good
-  std::uint8_t dropped_missed = 8;     ///< forgotten
-  std::uint8_t unmentioned_max = 6;    ///< beacons not listing us: it does not hear us
-  duration beacon_gap_max = 12min;     ///< longest between two beacons: 1.5 intervals of 8 min
-  duration beacon_slack = 250ms;       ///< by which a beacon may come late
-  std::uint16_t sequence_gap_max = 32; ///< a longer one is a restart
-  duration replacement_gap = 10s;      ///< least between evictions for links that do not matter
+  std::uint8_t bad_missed = 3;                      ///< no longer good
+  static constexpr std::uint8_t dropped_missed = 8; ///< forgotten
+  /// Beacons not listing us: it does not hear us.
+  static constexpr std::uint8_t unmentioned_max = 6;
+  duration beacon_gap_max = 12min; ///< longest between two beacons: 1.5 intervals of 8 min
+  duration beacon_slack = 250ms;   ///< by which a beacon may come late
+  static constexpr std::uint16_t sequence_gap_max = 32; ///< a longer one is a restart
+  /// Least between evictions for links that do not matter.
+  static constexpr duration replacement_gap = 10s;
 };
 
 /// What a beacon says that concerns the link.

@@ -730,9 +730,9 @@ router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmi
                                instant now) {
   router_outputs out;
   keep_turns(now);
-  if (const auto unicast = handed_.extract(token); !unicast.empty()) {
+  if (const auto unicast = handed_.extract(token); unicast) {
     watch_silence(acked, now);
-    links_.on_sent(unicast.mapped(), acked, transmissions, now);
+    links_.on_sent(*unicast, acked, transmissions, now);
     settle(out, now);
   }
   switch (static_cast<purpose>(token & ((1U << purpose_bits) - 1))) {
@@ -746,9 +746,9 @@ router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmi
     take(paths_.on_sent(acked, acked ? surroundings() : around(now), now), out);
     break;
   case purpose::direct:
-    if (auto sent = directs_.extract(token); !sent.empty() && !acked) {
+    if (auto sent = directs_.extract(token); sent && !acked) {
       ++counters_.detours;
-      auto& x = sent.mapped();
+      auto& x = *sent;
       const acting_on its(x.from);
       send_router_message(x.to, user_content{std::move(x.content)}, out, now);
     }

@@ -14,6 +14,7 @@
 #include "core/fields.hpp"
 #include "core/provenance.hpp"
 #include "core/random.hpp"
+#include "core/small_map.hpp"
 #include "core/time.hpp"
 #include "network/beacon.hpp"
 #include "network/channels.hpp"
@@ -34,43 +35,61 @@ namespace rubicon::network {
 struct own_router_config {
   mote_id self;
   bool is_sink = false;
-  tick_setting tick;               ///< the sink's (CLK-03)
-  duration report_period = 8min;   ///< a mote tells the sink where it is, at least so often;
-  duration report_gap = 5s;        ///< when that has changed, so long after it said anything; twice
-                                   ///< as long with each time that it goes on changing
-  duration question_timeout = 3s;  ///< for the sink's answer where a mote is
-  unsigned asks_max = 2;           ///< until it has answered. In a crowd, where floods cost much,
-  unsigned asks_in_crowd_max = 3;  ///< it is asked again, too, while it does not know, or we do not
-  duration question_gap = 5s;      ///< know where we are
-  std::size_t questions_max = 2;   ///< in flight
-  std::size_t places_max = 1000;   ///< of motes, that the sink remembers,
-  std::size_t places_kept = 6;     ///< and a mote, which learns them from what passes by,
-  duration place_lifetime = 10min; ///< for so long
-  std::size_t direct_max = 4;      ///< packets for neighbours in flight
-  duration relay_spread = 150ms;   ///< a clock round is passed on within this time,
-  unsigned relay_copies = 3;       ///< and again, unless it has been received so often,
-  unsigned relays_max = 3;         ///< so often at most
-  duration relay_pause = 1s;       ///< between, where radios are always on
-  duty_window duty;                ///< when radios are on
+  std::uint8_t era = 0;          ///< the sink's last one (clock_sync)
+  tick_setting tick;             ///< the sink's (CLK-03)
+  duty_window duty;              ///< when radios are on
+  std::size_t questions_max = 2; ///< in flight: where a mote is
+  duration relay_spread = 150ms; ///< a clock round is passed on within this time
+
+  /// A mote reports its place to the sink at least so often, and so long after it has changed:
+  /// twice as long with each further change.
+  static constexpr duration report_period = 8min;
+  static constexpr duration report_gap = 5s;
+
+  /// The sink is asked where a mote is: wait for its answer, and requests until it answers. In a
+  /// crowd, where floods are expensive, it is asked again when it does not know the place, or we do
+  /// not know ours.
+  static constexpr duration question_timeout = 3s;
+  static constexpr unsigned asks_max = 2;
+  static constexpr unsigned asks_in_crowd_max = 3;
+  static constexpr duration question_gap = 5s;
+
+  static constexpr std::size_t places_max = 1000;   ///< of motes, that the sink remembers
+  static constexpr std::size_t places_kept = 6;     ///< that a mote learns from passing packets
+  static constexpr duration place_lifetime = 10min; ///< of those
+  static constexpr std::size_t direct_max = 4;      ///< packets for neighbours in flight
+
+  /// A clock round is not passed on if so many copies of it have been received; else so often, with
+  /// this pause where radios are always on.
+  static constexpr unsigned relay_copies = 3;
+  static constexpr unsigned relays_max = 3;
+  static constexpr duration relay_pause = 1s;
+
   /// A beacon comes within this time of a change of coordinates, and as often from those that look
   /// for a route, but for no longer than seek_length; and for these not more often than help_gap.
-  duration change_beacon = 1s;
-  duration seek_length = 30s;
-  duration help_gap = 2s;
-  duration sequence_gap = 20s; ///< between requests for the sink's next sequence number, and
-                               ///< between the sink's answers, and two windows more
-  std::uint8_t era = 0;        ///< the sink's last one (clock_sync)
-  /// Who knows the time answers one who asks within answer_spread, unless others have: a window is
+  static constexpr duration change_beacon = 1s;
+  static constexpr duration seek_length = 30s;
+  static constexpr duration help_gap = 2s;
+
+  /// Between requests for the sink's next sequence number, and, with two windows more, between its
+  /// answers.
+  static constexpr duration sequence_gap = 20s;
+
+  /// Who knows the time answers a request within answer_spread, unless others have: a window is
   /// short. Where radios are always on there may be many of them.
-  duration answer_spread = 30ms;
-  duration answer_spread_awake = 250ms;
-  unsigned answer_copies = 2;
-  duration answer_gap = 40ms;
-  duration answer_gap_awake = 1s;
+  static constexpr duration answer_spread = 30ms;
+  static constexpr duration answer_spread_awake = 250ms;
+  static constexpr unsigned answer_copies = 2;
+  static constexpr duration answer_gap = 40ms;
+  static constexpr duration answer_gap_awake = 1s;
+
   /// A mote whose unicasts fail in so many windows, and which receives nothing, doubts its time.
-  unsigned silent_windows_max = 3;
-  duration period_request_gap = 1min;   ///< between requests for more rounds of the clock,
-  duration period_request_spread = 10s; ///< each sent within this, unless another's has helped
+  static constexpr unsigned silent_windows_max = 3;
+
+  /// Between requests for more clock rounds; each is sent within the spread, unless another mote's
+  /// request was answered.
+  static constexpr duration period_request_gap = 1min;
+  static constexpr duration period_request_spread = 10s;
 };
 
 struct router_config : own_router_config {
@@ -256,9 +275,9 @@ private:
   unsigned copies_ = 0;              ///< of that round, received so far,
   unsigned relays_ = 0;              ///< and sent
   std::uint64_t frames_ = 0;
-  std::map<std::uint64_t, direct> directs_; ///< by token
-  std::vector<frame_out> waiting_directs_;  ///< of them, for their turn
-  std::map<std::uint64_t, mote_id> handed_; ///< unicasts: to whom
+  small_map<std::uint64_t, direct> directs_; ///< by token
+  std::vector<frame_out> waiting_directs_;   ///< of them, for their turn
+  small_map<std::uint64_t, mote_id> handed_; ///< unicasts: to whom
   std::vector<question> questions_;
   place_cache places_;
   std::optional<virtual_coordinates> told_place_;

@@ -12,16 +12,19 @@
 namespace rubicon::network {
 
 struct time_reference_config {
-  duration gap = 10s;        ///< between two questions,
-  duration gap_first = 1s;   ///< of the first ones, and when an answer was not good enough
-  unsigned first = 4;        ///< so many questions, and as many good answers in the beginning;
-  unsigned repeats_max = 4;  ///< so many questions in succession for want of a good answer
-  duration answer_max = 1s;  ///< an answer that comes later tells nothing
-  duration excess_max = 1ms; ///< of its round trip over the shortest one of late: a good answer's
-  duration leap_min = 2ms;   ///< farther from the line: the time there was set, or this is wrong
-  duration span_min = 10s;   ///< of answers that drift is learnt from;
-  duration spread = 60s;     ///< those that are kept are so far apart, but for the newest
-  double drift_max = 600e-6; ///< that of two crystals is less
+  duration gap = 10s;      ///< between two requests
+  duration gap_first = 1s; ///< between the first ones, and after an answer that was not good enough
+  unsigned first = 4;      ///< requests, and good answers, in the beginning
+  static constexpr unsigned repeats_max = 4; ///< requests in a row without a good answer
+  duration answer_max = 1s;                  ///< an answer that comes later is ignored
+
+  /// A good answer's round trip exceeds the shortest of the last ones by no more than this.
+  static constexpr duration excess_max = 1ms;
+  /// An answer farther from the line means that the time there was set, or the answer is wrong.
+  static constexpr duration leap_min = 2ms;
+  static constexpr duration span_min = 10s;   ///< of the answers from which drift is estimated
+  static constexpr duration spread = 60s;     ///< between answers that are kept, but the newest
+  static constexpr double drift_max = 600e-6; ///< two crystals drift apart by less
 };
 
 struct time_reference_counters {

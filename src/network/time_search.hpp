@@ -18,18 +18,26 @@ namespace rubicon::network {
 struct time_search_config {
   bool is_root = false;
   duty_window duty;
-  duration start_quiet = 1500ms; ///< nobody asks within this of its start,
-  duration company = 10s; ///< nor within this if it has just received a beacon: all begin together
-  duration stale_spread = 10s; ///< motes that have missed the same rounds ask within this
-  unsigned window_asks = 2;
-  duration long_search = 2min;   ///< others may have lost their time in such a one
-  duration pause = 8s;           ///< between two searches at least; doubles each time,
-  duration pause_max = 2min;     ///< up to this,
-  unsigned pause_periods = 200;  ///< or so many periods of the common window
-  duration probe_gap = 45s;      ///< between two probes at most
-  duration probe_listen = 150ms; ///< after its last beacon
-  unsigned probe_beacons = 3;    ///< one may be lost, or its answer,
-  duration probe_pause = 60ms;   ///< between
+
+  /// A mote sends no request within this of its start, nor within `company` if it has just received
+  /// a beacon: then all begin together.
+  duration start_quiet = 1500ms;
+  static constexpr duration company = 10s;
+  /// Motes that have missed the same rounds send requests spread over this.
+  static constexpr duration stale_spread = 10s;
+  static constexpr unsigned window_asks = 2;
+  static constexpr duration long_search = 2min; ///< after such a one others may have lost the time
+
+  /// Between two searches at least; doubles each time, up to pause_max or pause_periods of the
+  /// common window.
+  duration pause = 8s;
+  static constexpr duration pause_max = 2min;
+  static constexpr unsigned pause_periods = 200;
+
+  static constexpr duration probe_gap = 45s;      ///< between two probes at most
+  static constexpr duration probe_listen = 150ms; ///< after a probe's last beacon
+  static constexpr unsigned probe_beacons = 3;  ///< of a probe: a beacon or its answer may be lost
+  static constexpr duration probe_pause = 60ms; ///< between these
 };
 
 /// What a mote knows of the time.

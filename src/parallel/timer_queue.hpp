@@ -73,6 +73,8 @@ public:
   T pop() {
     auto x = std::exchange(values_[front()], T{});
     take_out(0);
+    if (heap_.empty() && heap_.capacity() > kept_when_empty)
+      release();
     return x;
   }
 
@@ -93,6 +95,8 @@ private:
   using place = std::uint32_t; ///< index in the heap
   static constexpr place nowhere = UINT32_MAX;
   static constexpr std::size_t children = 4;
+  /// A burst of more entries than this leaves no memory behind.
+  static constexpr std::size_t kept_when_empty = 1024;
 
   struct entry {
     event_order when;
@@ -149,6 +153,13 @@ private:
       settle(i, last);
     places_[slot] = nowhere;
     free_.push_back(slot);
+  }
+
+  void release() {
+    heap_ = std::vector<entry>();
+    values_ = std::vector<T>();
+    places_ = std::vector<place>();
+    free_ = std::vector<ticket>();
   }
 
   std::vector<entry> heap_;

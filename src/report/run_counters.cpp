@@ -53,9 +53,8 @@ void add_life(stream_counters::end& x, const stream_part& part) {
 
 cause_counts lost_of(const message_tally& x) {
   cause_counts out;
-  for (std::size_t i = 0; i < loss_count; ++i)
-    if (x.lost.at(i) > 0)
-      out[std::string(to_string(static_cast<loss>(i)))] = x.lost.at(i);
+  for (const auto& [cause, count] : x.lost)
+    out[std::string(to_string(cause))] = count;
   return out;
 }
 

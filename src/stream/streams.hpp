@@ -20,14 +20,18 @@ struct streams_config {
   std::size_t streams_max = 5;
   std::size_t early_max = 2; ///< accepted channels whose stream is not open here yet
   std::size_t queue_max = 32;
-  std::size_t record_max = 105;   ///< what a channel packet holds beside SS_WRITE's header
-  std::uint8_t transducers = 0;   ///< they are numbered from 0 (STR-09)
-  std::size_t window_max = 8;     ///< records of a reliable stream that its read end has not acked
-  unsigned resends_max = 15;      ///< without an ack; then the stream has ended
-  duration open_repeat = 2s;      ///< from one SS_OPEN to the next, and from a record to its repeat
-  duration writer_patience = 30s; ///< from open_remote() to SS_OPEN_ACK (STR-19)
-  duration reader_patience = 2min; ///< from open_remote() to SS_OPEN, or the other way round
-  duration resume_within = 5min;   ///< of the last record; those before are then given up as lost
+  std::size_t record_max = 105; ///< what a channel packet holds beside SS_WRITE's header
+  std::uint8_t transducers = 0; ///< they are numbered from 0 (STR-09)
+  /// Records of a reliable stream that its read end has not acked.
+  static constexpr std::size_t window_max = 8;
+  static constexpr unsigned resends_max = 15; ///< without an ack; then the stream has ended
+  /// From one SS_OPEN to the next, and from a record to its repeat.
+  static constexpr duration open_repeat = 2s;
+  static constexpr duration writer_patience = 30s; ///< from open_remote() to SS_OPEN_ACK (STR-19)
+  /// From open_remote() to SS_OPEN, or the other way round.
+  static constexpr duration reader_patience = 2min;
+  /// Of the last record; those before are then given up as lost.
+  static constexpr duration resume_within = 5min;
 };
 
 struct streams_counters {

@@ -20,16 +20,16 @@ namespace rubicon::synaptic {
 
 /// What fits a mote; a PC has room for more.
 struct channels_config {
-  std::size_t channels_max = 2;               ///< each way
-  std::size_t early_max = 2;                  ///< accepted channels not created here yet
-  std::uint8_t size_max = 10;                 ///< elements of a vector
-  std::size_t packet_max = 108;               ///< octets, >= 10
-  std::chrono::milliseconds tick_period{500}; ///< what connect_channel asks for (CLK-03)
-  unsigned silence_max = 20;                  ///< vectors due in a row; > 0 (SYN-17)
-  std::uint8_t stop_repeats = 20;             ///< ticks, until SYN_STOP is acknowledged
-  duration open_repeat = 2s;                  ///< from one SYN_OPEN to the next
-  duration writer_patience = 30s;             ///< from create_out() to SYN_OPEN_ACK
-  duration reader_patience = 2min;            ///< from create_in() to SYN_OPEN
+  std::size_t channels_max = 2;                     ///< each way
+  std::size_t early_max = 2;                        ///< accepted channels not created here yet
+  std::uint8_t size_max = 10;                       ///< elements of a vector
+  static constexpr std::size_t packet_max = 108;    ///< octets, >= 10
+  std::chrono::milliseconds tick_period{500};       ///< what connect_channel asks for (CLK-03)
+  unsigned silence_max = 20;                        ///< vectors due in a row; > 0 (SYN-17)
+  std::uint8_t stop_repeats = 20;                   ///< ticks, until SYN_STOP is acknowledged
+  static constexpr duration open_repeat = 2s;       ///< from one SYN_OPEN to the next
+  static constexpr duration writer_patience = 30s;  ///< from create_out() to SYN_OPEN_ACK
+  static constexpr duration reader_patience = 2min; ///< from create_in() to SYN_OPEN
 };
 
 struct channels_counters {

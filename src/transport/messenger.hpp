@@ -60,12 +60,12 @@ struct messenger_config {
   duration ack_wait = 500ms;       ///< after the first attempt; doubles with each further one,
   answer_slacks answer_slack = {}; ///< and this more after each, but for a mote's own island: as
                                    ///< set_answer_slack() has it
-  unsigned attempts_max = 5;       ///< failure after 31 times ack_wait
+  static constexpr unsigned attempts_max = 5; ///< failure after 31 times ack_wait
   /// No attempt waits less than twice as long as answers of that receiver take, up to this: a slow
   /// line is not filled with copies of what it still holds. It fails no later for that: there are
   /// fewer attempts then.
-  duration answer_wait_max = 8s;
-  duration busy_wait = 500ms; ///< before a receiver without room is asked again
+  static constexpr duration answer_wait_max = 8s;
+  static constexpr duration busy_wait = 500ms; ///< before a receiver without room is asked again
   std::size_t payload_max = transport::payload_max; ///< of a message
   std::size_t outstanding_max = 8;                  ///< reliable sends that have not ended
   std::size_t sessions_max = 6;                     ///< receivers whose incarnation is remembered

@@ -68,12 +68,14 @@ using tunnels_output =
 using tunnels_outputs = std::vector<tunnels_output>;
 
 struct tunnels_config {
-  mote_id self;                   ///< no_mote: a PC
-  std::uint32_t incarnation = 0;  ///< how often this node has been started before, forgetting all
-  std::size_t tunnels_max = 3;    ///< that begin or end here
-  std::size_t remembered_max = 4; ///< ended ones whose late connects are not taken for new ones
-  duration connect_wait = 1s;     ///< after the first connect; doubles with each further one
-  duration connect_wait_max = 8s;
+  mote_id self;                  ///< no_mote: a PC
+  std::uint32_t incarnation = 0; ///< how often this node has been started before, forgetting all
+  std::size_t tunnels_max = 3;   ///< that begin or end here
+  /// Ended ones whose late connects are not taken for new ones.
+  static constexpr std::size_t remembered_max = 4;
+  /// After the first connect; doubles with each further one.
+  static constexpr duration connect_wait = 1s;
+  static constexpr duration connect_wait_max = 8s;
   duration connect_timeout = 30s; ///< until the opener gives up (STR-19)
   duration keep_alive = 10s;      ///< having sent nothing for so long, an end says that it is there
   duration silence = 35s;         ///< having heard nothing for so long, it ends the tunnel

@@ -176,7 +176,8 @@ TEST_CASE("messages from another island reach either id once, through whichever 
   for (const auto called : {20U, 21U}) {
     CAPTURE(called);
     auto what = kitchen_with({killed(1min, first, 40s)});
-    auto& button = std::get<config::messenger_app>(what.islands.at(1).motes.at(0).apps.at(0));
+    auto& button =
+        std::get<config::messenger_app>(what.islands.at(1).motes.at(0).apps.edit().at(0));
     REQUIRE(what.islands.at(1).name == "hall");
     button.to.island = island_id{called};
     for (std::uint64_t seed = 1; seed <= seeds(3); ++seed) {
@@ -205,7 +206,7 @@ TEST_CASE("what is subscribed to is sent on by motes when another gateway leads"
           "[ecology][GW-14][GW-10]") {
   auto what = kitchen_with({killed(1min, first, 40s)});
   for (auto& mote : what.islands.at(0).motes)
-    for (auto& app : mote.apps)
+    for (auto& app : mote.apps.edit())
       if (auto* sampler = std::get_if<config::sampler_app>(&app))
         sampler->only_subscribed = true;
   what.peers.at(0).apps.clear(); // no proxies: the robot looks at the gateways
@@ -221,7 +222,7 @@ TEST_CASE("the period that a proxy asks for outlives the gateway that was told i
           "[ecology][GW-14][PXY-14][IF-04]") {
   auto what = kitchen_with({killed(1min, first, 10min)});
   for (auto& mote : what.islands.at(0).motes)
-    for (auto& app : mote.apps)
+    for (auto& app : mote.apps.edit())
       if (auto* sampler = std::get_if<config::sampler_app>(&app)) {
         sampler->only_subscribed = true;
         sampler->every = 10s;

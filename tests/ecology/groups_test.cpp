@@ -181,7 +181,7 @@ TEST_CASE("a private group is not found without its key", "[smepp][SMP-05][SMP-0
     period = "1s"
     master_key = "00000000000000000000000000000001"
   )"));
-  std::get<config::member_app>(odd.islands.at(0).motes.at(2).apps.at(0)).group = "cure";
+  std::get<config::member_app>(odd.islands.at(0).motes.at(2).apps.edit().at(0)).group = "cure";
   const auto report = run(odd);
   CHECK(report.islands.at(0).smepp.members == 2);
   CHECK(report.islands.at(0).smepp.joins_failed > 3);
@@ -304,7 +304,7 @@ TEST_CASE("a group that nobody creates is doubted", "[smepp][config]") {
   CHECK(std::ranges::none_of(doubts(), [](const config::doubt& x) {
     return x.second.find("creates") != std::string::npos;
   }));
-  std::get<config::member_app>(what.islands.at(0).motes.at(0).apps.at(0)).creates = false;
+  std::get<config::member_app>(what.islands.at(0).motes.at(0).apps.edit().at(0)).creates = false;
   REQUIRE(doubts().size() == 1);
   CHECK(doubts().at(0).second == "no member of group `care` in island flat has `creates = true`");
 }

@@ -84,7 +84,7 @@ TEST_CASE("a mote that reports each ten minutes is gone after three of these",
                "[[fault]]\nat = \"30min\"\nkind = \"crash\"\nmote = \"hall/probe-2\"\n"
                "for = \"2d\"\n");
   for (auto& mote : what.islands.at(0).motes)
-    std::get<config::sampler_app>(mote.apps.at(0)).every = 10min;
+    std::get<config::sampler_app>(mote.apps.edit().at(0)).every = 10min;
   const auto report = run(what);
   const auto left = std::ranges::find_if(report.event_log, [](const auto& x) {
     return x.who == "hall/probe-2" && x.what == "left: silence";
@@ -152,7 +152,7 @@ TEST_CASE("time goes on when it has more than 32 bits of seconds", "[ecology][CL
       "scale = 0.001\ndecimals = 3\n"
       "[[fault]]\nat = \"15min\"\nkind = \"clock_step\"\npeer = \"pc\"\nby = \"100s\"\n");
   auto with_stream = what;
-  with_stream.islands.at(0).motes.at(1).apps.emplace_back(apps::app_config(
+  with_stream.islands.at(0).motes.at(1).apps.edit().emplace_back(apps::app_config(
       apps::stream_writer_config{.every = 10s, .to = {island_id{1}, no_mote}, .stream = 1}));
   const auto report = run(with_stream);
   CHECK(report.violations.empty());

@@ -35,7 +35,7 @@ double duty_of(const report::mote_report& x) {
 config::ecology_description separated(config::ecology_description x) {
   for (auto& island : x.islands) {
     for (auto& mote : island.motes) {
-      for (auto& app : mote.apps) {
+      for (auto& app : mote.apps.edit()) {
         if (auto* program = std::get_if<apps::app_config>(&app))
           app = config::separate_app{apps::app_config(*program)};
       }

@@ -131,7 +131,8 @@ private:
 };
 
 std::unique_ptr<apps::application> sampler(apps::sampler_config x, std::uint64_t seed = 1) {
-  return std::make_unique<apps::sampler>(std::move(x), random_stream(seed));
+  return std::make_unique<apps::sampler>(std::make_shared<const apps::sampler_config>(std::move(x)),
+                                         random_stream(seed));
 }
 
 } // namespace

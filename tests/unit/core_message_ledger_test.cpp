@@ -47,7 +47,8 @@ message_tally tally(const message_ledger& x, message_kind kind = message_kind::m
 }
 
 std::uint64_t lost(const message_tally& x, loss why) {
-  return x.lost.at(static_cast<std::size_t>(why));
+  const auto found = x.lost.find(why);
+  return found == x.lost.end() ? 0 : found->second;
 }
 
 } // namespace
