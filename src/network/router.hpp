@@ -61,11 +61,13 @@ struct own_router_config {
                                ///< between the sink's answers, and two windows more
   std::uint8_t era = 0;        ///< the sink's last one (clock_sync)
   /// Who knows the time answers one who asks within answer_spread, unless others have: a window is
-  /// short. Where radios are always on there may be many of them.
+  /// short, and so is the moment for which the other listens: the answer is repeated after
+  /// answer_gap. Where radios are always on there may be many of them, and it asks again.
   duration answer_spread = 30ms;
   duration answer_spread_awake = 250ms;
   unsigned answer_copies = 2;
   duration answer_gap = 40ms;
+  unsigned answers_each = 2;
   duration answer_gap_awake = 1s;
   /// A mote whose unicasts fail in so many windows, and which receives nothing, doubts its time.
   unsigned silent_windows_max = 3;
@@ -271,6 +273,7 @@ private:
   time_search search_;
   std::uint64_t steps_ = 0;           ///< of the clock, as far as the search knows
   std::optional<instant> answer_due_; ///< to one who asks for the time,
+  unsigned answers_left_ = 0;         ///< of ours, this one among them;
   unsigned answers_ = 0;              ///< of others since then
   instant answered_;                  ///< when we last did
   unsigned silent_windows_ = 0;       ///< in which unicasts have failed since we received anything,
