@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/island_time.hpp"
@@ -17,10 +18,11 @@ namespace rubicon::network {
   return std::chrono::floor<std::chrono::microseconds>(x.time_since_epoch()).count();
 }
 
-/// Least squares over the newest points gives offset and rate; before points are far enough apart
-/// the rate is the one known before, or none. A crystal's rate wanders, as its temperature does:
-/// how fast is measured by how far the line misses each new point, and decides how old a point may
-/// be to be used, and for how long the line keeps a promised bound.
+/// Least squares over the newest points, each weighted by its noise, gives offset and rate; before
+/// points are far enough apart the rate is the one known before, or none. A point with less than
+/// half the noise of those just before it takes their place. A crystal's rate wanders, as its
+/// temperature does: how fast is measured by how far the line misses each new point, and decides
+/// how old a point may be to be used, and for how long the line keeps a promised bound.
 class clock_line {
 public:
   using microseconds = std::chrono::microseconds;
@@ -74,6 +76,9 @@ private:
 
   void learn_wander(const point& x, microseconds noise);
   void fit();
+  void fit_middle(std::span<const point> used, double least);
+  void fit_slope(std::span<const point> used, double least);
+  [[nodiscard]] double missed(const point& x) const; ///< by the line, in microseconds
   [[nodiscard]] double wander() const;
   [[nodiscard]] duration span_wanted() const;
   [[nodiscard]] double missed_by_wander(double since) const;

@@ -425,6 +425,12 @@ void router::send_beacon(router_outputs& out, instant now, bool again, bool asks
   beacon_due_ = false;
   relay_due_.reset();
   answer_due_.reset();
+  if (answers_left_ > 0 && --answers_left_ > 0)
+    answer_due_ = now + config_.answer_gap;
+  if (config_.duty.enabled() && search_.rests() && !config_.duty.knows_time(now, clock_)) {
+    search_.on_beacon_sent(now);
+    asks = true;
+  }
   if (beacon_in_flight_)
     return;
   if (clock_.synchronised() && ++relays_ < config_.relays_max && copies_ < config_.relay_copies) {
@@ -555,8 +561,10 @@ void router::on_stamp(const clock_stamp& x, instant sfd, router_outputs& out, in
   if (!clock_.is_of_last_round(x))
     return;
   if (answer_due_ && x.doubt != doubt_asks && ++answers_ >= config_.answer_copies &&
-      !config_.is_sink)
+      !config_.is_sink) {
     answer_due_.reset();
+    answers_left_ = 0;
+  }
   if (++copies_ >= config_.relay_copies && !tree_.is_urgent())
     relay_due_.reset();
 }
@@ -571,7 +579,11 @@ void router::answer(const clock_stamp& x, instant now) {
     return;
   const bool knows = sleeps ? config_.duty.knows_time(now, clock_) : clock_.synchronised();
   const auto gap = sleeps ? config_.answer_gap : config_.answer_gap_awake;
-  if (!knows || clock_.is_distrusted() || answer_due_ || now - answered_ < gap)
+  if (!knows || clock_.is_distrusted())
+    return;
+  if (sleeps && x.doubt == doubt_asks)
+    answers_left_ = config_.answers_each;
+  if (answer_due_ || now - answered_ < gap)
     return;
   answered_ = now;
   answers_ = 0;

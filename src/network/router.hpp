@@ -75,12 +75,14 @@ struct own_router_config {
   /// answers.
   static constexpr duration sequence_gap = 20s;
 
-  /// Who knows the time answers a request within answer_spread, unless others have: a window is
-  /// short. Where radios are always on there may be many of them.
+  /// Who knows the time answers a request within answer_spread, unless others have. A window is
+  /// short, and so is the time for which the other listens: the answer is repeated after answer_gap.
+  /// Where radios are always on many may answer, and the other requests again.
   static constexpr duration answer_spread = 30ms;
   static constexpr duration answer_spread_awake = 250ms;
   static constexpr unsigned answer_copies = 2;
   static constexpr duration answer_gap = 40ms;
+  static constexpr unsigned answers_each = 2;
   static constexpr duration answer_gap_awake = 1s;
 
   /// A mote whose unicasts fail in so many windows, and which receives nothing, doubts its time.
@@ -290,6 +292,7 @@ private:
   time_search search_;
   std::uint64_t steps_ = 0;           ///< of the clock, as far as the search knows
   std::optional<instant> answer_due_; ///< to one who asks for the time,
+  unsigned answers_left_ = 0;         ///< of ours, this one among them;
   unsigned answers_ = 0;              ///< of others since then
   instant answered_;                  ///< when we last did
   unsigned silent_windows_ = 0;       ///< in which unicasts have failed since we received anything,

@@ -2,6 +2,7 @@
 // (CLK-04, NRG-01).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -73,6 +74,11 @@ public:
 
   /// A beacon has come; others are there.
   void on_beacon(instant now) { received_ = now; }
+
+  /// One that asks has gone out for another reason: it may be answered.
+  void on_beacon_sent(instant now) {
+    listen_until_ = std::max(listen_until_, now + config_.probe_listen);
+  }
 
   /// Another asks, whose answers we receive too.
   void on_asked(instant now);

@@ -88,6 +88,37 @@ TEST_CASE("a line that has missed a point doubts its rate", "[network][CLK-01]")
   }
 }
 
+TEST_CASE("a point counts for a line as much as it is sure", "[network][CLK-01]") {
+  clock_line x;
+  for (int i = 0; i <= 5; ++i)
+    x.add(at(60 * i), 600 * i, microseconds(30)); // 10 ppm
+  // The root is silent for ten minutes; others guess, each a little better than the one before.
+  const std::int64_t right = 9000 + 900; // the rate has changed a little meanwhile
+  x.add(at(880), right - 1600, microseconds(12'000));
+  x.add(at(890), right - 1500, microseconds(6000));
+  x.add(at(898), right - 1500, microseconds(3000));
+  x.add(at(899), right - 1400, microseconds(1500));
+
+  x.add(at(900), right, microseconds(30)); // a round of the root
+  CHECK(std::abs(x.ahead_us(at(900)) - right) <= 30);
+  CHECK(x.doubt(at(900)) <= microseconds(100));
+  x.add(at(960), right + 720, microseconds(30)); // 12 ppm
+  CHECK(std::abs(x.ahead_us(at(960)) - right - 720) <= 30);
+  CHECK(std::abs(x.rate() - 12e-6) < 1.5e-6);
+}
+
+TEST_CASE("a better point takes the place of one that came just before it", "[network][CLK-01]") {
+  clock_line x;
+  x.add(at(0), 0, microseconds(30));
+  x.add(at(60), 600, microseconds(30));
+  for (int i = 0; i < 8; ++i) { // one round, from one neighbour after the other
+    const auto noise = 16'384 >> (2 * i);
+    x.add(at(120 + 0.6 * i), 1200 + 6 * i + (i % 2 == 0 ? noise / 2 : -noise / 2),
+          microseconds(noise));
+  }
+  CHECK(std::abs(x.rate() - 10e-6) < 1e-6); // it still knows the points of long ago
+}
+
 TEST_CASE("a line is off by no more than it doubts", "[network][CLK-01]") {
   for (std::uint64_t seed = 1; seed <= test::seeds(3); ++seed) {
     random_stream rng(seed, "clock line");

@@ -657,6 +657,16 @@ private:
   }
 };
 
+/// While nobody receives anything; then motes tell each other what they know, until a round comes.
+struct silence {
+  duration from = 7h;
+  duration until = 7h;
+  duration told_for = 6s;
+
+  [[nodiscard]] bool lasts(duration now) const { return now >= from && now < until; }
+  [[nodiscard]] bool is_told(duration now) const { return now >= until && now < until + told_for; }
+};
+
 struct figures {
   std::uint64_t judged = 0;
   std::uint64_t beyond_1ms = 0;
@@ -665,7 +675,8 @@ struct figures {
 
 /// A line of motes, of whom each asks for the rounds that it needs.
 figures wander(std::size_t hops, double ppm, double wander_ppm, duration period, double loss,
-               std::uint64_t seed) {
+               std::uint64_t seed, const silence& silent = {}, duration judged_from = 3min,
+               duration end = 6h) {
   random_stream rng(seed);
   std::vector<wandering> crystals;
   std::vector<clock_sync> clocks;
@@ -678,19 +689,27 @@ figures wander(std::size_t hops, double ppm, double wander_ppm, duration period,
     config.self = mote_id{static_cast<std::uint16_t>(i + 1)};
     clocks.emplace_back(config, own(i, 0s));
   }
+  const auto tell = [&](std::size_t from, std::size_t to, duration now) {
+    auto x = clocks[from].stamp(own(from, now));
+    if (!x)
+      return false;
+    const auto wait = rng.between(0s, 150ms);
+    x->age_us = static_cast<std::uint32_t>(wait / 1us);
+    static_cast<void>(clocks[to].on_stamp(*x, own(to, now + wait)));
+    return true;
+  };
   figures sum;
   duration requested = 0s;
-  for (duration now = 0s; now < 6h; now += 1s) {
-    if (clocks[0].on_time(own(0, now))) {
+  for (duration now = 0s; now < end; now += 1s) {
+    const bool begins = clocks[0].on_time(own(0, now));
+    for (std::size_t i = 2; i <= hops && silent.is_told(now); ++i) {
+      tell(i, i - 1, now);
+      tell(i - 1, i, now);
+    }
+    if (begins && !silent.lasts(now) && !silent.is_told(now)) {
       for (std::size_t i = 0; i < hops; ++i) {
-        if (rng.chance(loss))
+        if (rng.chance(loss) || !tell(i, i + 1, now))
           break;
-        auto x = clocks[i].stamp(own(i, now));
-        if (!x)
-          break;
-        const auto wait = rng.between(0s, 150ms);
-        x->age_us = static_cast<std::uint32_t>(wait / 1us);
-        static_cast<void>(clocks[i + 1].on_stamp(*x, own(i + 1, now + wait)));
       }
     }
     if (now - requested >= 1min) {
@@ -700,7 +719,7 @@ figures wander(std::size_t hops, double ppm, double wander_ppm, duration period,
           clocks[0].request_period(*wanted, own(0, now));
       }
     }
-    if (now < 3min || now % 10s != 0s)
+    if (now < judged_from || now % 10s != 0s)
       continue;
     for (std::size_t i = 1; i <= hops; ++i) {
       if (!clocks[i].synchronised())
@@ -744,6 +763,20 @@ TEST_CASE("crystals that wander are followed to a millisecond, over eight hops",
       CHECK(static_cast<double>(sum.beyond_doubt) <= x.doubtful * static_cast<double>(sum.judged));
     }
   }
+}
+
+TEST_CASE("the first round after a long silence puts eight hops right", "[network][CLK-01]") {
+  figures sum;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const silence silent{.from = 10min, .until = 20min};
+    const auto more = wander(8, 0, 5, 1h, 0, seed, silent, silent.until + 70s, 32min);
+    sum.judged += more.judged;
+    sum.beyond_1ms += more.beyond_1ms;
+    sum.beyond_doubt += more.beyond_doubt;
+  }
+  CHECK(sum.judged == 20 * 8 * 65);
+  CHECK(sum.beyond_1ms == 0);
+  CHECK(sum.beyond_doubt == 0);
 }
 
 } // namespace rubicon::network

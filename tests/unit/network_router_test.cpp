@@ -5,6 +5,7 @@
 
 #include "core/codec.hpp"
 #include "network/am.hpp"
+#include "network/beacon.hpp"
 #include "network/router.hpp"
 #include "support/agenda.hpp"
 #include "support/catch.hpp"
@@ -390,6 +391,81 @@ TEST_CASE("a relay that dies is replaced", "[network][NET-09]") {
   }
   CHECK(x.arrived.size() >= 18);
   CHECK(x.at(mote(9)).tree().parent() != relay);
+}
+
+namespace {
+
+/// A router whose radio sleeps for most of 4 s, with nobody around it.
+class alone {
+public:
+  explicit alone(mote_id self) {
+    router_config config;
+    config.self = self;
+    config.is_sink = self == sink;
+    config.duty.period = 4s;
+    life = router(config, random_stream(1), now);
+  }
+
+  void run_for(duration length) {
+    const auto end = now + length;
+    while (life.deadline() <= end) {
+      now = std::max(now, life.deadline());
+      take(life.on_time(now));
+    }
+    now = end;
+  }
+
+  void receive(mote_id from, const beacon& x) {
+    take(life.on_frame(from, am::beacon, encode(x), now, now));
+  }
+
+  router life;
+  instant now;
+  std::vector<std::pair<instant, beacon>> beacons;
+  unsigned in_vain = 0; ///< of them while it rests, which do not ask, or after which it does not
+                        ///< listen
+
+private:
+  void take(const router_outputs& todo) {
+    for (const auto& x : todo) {
+      const auto* frame = std::get_if<frame_out>(&x);
+      if (frame == nullptr)
+        continue;
+      beacons.emplace_back(now, *decode_beacon(frame->payload));
+      const bool asks = beacons.back().second.clock.doubt == doubt_asks;
+      if (life.search().rests() && !(asks && life.search().listens(now + 100ms)))
+        ++in_vain;
+      static_cast<void>(life.on_sent(frame->token, true, 1, now));
+    }
+  }
+};
+
+} // namespace
+
+TEST_CASE("one who asks for the time is answered twice where it listens for a moment only",
+          "[network][CLK-04]") {
+  alone x(sink);
+  x.run_for(4min + 2s); // its rounds come once a minute
+  x.beacons.clear();
+  beacon asks;
+  asks.sequence = 1;
+  asks.clock.doubt = doubt_asks;
+  x.receive(mote(2), asks);
+  x.run_for(300ms);
+  REQUIRE(x.beacons.size() == 2);
+  for (const auto& each : x.beacons)
+    CHECK(each.second.clock.root == sink);
+  CHECK(x.beacons[1].first - x.beacons[0].first >= 40ms); // another frame may lie between
+  CHECK(x.now - x.beacons[1].first >= 150ms);             // it listens for so long
+}
+
+TEST_CASE("who rests from a search listens after each beacon, and asks in it",
+          "[network][CLK-04]") {
+  alone x(mote(2));
+  x.run_for(1h);
+  CHECK(x.life.search().rests());
+  CHECK(x.beacons.size() > 200);
+  CHECK(x.in_vain == 0);
 }
 
 TEST_CASE("the state of a mote's Network module fits its budget", "[network][SMP-30]") {
