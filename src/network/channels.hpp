@@ -36,6 +36,7 @@ struct channels_config {
   duration round_pause = 30ms;    ///< between rounds, up to twice as long
   duration connect_timeout = 10s; ///< until the source gives up, beside what frames wait
   duration setup_timeout = 12s;   ///< until a mote on the path does, likewise
+  duration wake{};                ///< access_times::wake
   duration flood_spread = 60ms;   ///< a flood is passed on within this time,
   unsigned flood_copies = 3;      ///< in a crowd unless it has been heard so often until then
   std::uint8_t hops_max = 32;

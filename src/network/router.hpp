@@ -52,6 +52,7 @@ struct own_router_config {
   unsigned relays_max = 3;         ///< so often at most
   duration relay_pause = 1s;       ///< between, where radios are always on
   duty_window duty;                ///< when radios are on
+  duration wake{};                 ///< access_times::wake
   /// A beacon comes within this time of a change of coordinates, and as often from those that look
   /// for a route, but for no longer than seek_length; and for these not more often than help_gap.
   duration change_beacon = 1s;
@@ -165,8 +166,11 @@ public:
   /// it. @pre is_sink
   void use_slots(std::size_t count, instant now);
 
-  /// The longest wait of a frame for its turn.
-  [[nodiscard]] duration turn_wait(instant now) const { return turns_.longest(now, clock_); }
+  /// The longest wait of a frame for its turn; and, where radios listen at low power, for a channel
+  /// that another's copies occupy, and for its receiver.
+  [[nodiscard]] duration turn_wait(instant now) const {
+    return turns_.longest(now, clock_) + 2 * config_.wake;
+  }
 
   [[nodiscard]] bool has_route() const { return config_.is_sink || tree_.has_route(); }
   [[nodiscard]] const clock_sync& clock() const { return clock_; }
