@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "config/reach.hpp"
-#include "config/slot_check.hpp"
 #include "config/window_room.hpp"
 #include "core/decimal.hpp"
 #include "radio/mac_rules.hpp"
@@ -80,9 +79,11 @@ std::string doubt_of_interval(const island_description& x, const radio::channel_
   if (need.share <= share_max)
     return {};
   const auto least_ms = std::ceil(seconds(x.listening.interval) * 1000 * share_max / need.share);
-  return "an interval of " + to_text(x.listening.interval) + " is too long for its motes: " +
-         rounded(need.hops_per_second) + " hops of messages a second to motes whose radios sleep "
-         "take half of it each, and " + rounded(need.broadcasts_per_second) +
+  return "an interval of " + to_text(x.listening.interval) +
+         " is too long for its motes: " + rounded(need.hops_per_second) +
+         " hops of messages a second to motes whose radios sleep "
+         "take half of it each, and " +
+         rounded(need.broadcasts_per_second) +
          " broadcasts a second a whole one: " + std::to_string(std::lround(need.share * 100)) +
          " % of the time on the air; with about " + std::to_string(std::lround(least_ms)) +
          " ms it is half";
@@ -100,11 +101,11 @@ void check_listening(const island_description& x, const radio::channel_config& r
                            " after each frame, but check the air every " +
                            to_text(x.listening.interval) + ": a shorter `awake` saves more");
   for (const auto& mote : x.motes)
-    if (std::ranges::any_of(mote.apps, [](const auto& app) {
-          return std::holds_alternative<member_app>(app);
-        })) {
-      problems.add(at, "mote `" + mote.name + "` is a member of a group, by which its radio sleeps: "
-                       "low-power listening is not for it");
+    if (std::ranges::any_of(
+            mote.apps, [](const auto& app) { return std::holds_alternative<member_app>(app); })) {
+      problems.add(at, "mote `" + mote.name +
+                           "` is a member of a group, by which its radio sleeps: "
+                           "low-power listening is not for it");
       break;
     }
   if (const auto text = doubt_of_interval(x, radio); !text.empty())

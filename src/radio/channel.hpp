@@ -35,8 +35,8 @@ struct radio_config {
   const platform* kind = nullptr; ///< never nullptr; one of platforms(), or outlives the channel
   std::optional<double> transmit_dbm; ///< unset: the platform's full power
   std::optional<double> battery_mah;  ///< > 0; unset: the platform's; infinity: fed by a cable
-  bool promiscuous = false;   ///< delivers all data frames heard, of any PAN and for anybody
-  access_parameters access{}; ///< macMinBE is not above macMaxBE
+  bool promiscuous = false;     ///< delivers all data frames heard, of any PAN and for anybody
+  access_parameters access{};   ///< macMinBE is not above macMaxBE
   listening_config listening{}; ///< the same for all radios of a PAN, but for its `checks`
   /// Radios of other channels neither hear it nor are disturbed; all_channels: of a source of
   /// noise.
@@ -55,8 +55,8 @@ struct request {
   /// buffer can do it while they send). @pre four octets of payload follow
   std::optional<std::size_t> age_at = {};
   /// Nobody near is to send now, but somebody is right afterwards: the channel is assessed without
-  /// a back-off, and neither a busy channel nor a missing ack leads to another attempt. Where radios
-  /// listen at low power it means nothing.
+  /// a back-off, and neither a busy channel nor a missing ack leads to another attempt. Where
+  /// radios listen at low power it means nothing.
   bool in_slot = false;
 };
 

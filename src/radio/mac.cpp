@@ -123,8 +123,7 @@ instant mac::told_of_train_at() const {
     return std::min(told_at_if_clear(), std::max(*deadline_, train_end_));
   const auto assessed = *deadline_ + copy_backoff.first + rules_->assessment;
   const auto copied = assessed + rules_->turnaround + air_time(open_.front().psdu.size());
-  return train_is_over(*deadline_) ? *deadline_
-                                   : std::min(copied, std::max(assessed, train_end_));
+  return train_is_over(*deadline_) ? *deadline_ : std::min(copied, std::max(assessed, train_end_));
 }
 
 instant mac::told_at_if_clear() const {
@@ -137,8 +136,8 @@ std::vector<finished> mac::abort() {
   std::vector<finished> all;
   while (!open_.empty()) {
     const auto x = open_.pop();
-    all.push_back(
-        {x.token, send_status::aborted, counted(x.transmissions), x.arrived, x.last, x.from, false});
+    all.push_back({x.token, send_status::aborted, counted(x.transmissions), x.arrived, x.last,
+                   x.from, false});
   }
   state_ = state::idle;
   deadline_.reset();

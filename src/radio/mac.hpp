@@ -161,7 +161,7 @@ private:
   bounded_queue<outgoing> open_;
   unsigned retries_max_ = 0;
   duration train_{};
-  instant train_end_; ///< nothing more of the frame is sent from here on
+  instant train_end_;   ///< nothing more of the frame is sent from here on
   unsigned busy_ = 0;   ///< busy assessments in this round
   unsigned rounds_ = 0; ///< of this attempt that have ended
   state state_ = state::idle;

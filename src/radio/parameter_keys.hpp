@@ -77,9 +77,10 @@ inline auto keys_of(const listening_config*) {
                      {"from one check of the air to the next; a frame is repeated for so long and "
                       "20 ms more, at most",
                       "512 ms"}),
-      keys::optional("check", &listening_config::check, keys::time_span{1ms, 100ms},
-                     "how long a radio is on to see whether anything is on the air; longer than the "
-                      "gap between two copies of a frame"),
+      keys::optional(
+          "check", &listening_config::check, keys::time_span{1ms, 100ms},
+          "how long a radio is on to see whether anything is on the air; longer than the "
+          "gap between two copies of a frame"),
       keys::optional("awake", &listening_config::awake, keys::time_span{1ms, 10s},
                      "how long it stays on after it has heard, received or sent something"));
 }

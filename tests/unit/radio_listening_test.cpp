@@ -246,7 +246,8 @@ TEST_CASE("two trains in reach of each other both arrive", "[radio][listening][N
   CHECK(told == 60);
 }
 
-TEST_CASE("energy of a train follows from its length", "[radio][listening][energy][NRG-02][NRG-05]") {
+TEST_CASE("energy of a train follows from its length",
+          "[radio][listening][energy][NRG-02][NRG-05]") {
   radio_fixture f;
   const auto from = f.add(sleeper(2, 0, every(2s)));
   f.add(sleeper(3, 100, every(2s))); // never answers
@@ -314,7 +315,8 @@ TEST_CASE("when a channel is asked does not matter to radios that listen at low 
     for (int round = 0; round < 40; ++round) {
       const auto i = static_cast<std::size_t>(round) % all.size();
       f.send(all[i], static_cast<std::uint64_t>(round),
-             round % 5 == 0 ? broadcast : static_cast<std::uint16_t>(2 + (i + 1) % all.size()), size);
+             round % 5 == 0 ? broadcast : static_cast<std::uint16_t>(2 + (i + 1) % all.size()),
+             size);
       for (int ms = 0; often && ms < 97; ++ms)
         f.run_for(1ms);
       if (!often)
