@@ -286,8 +286,8 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
   } else {
     in.optional("keep_alive", time_span{1s, 24h}, out.keep_alive,
                 "a mote that is silent for so long is gone; motes that report more rarely get "
-                "three of their periods, and where radios sleep three of the windows' periods are "
-                "the least");
+                "three of their periods, and where radios sleep three of the windows' periods, or "
+                "sixty intervals of low-power listening, are the least");
     window_at = read_duty_cycle(in, out.duty);
     warn_of_keep_alive(in, out);
     warn_of_slow_signs(in, out);
@@ -316,8 +316,8 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
             [&](table_reader& x) { motes.read_group(x); });
   if (sink_is_good && in.problems().size() == before_motes)
     motes.finish(in.problems());
-  if (out.listening.enabled() && with.radio_is_known)
-    check_listening(out, with.radio, interval_at, in.problems());
+  if (!in.walks() && out.listening.enabled() && with.radio_is_known)
+    check_listening(out, with.radio, with.tick, interval_at, in.problems());
   if (!in.walks() && in.problems().empty() && with.radio_is_known) {
     const auto short_window = doubt_of_window(out, with.radio);
     if (!short_window.empty())

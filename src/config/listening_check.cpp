@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "config/reach.hpp"
+#include "config/slot_check.hpp"
 #include "config/window_room.hpp"
 #include "core/decimal.hpp"
 #include "radio/mac_rules.hpp"
@@ -34,6 +35,8 @@ double signs_per_second(const island_description& x) {
 duration longest_gap(const island_description& x, const radio::channel_config& radio) {
   duration longest{};
   const auto look = [&](const radio::platform* kind) {
+    if (kind == nullptr)
+      return;
     const auto named =
         std::ranges::find(radio.macs, kind->name, &std::pair<std::string, std::string>::first);
     const auto* rules =
@@ -48,12 +51,12 @@ duration longest_gap(const island_description& x, const radio::channel_config& r
 }
 
 std::string rounded(double x) {
-  return decimal_text(x, 1);
+  return decimal_text(x, 2);
 }
 
 } // namespace
 
-air_need air_need_of(const island_description& x, std::optional<double> range_m) {
+air_need air_need_of(const island_description& x, std::optional<double> range_m, duration tick) {
   std::vector<position> places{x.sink.place};
   for (const auto& mote : x.motes)
     places.push_back(mote.place);
@@ -66,6 +69,10 @@ air_need air_need_of(const island_description& x, std::optional<double> range_m)
     const auto rate = std::max(messages_per_second(x.motes[i]), signs_per_second(x));
     sum.hops_per_second += rate * sleeping;
   }
+  for (const auto& need : slot_needs(x, range_m, {}, {}))
+    for (const auto& flow : need.flows) // those to the sink have a hop to a mote, perhaps
+      sum.hops_per_second +=
+          static_cast<double>(std::max<std::size_t>(flow.hops, 1)) / seconds(tick);
   if (x.stack == stack::full)
     sum.broadcasts_per_second = static_cast<double>(places.size()) * rounds_per_second(x.listening);
   sum.share = sum.hops_per_second * seconds(x.listening.interval) / 2 +
@@ -73,15 +80,17 @@ air_need air_need_of(const island_description& x, std::optional<double> range_m)
   return sum;
 }
 
-std::string doubt_of_interval(const island_description& x, const radio::channel_config& radio) {
+std::string doubt_of_interval(const island_description& x, const radio::channel_config& radio,
+                              duration tick) {
   const auto* disk = std::get_if<radio::unit_disk>(&radio.propagation);
-  const auto need = air_need_of(x, disk != nullptr ? std::optional(disk->range_m) : std::nullopt);
+  const auto need =
+      air_need_of(x, disk != nullptr ? std::optional(disk->range_m) : std::nullopt, tick);
   if (need.share <= share_max)
     return {};
   const auto least_ms = std::ceil(seconds(x.listening.interval) * 1000 * share_max / need.share);
   return "an interval of " + to_text(x.listening.interval) +
          " is too long for its motes: " + rounded(need.hops_per_second) +
-         " hops of messages a second to motes whose radios sleep "
+         " hops of messages and vectors a second to motes whose radios sleep "
          "take half of it each, and " +
          rounded(need.broadcasts_per_second) +
          " broadcasts a second a whole one: " + std::to_string(std::lround(need.share * 100)) +
@@ -89,7 +98,7 @@ std::string doubt_of_interval(const island_description& x, const radio::channel_
          " ms it is half";
 }
 
-void check_listening(const island_description& x, const radio::channel_config& radio,
+void check_listening(const island_description& x, const radio::channel_config& radio, duration tick,
                      const mark& at, complaints& problems) {
   const auto gap = longest_gap(x, radio);
   if (x.listening.check <= gap)
@@ -108,7 +117,7 @@ void check_listening(const island_description& x, const radio::channel_config& r
                            "low-power listening is not for it");
       break;
     }
-  if (const auto text = doubt_of_interval(x, radio); !text.empty())
+  if (const auto text = doubt_of_interval(x, radio, tick); !text.empty())
     problems.doubt(at, text);
 }
 

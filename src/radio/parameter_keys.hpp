@@ -76,7 +76,7 @@ inline auto keys_of(const listening_config*) {
       keys::optional("interval", &listening_config::interval, keys::time_span{20ms, 1min},
                      {"from one check of the air to the next; a frame is repeated for so long and "
                       "20 ms more, at most",
-                      "512 ms"}),
+                      "`\"512ms\"`"}),
       keys::optional(
           "check", &listening_config::check, keys::time_span{1ms, 100ms},
           "how long a radio is on to see whether anything is on the air; longer than the "

@@ -35,7 +35,7 @@ std::string line(const std::string& interval, double loss) {
   return toml.str();
 }
 
-/// The same line with medium access alone: packets over its three hops, once every ten seconds.
+/// The same line with medium access alone: packets over its three hops, every 9.7 s, no multiple of an interval.
 std::string relays(const std::string& listening, double loss) {
   std::ostringstream toml;
   toml << R"(
@@ -51,7 +51,7 @@ std::string relays(const std::string& listening, double loss) {
       { id = 2, name = "near", position_m = [19, 0], apps = [{ app = "relay", next = "sink" }] },
       { id = 3, name = "middle", position_m = [38, 0], apps = [{ app = "relay", next = "hall/near" }] },
       { id = 4, name = "far", position_m = [57, 0], apps = [
-        { app = "sender", to = "sink", via = "hall/middle", every = "10s", start = "1s" }] },
+        { app = "sender", to = "sink", via = "hall/middle", every = "9.7s", start = "1s" }] },
     ]
     [radio]
     range = "24m"
@@ -109,7 +109,7 @@ TEST_CASE("motes whose radios listen at low power join, and their readings arriv
     }
 }
 
-TEST_CASE("a packet waits half an interval at each hop to a mote that sleeps",
+TEST_CASE("a packet waits up to an interval at each hop to a mote that sleeps",
           "[ecology][radio][NRG-02]") {
   for (const auto& x : settings)
     for (const auto loss : {0.0, 0.2}) {
@@ -124,9 +124,10 @@ TEST_CASE("a packet waits half an interval at each hop to a mote that sleeps",
       INFO(x.interval << ", loss " << loss);
       CHECK(told_violations(result).empty());
       CHECK(flow.pdr >= 0.99);
-      // Two hops to motes that sleep, and one to the sink.
-      CHECK(flow.delay_mean_ms >= 1000 * x.seconds * 0.7);
-      CHECK(flow.delay_mean_ms <= 1000 * x.seconds * 1.3 + 40);
+      // Two hops to motes that sleep, and one to the sink. From the first to the second it is always
+      // as long as between their checks.
+      CHECK(flow.delay_mean_ms >= 1000 * x.seconds * 0.45);
+      CHECK(flow.delay_mean_ms <= 1000 * x.seconds * 1.55 + 40);
     }
   const auto awake = run(describe(relays("", 0)));
   CHECK(awake.flows.at(0).delay_p95_ms < 30);
