@@ -81,8 +81,10 @@ inline auto keys_of(const listening_config*) {
           "check", &listening_config::check, keys::time_span{1ms, 100ms},
           "how long a radio is on to see whether anything is on the air; longer than the "
           "gap between two copies of a frame"),
-      keys::optional("awake", &listening_config::awake, keys::time_span{1ms, 10s},
-                     "how long it stays on after it has heard, received or sent something"));
+      keys::optional(
+          "awake", &listening_config::awake, keys::time_span{1ms, 10s},
+          "how long it stays on after such a check has found something, and after each frame "
+          "that it takes or has sent"));
 }
 
 inline auto reception_keys() {
