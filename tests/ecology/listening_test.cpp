@@ -35,7 +35,8 @@ std::string line(const std::string& interval, double loss) {
   return toml.str();
 }
 
-/// The same line with medium access alone: packets over its three hops, every 9.7 s, no multiple of an interval.
+/// The same line with medium access alone: packets over its three hops, every 9.7 s, no multiple of
+/// an interval.
 std::string relays(const std::string& listening, double loss) {
   std::ostringstream toml;
   toml << R"(
@@ -124,8 +125,8 @@ TEST_CASE("a packet waits up to an interval at each hop to a mote that sleeps",
       INFO(x.interval << ", loss " << loss);
       CHECK(told_violations(result).empty());
       CHECK(flow.pdr >= 0.99);
-      // Two hops to motes that sleep, and one to the sink. From the first to the second it is always
-      // as long as between their checks.
+      // Two hops to motes that sleep, and one to the sink. From the first to the second it is
+      // always as long as between their checks.
       CHECK(flow.delay_mean_ms >= 1000 * x.seconds * 0.45);
       CHECK(flow.delay_mean_ms <= 1000 * x.seconds * 1.55 + 40);
     }
