@@ -258,6 +258,7 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   at_sink.apps = island.sink.apps;
   at_sink.is_base_station = island.stack == config::stack::plain;
   at_sink.duty = island.duty;
+  at_sink.network.wake = island.listening.train();
   at_sink.tick = self->state.description.tick;
   at_sink.crystal = crystal_of(self, island, island.name + "/sink");
   at_sink.seed = self->state.description.seed;
@@ -307,6 +308,8 @@ radio::radio_config radio_of(const config::island_description& island) {
   x.promiscuous = island.sink.promiscuous;
   x.access = island.sink.access;
   x.channel = island.channel;
+  x.listening = island.listening;
+  x.listening.checks = false; // it is fed by its cable
   return x;
 }
 
@@ -321,6 +324,7 @@ radio::radio_config radio_of(const config::island_description& island,
   x.battery_mah = mote.battery_mah;
   x.access = mote.access;
   x.channel = config::channel_of(island, mote);
+  x.listening = island.listening;
   return x;
 }
 
@@ -590,8 +594,11 @@ transport::answer_slacks answer_slack_of(const config::ecology_description& x) {
   std::map<island_id, duration> all;
   config::for_each_island(x, [&](const config::island_description& island) {
     const auto hops = std::min(island.motes.size(), hops_likely);
-    if (island.duty.enabled)
-      all[island.id] = island.duty.answer_slack(static_cast<unsigned>(hops));
+    const auto access = config::access_of(x.radio, island);
+    const auto slack = island.duty.answer_slack(static_cast<unsigned>(hops)) +
+                       access.answer_slack(static_cast<unsigned>(hops));
+    if (slack > 0s)
+      all[island.id] = slack;
   });
   return all.empty() ? nullptr : std::make_shared<const decltype(all)>(std::move(all));
 }

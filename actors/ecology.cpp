@@ -786,8 +786,8 @@ void watch_islands(ecology_pointer self) {
         island.outside.has_gateway())
       continue;
     report::healing_rules rules;
-    rules.sleeps = island.duty.enabled;
-    rules.period = island.duty.period;
+    rules.sleeps = island.duty.enabled || island.listening.enabled();
+    rules.period = island.duty.enabled ? island.duty.period : silence_max(island) / 4;
     rules.departure = silence_max(island);
     rules.judges = state.description.mode == config::run_mode::virtual_time;
     state.watch.add_island(island.id, island.name, rules);

@@ -41,7 +41,7 @@ std::uint8_t channel_of(const island_description& island, const mote_description
 }
 
 duration silence_max(const island_description& x) {
-  return std::max(x.keep_alive, x.duty.silence_min());
+  return std::max({x.keep_alive, x.duty.silence_min(), x.listening.silence_min()});
 }
 
 std::vector<peer_id> gateways_of(const island_description& x) {

@@ -158,7 +158,8 @@ struct island_description {
   std::vector<alias_description> aliases; ///< in the order in which they take over
   duration keep_alive = 10s;              ///< a silent mote is gone after this (DIS-06); motes that
                                           ///< report more rarely get three of their periods
-  mote::duty_config duty;                 ///< of its motes' radios
+  mote::duty_config duty;                 ///< of its motes' radios; or
+  radio::listening_config listening;      ///< of its motes' radios, and what its sink knows of it
   double crystal_ppm = 40;                ///< each mote's clock is off by up to this, drawn,
   double crystal_wander_ppm = 0;          ///< and this more or less as temperature changes,
   duration crystal_wander_period = 24h;   ///< in such a period

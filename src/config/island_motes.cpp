@@ -392,7 +392,8 @@ void island_motes::finish(complaints& problems) {
             [](const auto& a, const auto& b) { return a.id < b.id; });
   check_reach(problems);
   check_tick(traffic_, island_.serial, with_.tick, vectors_at_, problems);
-  if (!programs_at_.empty() && !island_.duty.enabled) // where radios sleep channels have schedules
+  // Where radios sleep there are no slots: channels have schedules, or receivers no certain time.
+  if (!programs_at_.empty() && !island_.duty.enabled && !island_.listening.enabled())
     check_slots(slot_needs(island_, range_m_, access_of(with_.radio, island_), programs_at_),
                 with_.tick, problems);
   for (const auto& [flow, from] : flows_) {

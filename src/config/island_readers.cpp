@@ -5,9 +5,11 @@
 #include "config/application_readers.hpp"
 #include "config/file_readers.hpp"
 #include "config/island_motes.hpp"
+#include "config/listening_check.hpp"
 #include "config/outside_readers.hpp"
 #include "config/window_room.hpp"
 #include "mote/duty_keys.hpp"
+#include "radio/parameter_keys.hpp"
 #include "radio/tossim_files.hpp"
 #include "serial/line_keys.hpp"
 
@@ -86,6 +88,30 @@ mark read_duty_cycle(table_reader& island, mote::duty_config& out) {
   return window_at;
 }
 
+/// @returns where the interval is
+mark read_listening(table_reader& island, radio::listening_config& out) {
+  mark interval_at = island.at("low_power_listening");
+  island.table("low_power_listening", "[island.low_power_listening]",
+               {"lets radios sleep but for short checks of the air; not with `duty_cycle`",
+                "none: radios are always on"},
+               [&out, &interval_at](table_reader& in) {
+                 out.interval = 512ms;
+                 in.all(out);
+                 if (in.has("interval"))
+                   interval_at = in.at("interval");
+                 if (in.sound() && 2 * out.check > out.interval)
+                   in.problems().add(in.at("check"),
+                                     "`check` must not be longer than half the `interval`, which "
+                                     "is " +
+                                         to_text(out.interval));
+               });
+  if (island.has("low_power_listening") && island.has("duty_cycle"))
+    island.problems().add(island.at("low_power_listening"),
+                          "`low_power_listening` and `duty_cycle` are two ways to let radios "
+                          "sleep: an island has one of them");
+  return interval_at;
+}
+
 /// A mote whose radio sleeps is heard once in a period.
 void warn_of_keep_alive(table_reader& in, const island_description& x) {
   const auto least = x.duty.silence_min();
@@ -98,6 +124,17 @@ void warn_of_keep_alive(table_reader& in, const island_description& x) {
                           "heard once in a period of " +
                           to_text(x.duty.period) + ": they are gone after three of these, " +
                           to_text(least));
+}
+
+/// A mote whose radio listens at low power needs a while to be heard.
+void warn_of_slow_signs(table_reader& in, const island_description& x) {
+  const auto least = x.listening.silence_min();
+  if (in.has("keep_alive") && x.keep_alive < least)
+    in.problems().doubt(in.at("keep_alive"),
+                        "`keep_alive` is " + to_text(x.keep_alive) +
+                            ", but a mote is gone after sixty intervals of low-power listening, " +
+                            to_text(least) +
+                            ", at the earliest: else its signs of life would fill the air");
 }
 
 void read_gateway(table_reader& in, surroundings& with, island_description& out) {
@@ -243,15 +280,17 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
   const bool sink_is_good = in.problems().size() == before_sink;
   real_names names_of_real;
   mark window_at;
+  const auto interval_at = read_listening(in, out.listening);
   if (out.stack == stack::mac) {
     refuse_parts(in);
   } else {
     in.optional("keep_alive", time_span{1s, 24h}, out.keep_alive,
                 "a mote that is silent for so long is gone; motes that report more rarely get "
-                "three of their periods, and where radios sleep three of the windows' periods are "
-                "the least");
+                "three of their periods, and where radios sleep three of the windows' periods, or "
+                "sixty intervals of low-power listening, are the least");
     window_at = read_duty_cycle(in, out.duty);
     warn_of_keep_alive(in, out);
+    warn_of_slow_signs(in, out);
     names_of_real = read_parts(in, with, name_is_free, out);
     if (out.stack == stack::plain)
       refuse_membership(in);
@@ -277,6 +316,8 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
             [&](table_reader& x) { motes.read_group(x); });
   if (sink_is_good && in.problems().size() == before_motes)
     motes.finish(in.problems());
+  if (!in.walks() && out.listening.enabled() && with.radio_is_known)
+    check_listening(out, with.radio, with.tick, interval_at, in.problems());
   if (!in.walks() && in.problems().empty() && with.radio_is_known) {
     const auto short_window = doubt_of_window(out, with.radio);
     if (!short_window.empty())

@@ -201,7 +201,7 @@ void refuse_gateway(table_reader& in) {
 }
 
 void refuse_simulated(table_reader& in) {
-  for (const auto* key : {"alias", "duty_cycle"})
+  for (const auto* key : {"alias", "duty_cycle", "low_power_listening"})
     if (in.has(key))
       in.problems().add(in.at(key),
                         '`' + std::string(key) + "` means nothing in an island with a real sink");

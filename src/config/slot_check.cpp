@@ -87,6 +87,7 @@ network::access_times access_of(const radio::channel_config& radio,
     slowest.exchange = std::max(slowest.exchange, x.exchange);
     slowest.space = std::max(slowest.space, x.space);
   };
+  slowest.wake = island.listening.train();
   add(island.sink.platform, island.sink.access);
   for (const auto& mote : island.motes)
     add(mote.platform, mote.access);

@@ -115,22 +115,28 @@ std::size_t crowd_of(const island_description& x, const radio::channel_config& r
   return most;
 }
 
+double messages_per_second(const mote_description& x) {
+  double sum = 0;
+  for (const auto& app : x.apps) {
+    std::optional<duration> every;
+    bool reliable = false;
+    if (const auto* sampler = std::get_if<sampler_app>(&app)) {
+      every = sampler->dead_band.empty() ? sampler->every : sampler->silence_max;
+      reliable = sampler->reliable;
+    } else if (const auto* messenger = std::get_if<messenger_app>(&app)) {
+      every = messenger->every;
+      reliable = messenger->reliable;
+    }
+    if (every && *every > 0s)
+      sum += (reliable ? 2 : 1) / seconds(*every);
+  }
+  return sum;
+}
+
 double messages_per_second(const island_description& x) {
   double sum = 0;
   for (const auto& mote : x.motes)
-    for (const auto& app : mote.apps) {
-      std::optional<duration> every;
-      bool reliable = false;
-      if (const auto* sampler = std::get_if<sampler_app>(&app)) {
-        every = sampler->dead_band.empty() ? sampler->every : sampler->silence_max;
-        reliable = sampler->reliable;
-      } else if (const auto* messenger = std::get_if<messenger_app>(&app)) {
-        every = messenger->every;
-        reliable = messenger->reliable;
-      }
-      if (every && *every > 0s)
-        sum += (reliable ? 2 : 1) / seconds(*every);
-    }
+    sum += messages_per_second(mote);
   return sum;
 }
 
@@ -159,7 +165,7 @@ std::string doubt_of_window(const island_description& x, const radio::channel_co
 
 std::string doubt_of_traffic(const island_description& x) {
   const auto rate = messages_per_second(x);
-  if (x.duty.enabled || rate <= sink_carries)
+  if (x.duty.enabled || x.listening.enabled() || rate <= sink_carries)
     return {};
   const auto times = static_cast<int>(std::ceil(rate / sink_carries));
   return "its motes send " + std::to_string(static_cast<int>(rate)) +

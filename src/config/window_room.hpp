@@ -22,8 +22,9 @@ namespace rubicon::config {
 /// shadowing, itself included. Of large islands the sink and some of the motes are looked at.
 [[nodiscard]] std::size_t crowd_of(const island_description& x, const radio::channel_config& radio);
 
-/// Messages that the programs of an island send to its sink; reliable ones are two, since they are
-/// acknowledged end to end. [1/s]
+/// Messages that the programs of a mote, or of an island, send to the sink; reliable ones are two,
+/// since they are acknowledged end to end. [1/s]
+[[nodiscard]] double messages_per_second(const mote_description& x);
 [[nodiscard]] double messages_per_second(const island_description& x);
 
 /// What the radio of one sink carries, when all its motes are in its reach. Measured with stars of

@@ -97,6 +97,7 @@ node::node(std::shared_ptr<const node_config> config, crystal crystal, const non
   auto network = config_->tables->network;
   network.self = config_->id;
   network.duty = config_->duty.common();
+  network.wake = config_->access.wake;
   packets_ = packet_service(network, random_stream(rng_.next()), now);
   duty_ = duty_cycle(config_->duty, false);
   for (const auto& x : config_->actuators)
@@ -343,9 +344,9 @@ bool node::heed_ticks(instant now) {
 }
 
 /// Whether the sink is to be asked for another slot. In an island that sleeps there are none: its
-/// channels have schedules.
+/// channels have schedules, or nobody can tell when a receiver is on.
 void node::watch_slots(instant now) {
-  if (!joined() || config_->duty.enabled)
+  if (!joined() || config_->duty.enabled || config_->access.wake > 0s)
     return;
   const auto units = units_wanted(now);
   if (std::exchange(units_told_, units) != units)
@@ -582,7 +583,9 @@ void node::send_on(stream::channel_handle channel, bytes octets, network::depart
 void node::heed_waits(instant now) {
   const auto& router = packets_.router();
   const bool waits = config_->duty.enabled && router.turn_wait(now) > 0s;
-  const auto slack = waits ? config_->duty.answer_slack(router.tree().hops()) : 0ns;
+  const auto hops = router.tree().hops();
+  const auto slack =
+      (waits ? config_->duty.answer_slack(hops) : 0ns) + config_->access.answer_slack(hops);
   if (std::exchange(slack_, slack) != slack)
     use_layer().set_answer_slack(slack);
 }

@@ -26,7 +26,7 @@ sink::sink(network::router_config network, registrar_config members, const duty_
   network.is_sink = true;
   network.era = store.era;
   network.duty = duty.common();
-  members.confirm_wait += duty.answer_slack(0);
+  members.confirm_wait += duty.answer_slack(0) + 2 * network.wake;
   registrar_ = registrar(members);
   packets_ = packet_service(network, rng, now);
   network::time_reference_config timing;

@@ -646,7 +646,10 @@ std::optional<duration> channels::latency_bound(channel_id channel) const {
   const auto& x = entries_.at(channel);
   const auto own = config_.data_rounds_max * radio_round_max +
                    2 * config_.round_pause * (config_.data_rounds_max - 1);
-  const auto before = static_cast<std::int64_t>(2 * config_.queue_max) * radio_try_max;
+  const auto frames = static_cast<std::int64_t>(2 * config_.queue_max);
+  const auto before =
+      frames * radio_try_max +
+      2 * (frames + static_cast<std::int64_t>(config_.data_rounds_max)) * config_.wake;
   return *length * (before + own + duration(x.wish.schedule.interval));
 }
 

@@ -36,6 +36,7 @@ struct channels_config {
   duration round_pause = 30ms;    ///< between rounds, up to twice as long
   duration connect_timeout = 10s; ///< until the source gives up, beside what frames wait
   static constexpr duration setup_timeout = 12s; ///< until a mote on the path does, likewise
+  duration wake{};                               ///< access_times::wake
 
   /// A flood is forwarded within flood_spread; in a crowd not if so many copies came before.
   duration flood_spread = 60ms;

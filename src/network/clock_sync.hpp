@@ -25,10 +25,10 @@ struct clock_sync_config {
   /// Between the root's broadcasts after its start or a change. After first_rounds each gap is
   /// twice as long as the one before, up to `period` or what a mote has requested, but period_least
   /// at least. A request holds for request_hold.
-  static constexpr duration period_first = 1s;
+  duration period_first = 1s;
   static constexpr unsigned first_rounds = 4;
   duration period = 1min;
-  static constexpr duration period_least = 10s;
+  duration period_least = 10s;
   static constexpr duration request_hold = 15min;
 
   /// A root that starts listens so long for the time it had before, or so long after an answer.

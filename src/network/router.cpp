@@ -22,6 +22,11 @@ constexpr duration lost_pause = 1s; ///< then it is seen again whether the time 
 constexpr duration reborn_quiet = 200ms;
 constexpr duration sleeping_round = 30s; ///< between rounds of the clock where radios sleep
 
+/// Where radios listen at low power, a broadcast occupies the air for a whole interval: those that
+/// come again and again are so many of its lengths apart at least.
+constexpr int beacon_lengths = 4;
+constexpr int round_lengths = 60;
+
 neighbours_config links_of(const router_config& config) {
   neighbours_config x;
   if (config.is_sink)
@@ -38,6 +43,13 @@ neighbours_config links_of(const router_config& config) {
     x.beacon_slack += config.duty.period;
     x.beacon_gap_max += config.duty.period;
   }
+  // Beacons are rare, and each is repeated until all have heard it.
+  if (config.wake > 0s) {
+    x.good_samples = 2;
+    x.usable_samples = 2;
+    x.beacon_slack += 2 * config.wake;
+    x.beacon_gap_max += 2 * config.wake;
+  }
   return x;
 }
 
@@ -47,6 +59,10 @@ trickle_config beacons_of(const router_config& config) {
   if (config.duty.enabled()) {
     x.interval_min = std::clamp(config.duty.period, x.interval_min, x.interval_max);
     x.shortest = 5;
+  }
+  if (config.wake > 0s) {
+    x.interval_min = std::clamp(beacon_lengths * config.wake, x.interval_min, x.interval_max);
+    x.shortest = 2;
   }
   if (config.is_sink)
     x.redundancy = std::numeric_limits<unsigned>::max();
@@ -65,6 +81,13 @@ clock_sync_config clock_of(const router_config& config) {
     x.period = std::max(sleeping_round, config.duty.period);
     x.stale_after = 3 * x.period;
   }
+  if (config.wake > 0s) {
+    x.resume_wait += 2 * config.wake;
+    x.period_first = std::max(x.period_first, beacon_lengths * config.wake);
+    x.period = std::max(x.period, round_lengths * config.wake);
+    x.period_least = std::max(x.period_least, round_lengths / 6 * config.wake);
+    x.stale_after = 3 * x.period;
+  }
   return x;
 }
 
@@ -75,13 +98,34 @@ time_search_config search_of(const own_router_config& config) {
   x.duty = config.duty;
   if (config.is_sink && config.era > 0)
     x.start_quiet = reborn_quiet;
+  if (config.wake > 0s) {
+    x.start_quiet += beacon_lengths * config.wake;
+    x.company = std::max(x.company, beacon_lengths * config.wake);
+    x.stale_spread = std::max(x.stale_spread, beacon_lengths * config.wake);
+    x.pause = std::max(x.pause, beacon_lengths * config.wake);
+    x.pause_max = std::max(x.pause_max, x.pause);
+  }
+  return x;
+}
+
+/// What a router says of itself to all, where each time takes so long.
+own_router_config with_patience(own_router_config x) {
+  if (x.wake == 0s)
+    return x;
+  const auto apart = 2 * x.wake;
+  for (auto* gap : {&x.change_beacon, &x.help_gap, &x.relay_pause, &x.answer_gap_awake})
+    *gap = std::max(*gap, apart);
+  x.relay_spread = std::max(x.relay_spread, x.wake);
+  x.answer_spread_awake = std::max(x.answer_spread_awake, x.wake);
+  x.relays_max = 1; // all neighbours have heard it then
+  x.sequence_gap += beacon_lengths * x.wake;
   return x;
 }
 
 } // namespace
 
 router::router(router_config config, random_stream rng, instant now)
-    : config_(config), rng_(rng), links_(links_of(config)),
+    : config_(with_patience(config)), rng_(rng), links_(links_of(config)),
       tree_({.self = config.self, .is_root = config.is_sink}),
       place_({.self = config.self, .is_sink = config.is_sink, .anchor_patience = anchor_patience},
              now),
@@ -100,6 +144,7 @@ router::router(router_config config, random_stream rng, instant now)
     packets.octets_max = std::max(packets.octets_max, 32 * frame_payload_max);
     packets.seen_max = 64;
   }
+  packets.flood_spread = std::max(packets.flood_spread, config_.wake);
   packets_ = collection(packets, random_stream(rng_.next()));
   auto paths = config.paths;
   paths.self = config_.self;
@@ -115,6 +160,8 @@ router::router(router_config config, random_stream rng, instant now)
     paths.flood_spread = std::min(paths.flood_spread, spread_in_window());
     config_.relay_spread = std::min(config_.relay_spread, spread_in_window());
   }
+  paths.wake = config_.wake;
+  paths.flood_spread = std::max(paths.flood_spread, config_.wake);
   paths_ = channels(paths, random_stream(rng_.next()));
   auto further = rng_; // the others draw as they do without turns
   search_ = time_search(search_of(config_), random_stream(further.next()), now);
@@ -387,7 +434,7 @@ surroundings router::around(instant now) const {
   x.own_place = place_.presumed_place();
   x.is_crowd = links_.is_full();
   x.turn_wait = turn_wait(now);
-  x.beacon_wait = neighbours_wait + 2 * config_.duty.period;
+  x.beacon_wait = neighbours_wait + 2 * config_.duty.period + 2 * beacon_lengths * config_.wake;
   x.is_new = now - started_ < 2 * x.beacon_wait;
   x.parent = tree_.has_route() ? tree_.parent() : no_mote;
   for (const auto& each : links_.all()) {

@@ -38,6 +38,7 @@ struct own_router_config {
   std::uint8_t era = 0;          ///< the sink's last one (clock_sync)
   tick_setting tick;             ///< the sink's (CLK-03)
   duty_window duty;              ///< when radios are on
+  duration wake{};               ///< access_times::wake
   std::size_t questions_max = 2; ///< in flight: where a mote is
   duration relay_spread = 150ms; ///< a clock round is passed on within this time
 
@@ -62,28 +63,28 @@ struct own_router_config {
   /// A clock round is not passed on if so many copies of it have been received; else so often, with
   /// this pause where radios are always on.
   static constexpr unsigned relay_copies = 3;
-  static constexpr unsigned relays_max = 3;
-  static constexpr duration relay_pause = 1s;
+  unsigned relays_max = 3;
+  duration relay_pause = 1s;
 
   /// A beacon comes within this time of a change of coordinates, and as often from those that look
   /// for a route, but for no longer than seek_length; and for these not more often than help_gap.
-  static constexpr duration change_beacon = 1s;
+  duration change_beacon = 1s;
   static constexpr duration seek_length = 30s;
-  static constexpr duration help_gap = 2s;
+  duration help_gap = 2s;
 
   /// Between requests for the sink's next sequence number, and, with two windows more, between its
   /// answers.
-  static constexpr duration sequence_gap = 20s;
+  duration sequence_gap = 20s;
 
   /// Who knows the time answers a request within answer_spread, unless others have. A window is
-  /// short, and so is the time for which the other listens: the answer is repeated after answer_gap.
-  /// Where radios are always on many may answer, and the other requests again.
+  /// short, and so is the time for which the other listens: the answer is repeated after
+  /// answer_gap. Where radios are always on many may answer, and the other requests again.
   static constexpr duration answer_spread = 30ms;
-  static constexpr duration answer_spread_awake = 250ms;
+  duration answer_spread_awake = 250ms;
   static constexpr unsigned answer_copies = 2;
   static constexpr duration answer_gap = 40ms;
   static constexpr unsigned answers_each = 2;
-  static constexpr duration answer_gap_awake = 1s;
+  duration answer_gap_awake = 1s;
 
   /// A mote whose unicasts fail in so many windows, and which receives nothing, doubts its time.
   static constexpr unsigned silent_windows_max = 3;
@@ -186,8 +187,11 @@ public:
   /// it. @pre is_sink
   void use_slots(std::size_t count, instant now);
 
-  /// The longest wait of a frame for its turn.
-  [[nodiscard]] duration turn_wait(instant now) const { return turns_.longest(now, clock_); }
+  /// The longest wait of a frame for its turn; and, where radios listen at low power, for a channel
+  /// that another's copies occupy, and for its receiver.
+  [[nodiscard]] duration turn_wait(instant now) const {
+    return turns_.longest(now, clock_) + 2 * config_.wake;
+  }
 
   [[nodiscard]] bool has_route() const { return config_.is_sink || tree_.has_route(); }
   [[nodiscard]] const clock_sync& clock() const { return clock_; }

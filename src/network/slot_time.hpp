@@ -18,6 +18,15 @@ struct access_times {
   duration back_off = 2240us; ///< the longest first one
   duration exchange = 864us;  ///< assessment, turnaround and acknowledgement
   duration space = 640us;     ///< between two frames of one mote
+  /// Where radios listen at low power a frame is repeated for so long until its receiver is on,
+  /// half of it on average; 0: radios are on.
+  duration wake{};
+
+  /// For time-outs: what frames there and back may take longer.
+  [[nodiscard]] constexpr duration answer_slack(unsigned hops) const {
+    return static_cast<duration::rep>(2 + hops) * wake;
+  }
+
   friend bool operator==(const access_times&, const access_times&) = default;
 };
 

@@ -23,16 +23,16 @@ struct time_search_config {
   /// A mote sends no request within this of its start, nor within `company` if it has just received
   /// a beacon: then all begin together.
   duration start_quiet = 1500ms;
-  static constexpr duration company = 10s;
+  duration company = 10s;
   /// Motes that have missed the same rounds send requests spread over this.
-  static constexpr duration stale_spread = 10s;
+  duration stale_spread = 10s;
   static constexpr unsigned window_asks = 2;
   static constexpr duration long_search = 2min; ///< after such a one others may have lost the time
 
   /// Between two searches at least; doubles each time, up to pause_max or pause_periods of the
   /// common window.
   duration pause = 8s;
-  static constexpr duration pause_max = 2min;
+  duration pause_max = 2min;
   static constexpr unsigned pause_periods = 200;
 
   static constexpr duration probe_gap = 45s;      ///< between two probes at most

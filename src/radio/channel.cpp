@@ -94,12 +94,14 @@ radio_index channel::add(const radio_config& config, instant now) {
   x.added_at = now;
   x.next_dsn = static_cast<std::uint8_t>(rules->dsn_from_address ? 16 * config.address.value
                                                                  : rng_.below(256));
-  x.sender = mac(rules, config_.queue, retries_of(config, *rules));
+  x.listening = config.listening;
+  x.sender = mac(rules, config_.queue, retries_of(config, *rules), config.listening.train());
   x.inbox = receiver(rules, config_.receive_slots.value_or(kind.receive_slots),
                      memory_of(config, *rules));
   x.service_time = config_.service_time.value_or(kind.service_time);
   guards_ = guards_ || rules->guard > 0s;
   stations_.push_back(std::move(x));
+  begin_listening(radio, now);
   watch_battery(radio, now);
   return radio;
 }
@@ -123,8 +125,11 @@ const mac_rules* channel::rules_of(const radio_config& config) {
 /// How long the radio remembers a frame: as long as radios like it may repeat one, and as those
 /// with parameters of their own may.
 duration channel::memory_of(const radio_config& config, const mac_rules& rules) {
-  const auto repeats = rules.repeats_for(retries_of(config, rules));
-  if (config.access.is_set() && repeats > longest_own_) {
+  const bool has_own = config.access.is_set() || config.listening.enabled();
+  const auto repeats = config.listening.enabled()
+                           ? config.listening.train() + rules.longest_gap() + air_time(psdu_max)
+                           : rules.repeats_for(retries_of(config, rules));
+  if (has_own && repeats > longest_own_) {
     longest_own_ = repeats;
     for (auto& each : stations_)
       each.inbox.remember_for(longest_own_);
@@ -198,8 +203,9 @@ outputs channel::send(radio_index radio, request what, instant now) {
   header.payload = what.payload.view();
   auto frame = pack(what.token, header);
   frame.age_at = what.age_at;
-  frame.in_slot = what.in_slot;
+  frame.in_slot = what.in_slot && !x.sender.repeats();
   frame.asked = now;
+  stay_awake(radio, now);
   x.sender.submit(std::move(frame), now, rng_);
   follow(radio, {}, now, out);
   return out;
@@ -217,6 +223,7 @@ outputs channel::set_power(radio_index radio, power state, instant now) {
   switch (state) {
   case power::on:
     medium_.switch_on(radio, now);
+    begin_listening(radio, now);
     break;
   case power::off:
     break;
@@ -266,6 +273,8 @@ bool channel::is_current(const event& x) const {
     return medium_.stamp(x.subject) == x.stamp;
   case event_kind::battery_low:
     return at(radio).supply != power::flat;
+  case event_kind::listening:
+    return at(radio).ears_stamp == x.stamp;
   }
   return false;
 }
@@ -281,6 +290,8 @@ void channel::handle(const event& x, outputs& out) {
     return on_frame_end(x.subject, x.at, out);
   case event_kind::battery_low:
     return on_battery_low(radio, x.at, out);
+  case event_kind::listening:
+    return on_listening(radio, x.at);
   }
 }
 
@@ -352,8 +363,10 @@ void channel::watch_battery(radio_index radio, instant now) {
 void channel::follow(radio_index radio, const mac_action& todo, instant now, outputs& out) {
   if (todo.transmit)
     send_current(radio, now);
-  if (todo.ended)
+  if (todo.ended) {
+    stay_awake(radio, now);
     conclude(radio, *todo.ended, out);
+  }
   auto& x = at(radio);
   medium_.await_ack(radio, x.sender.now_in() == mac::state::ack_wait);
   const auto due = x.sender.deadline();
@@ -420,6 +433,7 @@ void channel::conclude(radio_index radio, const finished& x, outputs& out) {
 /// A radio that was on goes off.
 void channel::silence(radio_index radio, instant now, outputs& out) {
   auto& x = at(radio);
+  end_listening(radio);
   for (const auto& y : x.sender.abort())
     conclude(radio, y, out);
   x.scheduled.reset();

@@ -16,6 +16,7 @@
 #include "radio/energy.hpp"
 #include "radio/event_queue.hpp"
 #include "radio/frame.hpp"
+#include "radio/listener.hpp"
 #include "radio/mac.hpp"
 #include "radio/mac_rules.hpp"
 #include "radio/medium.hpp"
@@ -34,8 +35,9 @@ struct radio_config {
   const platform* kind = nullptr; ///< never nullptr; one of platforms(), or outlives the channel
   std::optional<double> transmit_dbm; ///< unset: the platform's full power
   std::optional<double> battery_mah;  ///< > 0; unset: the platform's; infinity: fed by a cable
-  bool promiscuous = false;   ///< delivers all data frames heard, of any PAN and for anybody
-  access_parameters access{}; ///< macMinBE is not above macMaxBE
+  bool promiscuous = false;     ///< delivers all data frames heard, of any PAN and for anybody
+  access_parameters access{};   ///< macMinBE is not above macMaxBE
+  listening_config listening{}; ///< the same for all radios of a PAN, but for its `checks`
   /// Radios of other channels neither hear it nor are disturbed; all_channels: of a source of
   /// noise.
   std::uint8_t channel = default_channel;
@@ -53,7 +55,8 @@ struct request {
   /// buffer can do it while they send). @pre four octets of payload follow
   std::optional<std::size_t> age_at = {};
   /// Nobody near is to send now, but somebody is right afterwards: the channel is assessed without
-  /// a back-off, and neither a busy channel nor a missing ack leads to another attempt.
+  /// a back-off, and neither a busy channel nor a missing ack leads to another attempt. Where
+  /// radios listen at low power it means nothing.
   bool in_slot = false;
 };
 
@@ -82,7 +85,7 @@ struct done {
   radio_index radio;
   std::uint64_t token = 0;
   send_status status = send_status::sent;
-  unsigned transmissions = 0; ///< times the frame was put on the air
+  unsigned transmissions = 0; ///< times the frame was put on the air; a train of copies is one
   bool arrived = false;       ///< its destination accepted it, whether or not the sender knows
   copy_outcome last =
       copy_outcome::out_of_reach; ///< of the last copy at its destination; unicast only
@@ -133,6 +136,10 @@ struct energy_use {
 ///
 /// Sending, per radio: a bounded queue, and the medium access that channel_config::macs names for
 /// its platform (radio/mac_rules.hpp).
+///
+/// At low power (listening_config): a radio that is on for its mote is switched on and off by its
+/// radio/listener.hpp; copies at one that sleeps end as off. Frames are repeated in trains, and a
+/// receiver knows the copies of broadcasts, too, by source and DSN.
 ///
 /// Receiving: the medium decides what arrives unharmed, whichever PAN it is of (radio/medium.hpp).
 /// What does is lost with the link's own chance, dropped by the address filter, or takes a receive
@@ -251,6 +258,9 @@ private:
     std::uint64_t mac_stamp = 0;
     std::optional<std::uint8_t> ack_dsn; ///< of the ack it is about to send
     std::uint64_t ack_stamp = 0;
+    std::optional<listener> ears; ///< nothing: its radio is on as long as its mote is
+    std::uint64_t ears_stamp = 0;
+    listening_config listening;
   };
 
   void run_until(instant now, outputs& out);
@@ -278,6 +288,11 @@ private:
   void end_frame(slot_index slot, instant now, outputs& out);
   void conclude(radio_index radio, const finished& x, outputs& out);
   void silence(radio_index radio, instant now, outputs& out);
+  void begin_listening(radio_index radio, instant now);
+  void end_listening(radio_index radio);
+  void stay_awake(radio_index radio, instant now);
+  void on_listening(radio_index radio, instant now);
+  void schedule_listening(radio_index radio);
   void run_down(radio_index radio, instant now);
   void watch_battery(radio_index radio, instant now);
 

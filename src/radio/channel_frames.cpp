@@ -162,8 +162,9 @@ copy_outcome channel::on_data(const transmission& sent, const hearer& x, instant
                               outputs& out) {
   auto& y = at(x.radio);
   const bool addressed = medium_.addressed(x.radio, sent.content);
+  const bool may_repeat = addressed || y.sender.repeats();
   auto outcome = copy_outcome::duplicate;
-  switch (y.inbox.on_frame(sent.content, addressed, y.service_time, medium_.meter(x.radio), now)) {
+  switch (y.inbox.on_frame(sent.content, may_repeat, y.service_time, medium_.meter(x.radio), now)) {
   case verdict::overflow:
     return copy_outcome::overflow;
   case verdict::duplicate:
@@ -171,6 +172,7 @@ copy_outcome channel::on_data(const transmission& sent, const hearer& x, instant
     break;
   case verdict::accepted:
     outcome = copy_outcome::delivered;
+    stay_awake(x.radio, now);
     out.emplace_back(delivered{x.radio, sent.psdu, sent.content, x.rssi_dbm, x.lqi, sent.origin});
     break;
   }

@@ -16,6 +16,7 @@ enum class event_kind : std::uint8_t {
   ack_due,     ///< subject: a radio
   frame_end,   ///< subject: a slot of the medium
   battery_low, ///< subject: a radio
+  listening,   ///< subject: a radio
 };
 
 /// Nobody can cancel an event: `stamp` tells the owner whether it still means what it meant.
@@ -32,9 +33,14 @@ struct event {
 class event_queue {
 public:
   void push(const event& x) {
+    push_untold(x);
+    tell(x);
+  }
+
+  /// Of an event that leads to nothing that anybody can be told: next_told() does not count it.
+  void push_untold(const event& x) {
     entries_.push_back({x, pushed_++});
     std::push_heap(entries_.begin(), entries_.end(), later);
-    tell(x);
   }
 
   /// An event in the queue can be told of earlier than was said.

@@ -26,7 +26,7 @@ void mac::submit(outgoing x, instant now, random_stream& rng) {
   assert(!full());
   open_.push(std::move(x));
   if (state_ == state::idle)
-    attempt(now, rng);
+    take_up(now, rng);
 }
 
 mac_action mac::on_time(instant now, bool clear, random_stream& rng) {
@@ -39,9 +39,12 @@ mac_action mac::on_time(instant now, bool clear, random_stream& rng) {
   case state::turning:
     state_ = state::sending;
     deadline_.reset();
-    ++open_.front().transmissions;
+    if (++open_.front().transmissions == 1)
+      train_end_ = now + train_;
     return {.transmit = true, .ended = {}};
   case state::ack_wait:
+    if (repeats())
+      return again(now, rng);
     if (open_.front().in_slot || open_.front().transmissions > retries_max_)
       return finish(send_status::no_ack, now, rng);
     attempt(now, rng);
@@ -54,6 +57,8 @@ mac_action mac::on_time(instant now, bool clear, random_stream& rng) {
 }
 
 mac_action mac::on_assessed(instant now, bool clear, random_stream& rng) {
+  if (train_is_over(now))
+    return end_train(now, rng);
   if (clear) {
     const bool again = state_ == state::backing_off && rules_->second_look > 0s;
     state_ = again ? state::looking_again : state::turning;
@@ -63,7 +68,7 @@ mac_action mac::on_assessed(instant now, bool clear, random_stream& rng) {
   if (open_.front().in_slot)
     return finish(send_status::channel_access_failure, now, rng);
   ++busy_;
-  if (rules_->assessments_max != 0 && busy_ >= rules_->assessments_max) {
+  if (!repeats() && rules_->assessments_max != 0 && busy_ >= rules_->assessments_max) {
     if (++rounds_ >= rules_->rounds_max)
       return finish(send_status::channel_access_failure, now, rng);
     busy_ = 0;
@@ -77,7 +82,7 @@ mac_action mac::on_sent(instant now, random_stream& rng) {
   assess_from_ = now + timing::turnaround;
   leave_space(now);
   if (!open_.front().content.ack_request)
-    return finish(send_status::sent, now, rng);
+    return repeats() ? again(now, rng) : finish(send_status::sent, now, rng);
   state_ = state::ack_wait;
   deadline_ = now + rules_->ack_wait;
   return {};
@@ -101,6 +106,8 @@ mac_action mac::on_ack(instant now, random_stream& rng) {
 instant mac::told_at() const {
   if (state_ == state::turning)
     return *deadline_ + air_time(open_.front().psdu.size());
+  if (repeats())
+    return told_of_train_at();
   if (!assesses() || open_.front().in_slot)
     return *deadline_;
   if (rules_->assessments_max == 0)
@@ -110,7 +117,18 @@ instant mac::told_at() const {
   return std::min(told_at_if_clear(), *deadline_ + further * shortest);
 }
 
+/// A copy that ends, or the end of the train: whichever can come first.
+instant mac::told_of_train_at() const {
+  if (assesses())
+    return std::min(told_at_if_clear(), std::max(*deadline_, train_end_));
+  const auto assessed = *deadline_ + copy_backoff.first + rules_->assessment;
+  const auto copied = assessed + rules_->turnaround + air_time(open_.front().psdu.size());
+  return train_is_over(*deadline_) ? *deadline_ : std::min(copied, std::max(assessed, train_end_));
+}
+
 instant mac::told_at_if_clear() const {
+  if (train_is_over(*deadline_))
+    return *deadline_;
   return *deadline_ + rules_->turnaround + air_time(open_.front().psdu.size());
 }
 
@@ -118,8 +136,8 @@ std::vector<finished> mac::abort() {
   std::vector<finished> all;
   while (!open_.empty()) {
     const auto x = open_.pop();
-    all.push_back(
-        {x.token, send_status::aborted, x.transmissions, x.arrived, x.last, x.from, false});
+    all.push_back({x.token, send_status::aborted, counted(x.transmissions), x.arrived, x.last,
+                   x.from, false});
   }
   state_ = state::idle;
   deadline_.reset();
@@ -131,6 +149,12 @@ void mac::leave_space(instant now) {
     return;
   const bool is_short = open_.front().psdu.size() <= timing::sifs_psdu_max;
   free_from_ = std::max(free_from_, now + (is_short ? timing::sifs : timing::lifs));
+}
+
+/// The frame at the head of the queue.
+void mac::take_up(instant now, random_stream& rng) {
+  train_end_ = now + train_; // for a busy channel; its first copy begins it anew
+  attempt(now, rng);
 }
 
 void mac::attempt(instant now, random_stream& rng) {
@@ -158,14 +182,33 @@ void mac::back_off(instant from, random_stream& rng) {
   deadline_ = from + window.first + steps * window.step + rules_->assessment;
 }
 
+/// The next copy of a train, soon; unless it has lasted long enough.
+mac_action mac::again(instant now, random_stream& rng) {
+  if (train_is_over(now))
+    return end_train(now, rng);
+  busy_ = 0;
+  const auto steps = static_cast<duration::rep>(rng.below(copy_backoff.count));
+  state_ = state::backing_off;
+  deadline_ = std::max(now, free_from_) + copy_backoff.first + steps * copy_backoff.step +
+              rules_->assessment;
+  return {};
+}
+
+mac_action mac::end_train(instant now, random_stream& rng) {
+  const auto& x = open_.front();
+  if (x.transmissions == 0)
+    return finish(send_status::channel_access_failure, now, rng);
+  return finish(x.content.ack_request ? send_status::no_ack : send_status::sent, now, rng);
+}
+
 mac_action mac::finish(send_status status, instant now, random_stream& rng) {
   const auto x = open_.pop();
   state_ = state::idle;
   deadline_.reset();
   if (!open_.empty())
-    attempt(now, rng);
+    take_up(now, rng);
   return {.transmit = false,
-          .ended = finished{x.token, status, x.transmissions, x.arrived, x.last, x.from,
+          .ended = finished{x.token, status, counted(x.transmissions), x.arrived, x.last, x.from,
                             status == send_status::sent && x.content.ack_request}};
 }
 

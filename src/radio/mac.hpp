@@ -48,7 +48,7 @@ struct outgoing {
 struct finished {
   std::uint64_t token = 0;
   send_status status = send_status::sent;
-  unsigned transmissions = 0;
+  unsigned transmissions = 0; ///< a train is one
   bool arrived = false;
   copy_outcome last = copy_outcome::out_of_reach;
   provenance from = {};
@@ -69,6 +69,10 @@ struct mac_action {
 ///                     ^                                  |    |
 ///                     +--- no ack, attempts left --------+    +--- ack, or attempts used up: next
 ///
+/// Where radios listen at low power a frame is sent in a train of copies: one follows the other
+/// until it is acked, or for so long that every receiver's radio has been on. A busy channel then
+/// delays copies, and ends nothing but a train that has lasted so long without a first copy.
+///
 /// "Next" takes the following frame from the queue; its back-off begins after the interframe space,
 /// and when the transceiver hears again after its own ack if one is due.
 class mac {
@@ -78,8 +82,9 @@ public:
   mac() = default;
   /// @param rules not nullptr, valid as long as this
   /// @param queue frames that may be open at a time, the one in flight included
-  mac(const mac_rules* rules, std::size_t queue, unsigned retries_max)
-      : rules_(rules), open_(queue), retries_max_(retries_max) {}
+  /// @param train how long a frame is repeated; 0: it is sent once, and again without an ack
+  mac(const mac_rules* rules, std::size_t queue, unsigned retries_max, duration train = {})
+      : rules_(rules), open_(queue), retries_max_(retries_max), train_(train) {}
 
   /// @pre !full()
   void submit(outgoing x, instant now, random_stream& rng);
@@ -128,22 +133,35 @@ public:
     return open_.front();
   }
 
+  /// Whether frames go in trains.
+  [[nodiscard]] bool repeats() const { return train_ > 0s; }
+
   [[nodiscard]] const mac_rules& rules() const { return *rules_; }
   [[nodiscard]] state now_in() const { return state_; }
   [[nodiscard]] bool full() const { return open_.full(); }
   [[nodiscard]] std::size_t open() const { return open_.size(); }
 
 private:
+  [[nodiscard]] instant told_of_train_at() const;
   void leave_space(instant now);
+  void take_up(instant now, random_stream& rng);
   void begin(instant now, random_stream& rng);
   void attempt(instant now, random_stream& rng);
   void back_off(instant from, random_stream& rng);
   [[nodiscard]] mac_action on_assessed(instant now, bool clear, random_stream& rng);
+  [[nodiscard]] mac_action again(instant now, random_stream& rng);
+  [[nodiscard]] bool train_is_over(instant at) const { return repeats() && at >= train_end_; }
+  [[nodiscard]] unsigned counted(unsigned copies) const {
+    return repeats() && copies > 1 ? 1 : copies;
+  }
+  [[nodiscard]] mac_action end_train(instant now, random_stream& rng);
   [[nodiscard]] mac_action finish(send_status status, instant now, random_stream& rng);
 
   const mac_rules* rules_ = nullptr;
   bounded_queue<outgoing> open_;
   unsigned retries_max_ = 0;
+  duration train_{};
+  instant train_end_;   ///< nothing more of the frame is sent from here on
   unsigned busy_ = 0;   ///< busy assessments in this round
   unsigned rounds_ = 0; ///< of this attempt that have ended
   state state_ = state::idle;

@@ -110,6 +110,11 @@ duration mac_rules::repeats_for(unsigned retries) const {
   return attempt * (static_cast<duration::rep>(retries) + 1);
 }
 
+duration mac_rules::longest_gap() const {
+  const auto quiet = std::max(ack_wait, spaces ? timing::lifs : duration{});
+  return quiet + copy_backoff.longest() + assessment + second_look + turnaround;
+}
+
 bool has_exponents(const mac_rules& rules) {
   return rules.name == standard.name;
 }

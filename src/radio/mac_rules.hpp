@@ -40,6 +40,12 @@ struct backoff_window {
   }
 };
 
+/// Between copies of a frame that is repeated until its receiver's radio is on: TinyOS's 10 to 49
+/// ticks under low-power listening, in whole periods of the standard. Drawn anew each time, or two
+/// who cannot hear each other would go on colliding.
+inline constexpr backoff_window copy_backoff{
+    .first = timing::unit_backoff, .step = timing::unit_backoff, .count = 4};
+
 /// As many as the standard can have in a round.
 inline constexpr std::size_t windows_max = 6;
 
@@ -60,6 +66,10 @@ struct mac_rules {
   bool weak_source_key;     ///< duplicates: sources are told apart by the sum of their octets
   std::size_t sources_max;  ///< duplicates: sources remembered; 0: all
   unsigned retries_max;     ///< unless the file says otherwise
+
+  /// From the end of a copy of a frame to the begin of the next one, where frames are repeated
+  /// until their receiver's radio is on and nobody else sends.
+  [[nodiscard]] duration longest_gap() const;
 
   /// How long a sender may go on repeating a frame; never, if assessments are not limited.
   [[nodiscard]] duration repeats_for(unsigned retries) const;

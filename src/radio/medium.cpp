@@ -153,20 +153,30 @@ bool medium::clear(radio_index radio, instant now) {
     return false;
   if (whole_window_ && x.busy_until > since)
     return false;
-  const bool receives = x.locked != nothing;
-  if (sense_carrier_ && receives)
-    return false;
-  if (!sense_energy_)
+  return !senses(radio, now);
+}
+
+bool medium::was_busy(radio_index radio, instant since, instant now) {
+  return heads_[radio.value].busy_until > since || senses(radio, now);
+}
+
+/// Energy or a carrier, by the rule for sensing.
+bool medium::senses(radio_index radio, instant now) {
+  const auto& x = heads_[radio.value];
+  const bool is_locked = x.locked != nothing;
+  if (sense_carrier_ && is_locked)
     return true;
+  if (!sense_energy_)
+    return false;
   if (disk_)
-    return x.audible == 0;
+    return x.audible != 0;
   auto power = static_cast<double>(x.power);
   if (tails_[radio.value].traced_noise != nullptr) {
-    if (receives)
+    if (is_locked)
       settle(radio, now); // readings are taken in order of time
     power += static_cast<double>(reading_at(radio, now));
   }
-  return power < static_cast<double>(x.cca_floor);
+  return power >= static_cast<double>(x.cca_floor);
 }
 
 bool medium::stays_clear(radio_index radio, instant later) const {

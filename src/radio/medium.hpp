@@ -116,6 +116,15 @@ public:
   /// signals alone do.
   [[nodiscard]] bool clear(radio_index radio, instant now);
 
+  /// Whether the channel has been busy at any moment since then, while the radio listened all the
+  /// time. Traced noise counts with its reading of this moment.
+  [[nodiscard]] bool was_busy(radio_index radio, instant since, instant now);
+
+  /// Whether it is receiving a frame.
+  [[nodiscard]] bool receives(radio_index radio) const {
+    return heads_[radio.value].locked != nothing;
+  }
+
   /// Whether clear() will be true at `later` if nothing goes on the air until then.
   [[nodiscard]] bool stays_clear(radio_index radio, instant later) const;
 
@@ -214,6 +223,7 @@ private:
   };
 
   [[nodiscard]] slot_index free_slot();
+  [[nodiscard]] bool senses(radio_index radio, instant now);
   [[nodiscard]] outcome meet(const hearer& x, slot_index slot, std::uint32_t place, instant now);
   [[nodiscard]] outcome meet_others(const hearer& x, slot_index slot, std::uint32_t place,
                                     instant now);

@@ -71,6 +71,22 @@ inline auto keys_of(const access_parameters*) {
                       "as in `[radio]`"}));
 }
 
+inline auto keys_of(const listening_config*) {
+  return keys::of(
+      keys::optional("interval", &listening_config::interval, keys::time_span{20ms, 1min},
+                     {"from one check of the air to the next; a frame is repeated for so long and "
+                      "20 ms more, at most",
+                      "`\"512ms\"`"}),
+      keys::optional(
+          "check", &listening_config::check, keys::time_span{1ms, 100ms},
+          "how long a radio is on to see whether anything is on the air; longer than the "
+          "gap between two copies of a frame"),
+      keys::optional(
+          "awake", &listening_config::awake, keys::time_span{1ms, 10s},
+          "how long it stays on after such a check has found something, and after each frame "
+          "that it takes or has sent"));
+}
+
 inline auto reception_keys() {
   return keys::of(
       keys::optional(

@@ -178,6 +178,26 @@ struct access_parameters {
   [[nodiscard]] bool is_set() const { return min_be || max_be || backoffs_max || retries_max; }
 };
 
+/// Low-power listening: BoX-MAC-2 as TinyOS has it (Moss and Levis, BoX-MACs, SING-08-00; TEP 105).
+/// A radio is on only to see whether anything is on the air, and while there is. Who sends repeats
+/// a frame until its receiver has been on.
+struct listening_config {
+  duration interval{};    ///< from one check to the next; 0: the radio is always on
+  duration check = 11ms;  ///< how long one takes: 400 samples of a CC2420, started up before
+  duration awake = 100ms; ///< after something was heard, received or sent (DELAY_AFTER_RECEIVE)
+  duration margin = 20ms; ///< a frame is repeated for so much longer than the interval, as there
+  bool checks = true;     ///< else its radio is always on, but it sends to those that are not
+
+  [[nodiscard]] bool enabled() const { return interval > 0s; }
+
+  /// A mote is not gone before it has been silent for so long: it says that it is there in a fifth
+  /// of this time, which takes half an interval at each hop.
+  [[nodiscard]] duration silence_min() const { return 60 * interval; }
+
+  /// For how long a frame is repeated, at most: whoever checks has heard it then.
+  [[nodiscard]] duration train() const { return enabled() ? interval + margin : duration{}; }
+};
+
 /// Channels of IEEE 802.15.4 at 2.4 GHz: k is at 2405 + 5 (k - 11) MHz (tinyos.md 4.1).
 inline constexpr std::uint8_t channel_min = 11;
 inline constexpr std::uint8_t channel_max = 26;

@@ -4,14 +4,14 @@
 
 namespace rubicon::radio {
 
-verdict receiver::on_frame(const frame& x, bool addressed, duration service, energy_meter& mcu,
+verdict receiver::on_frame(const frame& x, bool may_repeat, duration service, energy_meter& mcu,
                            instant now) {
   const auto waiting = std::upper_bound(served_at_.begin(), served_at_.end(), now);
   served_at_.erase(served_at_.begin(), waiting);
   if (served_at_.size() >= slots_)
     return verdict::overflow;
   served_at_.push_back(mcu.work(service, now));
-  return addressed && repeated(x, now) ? verdict::duplicate : verdict::accepted;
+  return may_repeat && repeated(x, now) ? verdict::duplicate : verdict::accepted;
 }
 
 void receiver::reset() {

@@ -23,7 +23,7 @@ enum class verdict : std::uint8_t {
 
 /// Sans-I/O. The address filter is the transceiver's, so frames for others take no slot. Deviation:
 /// a CC2420 that overflows flushes its whole FIFO (tinyos.md 10); here only the newcomer is lost. A
-/// repeat has the source and DSN of the last unicast frame taken from that source; DSNs come round
+/// repeat has the source and DSN of the last such frame taken from that source; DSNs come round
 /// after 256 frames, so by the standard's rules one is remembered only for as long as its sender
 /// can be repeating it. TinyOS remembers a few sources for ever (tinyos.md 4.2).
 class receiver {
@@ -34,9 +34,10 @@ public:
   receiver(const mac_rules* rules, std::size_t slots, duration memory)
       : rules_(rules), slots_(slots), memory_(memory) {}
 
-  /// @param addressed whether it was sent to this mote alone
+  /// @param may_repeat whether it may be a repeat: it was sent to this mote alone, or its sender
+  /// repeats broadcasts too
   /// @param service how long the MCU has a slot occupied with a frame
-  [[nodiscard]] verdict on_frame(const frame& x, bool addressed, duration service,
+  [[nodiscard]] verdict on_frame(const frame& x, bool may_repeat, duration service,
                                  energy_meter& mcu, instant now);
 
   /// At least so long from now on.

@@ -1,0 +1,124 @@
+#include "config/listening_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+#include <vector>
+
+#include "config/reach.hpp"
+#include "config/slot_check.hpp"
+#include "config/window_room.hpp"
+#include "core/decimal.hpp"
+#include "radio/mac_rules.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+/// From here on motes wait for each other longer than they send. The runs of docs/radio.md stay
+/// below.
+constexpr double share_max = 0.5;
+
+/// By network/router.cpp: a mote passes a round of the clock on, once a minute, or so many
+/// broadcasts apart.
+double rounds_per_second(const radio::listening_config& x) {
+  constexpr int round_lengths = 60;
+  return 1 / std::max(60.0, round_lengths * seconds(x.train()));
+}
+
+/// Who sends more rarely says that it is there: mote/join_client.hpp.
+double signs_per_second(const island_description& x) {
+  return 1 / (seconds(silence_max(x)) / 5 * 1.5);
+}
+
+/// The gap between two copies, of the slowest medium access in the island.
+duration longest_gap(const island_description& x, const radio::channel_config& radio) {
+  duration longest{};
+  const auto look = [&](const radio::platform* kind) {
+    if (kind == nullptr)
+      return;
+    const auto named =
+        std::ranges::find(radio.macs, kind->name, &std::pair<std::string, std::string>::first);
+    const auto* rules =
+        radio::find_mac(named == radio.macs.end() ? "standard" : named->second, *kind);
+    if (rules != nullptr)
+      longest = std::max(longest, rules->longest_gap());
+  };
+  look(x.sink.platform);
+  for (const auto& mote : x.motes)
+    look(mote.platform);
+  return longest;
+}
+
+std::string rounded(double x) {
+  return decimal_text(x, 2);
+}
+
+} // namespace
+
+air_need air_need_of(const island_description& x, std::optional<double> range_m, duration tick) {
+  std::vector<position> places{x.sink.place};
+  for (const auto& mote : x.motes)
+    places.push_back(mote.place);
+  std::vector<unsigned> hops(places.size(), 1);
+  if (range_m)
+    hops = hops_from(places, 0, *range_m);
+  air_need sum;
+  for (std::size_t i = 0; i < x.motes.size(); ++i) {
+    const auto sleeping = std::max(hops[i + 1], 1U) - 1; // the sink's radio is always on
+    const auto rate = std::max(messages_per_second(x.motes[i]), signs_per_second(x));
+    sum.hops_per_second += rate * sleeping;
+  }
+  for (const auto& need : slot_needs(x, range_m, {}, {}))
+    for (const auto& flow : need.flows) // those to the sink have a hop to a mote, perhaps
+      sum.hops_per_second +=
+          static_cast<double>(std::max<std::size_t>(flow.hops, 1)) / seconds(tick);
+  if (x.stack == stack::full)
+    sum.broadcasts_per_second = static_cast<double>(places.size()) * rounds_per_second(x.listening);
+  sum.share = sum.hops_per_second * seconds(x.listening.interval) / 2 +
+              sum.broadcasts_per_second * seconds(x.listening.train());
+  return sum;
+}
+
+std::string doubt_of_interval(const island_description& x, const radio::channel_config& radio,
+                              duration tick) {
+  const auto* disk = std::get_if<radio::unit_disk>(&radio.propagation);
+  const auto need =
+      air_need_of(x, disk != nullptr ? std::optional(disk->range_m) : std::nullopt, tick);
+  if (need.share <= share_max)
+    return {};
+  const auto least_ms = std::ceil(seconds(x.listening.interval) * 1000 * share_max / need.share);
+  return "an interval of " + to_text(x.listening.interval) +
+         " is too long for its motes: " + rounded(need.hops_per_second) +
+         " hops of messages and vectors a second to motes whose radios sleep "
+         "take half of it each, and " +
+         rounded(need.broadcasts_per_second) +
+         " broadcasts a second a whole one: " + std::to_string(std::lround(need.share * 100)) +
+         " % of the time on the air; with about " + std::to_string(std::lround(least_ms)) +
+         " ms it is half";
+}
+
+void check_listening(const island_description& x, const radio::channel_config& radio, duration tick,
+                     const mark& at, complaints& problems) {
+  const auto gap = longest_gap(x, radio);
+  if (x.listening.check <= gap)
+    problems.add(at, "`check` must be longer than the gap between two copies of a frame, which is "
+                     "up to " +
+                         to_text(gap) + " by the medium access of its motes");
+  if (x.listening.interval <= x.listening.awake)
+    problems.doubt(at, "motes stay awake for " + to_text(x.listening.awake) +
+                           " after each frame, but check the air every " +
+                           to_text(x.listening.interval) + ": a shorter `awake` saves more");
+  for (const auto& mote : x.motes)
+    if (std::ranges::any_of(
+            mote.apps, [](const auto& app) { return std::holds_alternative<member_app>(app); })) {
+      problems.add(at, "mote `" + mote.name +
+                           "` is a member of a group, by which its radio sleeps: "
+                           "low-power listening is not for it");
+      break;
+    }
+  if (const auto text = doubt_of_interval(x, radio, tick); !text.empty())
+    problems.doubt(at, text);
+}
+
+} // namespace rubicon::config
