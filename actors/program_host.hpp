@@ -104,8 +104,8 @@ public:
         self->send(ecology, notable_event{who, std::move(what)});
       for (const auto& what : x.program->take_warnings())
         log_as(self, who, spdlog::level::warn, "{}", what);
-      if (x.file && x.write(x.program->take_lines())) {
-        const auto what = std::string(x.program->file()) + ": " + x.failure;
+      if (x.lines && x.lines->write(x.program->take_lines())) {
+        const auto what = std::string(x.program->file()) + ": " + x.lines->failure;
         self->send(ecology, request_unmet{who, "cannot write " + what});
       }
     }
@@ -136,8 +136,9 @@ public:
             **at -= ahead;
         }
       }
-      if (x.file)
-        status.program.figures.emplace_back("lines not written", static_cast<double>(x.unwritten));
+      if (x.lines)
+        status.program.figures.emplace_back("lines not written",
+                                            static_cast<double>(x.lines->unwritten));
       self->send(ecology, std::move(status));
     }
   }
@@ -164,24 +165,41 @@ public:
   }
 
 private:
+  /// The file of a program.
+  struct line_file {
+    std::ofstream file;
+    std::string failure;         ///< the first; empty while all is well
+    std::uint64_t unwritten = 0; ///< lines
+
+    /// Lines are in the file when this returns. @returns whether the first failure has shown
+    bool write(const std::string& lines) {
+      if (!failure.empty() || (!lines.empty() && !(file << lines << std::flush)) || !file) {
+        unwritten += static_cast<std::uint64_t>(std::count(lines.begin(), lines.end(), '\n'));
+        const bool is_first = failure.empty();
+        if (is_first)
+          failure = std::generic_category().message(errno != 0 ? errno : EIO);
+        return is_first;
+      }
+      return false;
+    }
+  };
+
   struct hosted {
     std::string path; ///< empty: its actor's
     std::string name;
     std::uint32_t number = 0; ///< among the programs of the node
     std::unique_ptr<apps::application> program;
-    instant started;                     ///< by the node's clock
-    std::unique_ptr<std::ofstream> file; ///< nullptr: it writes none
-    std::string failure;                 ///< the first; empty while all is well
-    std::uint64_t unwritten = 0;         ///< lines
+    instant started;                  ///< by the node's clock
+    std::unique_ptr<line_file> lines; ///< nullptr: it writes none
 
     void open(bool again) {
       const std::string name_of_file(program->file());
       if (name_of_file.empty())
         return;
-      file = std::make_unique<std::ofstream>(
-          name_of_file, std::ios::binary | (again ? std::ios::app : std::ios::trunc));
+      lines = std::make_unique<line_file>();
+      lines->file.open(name_of_file, std::ios::binary | (again ? std::ios::app : std::ios::trunc));
       if (!again)
-        *file << program->file_heading() << std::flush;
+        lines->file << program->file_heading() << std::flush;
     }
 
     /// @param ended the node's life is over: what was open is not from now on
@@ -193,18 +211,6 @@ private:
         end.open = end.open && !ended;
       }
       return all;
-    }
-
-    /// Lines are in the file when this returns. @returns whether the first failure has shown
-    bool write(const std::string& lines) {
-      if (!failure.empty() || (!lines.empty() && !(*file << lines << std::flush)) || !*file) {
-        unwritten += static_cast<std::uint64_t>(std::count(lines.begin(), lines.end(), '\n'));
-        const bool is_first = failure.empty();
-        if (is_first)
-          failure = std::generic_category().message(errno != 0 ? errno : EIO);
-        return is_first;
-      }
-      return false;
     }
   };
 

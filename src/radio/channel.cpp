@@ -94,7 +94,8 @@ radio_index channel::add(const radio_config& config, instant now) {
   x.added_at = now;
   x.next_dsn = static_cast<std::uint8_t>(rules->dsn_from_address ? 16 * config.address.value
                                                                  : rng_.below(256));
-  x.listening = config.listening;
+  if (config.listening.enabled() && config.listening.checks)
+    x.listens = std::make_unique<listening>(listening{config.listening, {}, 0});
   x.sender = mac(rules, config_.queue, retries_of(config, *rules), config.listening.train());
   x.inbox = receiver(rules, config_.receive_slots.value_or(kind.receive_slots),
                      memory_of(config, *rules));
@@ -274,7 +275,7 @@ bool channel::is_current(const event& x) const {
   case event_kind::battery_low:
     return at(radio).supply != power::flat;
   case event_kind::listening:
-    return at(radio).ears_stamp == x.stamp;
+    return at(radio).listens->event_stamp == x.stamp;
   }
   return false;
 }

@@ -239,6 +239,13 @@ public:
 
 private:
   /// One mote's radio above the medium.
+  /// A radio that listens at low power.
+  struct listening {
+    listening_config config;
+    std::optional<listener> ears;  ///< nothing: its mote is off
+    std::uint64_t event_stamp = 0; ///< of the event in the queue
+  };
+
   struct station {
     mote_id address;
     std::uint16_t pan = default_pan;
@@ -258,9 +265,7 @@ private:
     std::uint64_t mac_stamp = 0;
     std::optional<std::uint8_t> ack_dsn; ///< of the ack it is about to send
     std::uint64_t ack_stamp = 0;
-    std::optional<listener> ears; ///< nothing: its radio is on as long as its mote is
-    std::uint64_t ears_stamp = 0;
-    listening_config listening;
+    std::unique_ptr<listening> listens; ///< nullptr: its radio is on as long as its mote is
   };
 
   void run_until(instant now, outputs& out);

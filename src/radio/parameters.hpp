@@ -185,8 +185,9 @@ struct listening_config {
   duration interval{};    ///< from one check to the next; 0: the radio is always on
   duration check = 11ms;  ///< how long one takes: 400 samples of a CC2420, started up before
   duration awake = 100ms; ///< after something was heard, received or sent (DELAY_AFTER_RECEIVE)
-  duration margin = 20ms; ///< a frame is repeated for so much longer than the interval, as there
-  bool checks = true;     ///< else its radio is always on, but it sends to those that are not
+  /// A frame is repeated for so much longer than the interval.
+  static constexpr duration margin = 20ms;
+  bool checks = true; ///< else its radio is always on, but it sends to those that are not
 
   [[nodiscard]] bool enabled() const { return interval > 0s; }
 
