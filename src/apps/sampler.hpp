@@ -37,7 +37,7 @@ private:
   [[nodiscard]] bool is_news(const std::vector<std::int16_t>& counts) const;
 
   std::shared_ptr<const sampler_config> config_;
-  duration own_period_; ///< while nobody has asked for another
+  duration own_period_; ///< unless a subscriber requests another
   random_stream rng_;
   std::vector<running_mean> means_; ///< of each transducer; empty: counts go as they are
   bool in_island_ = false;

@@ -126,7 +126,7 @@ void warn_of_keep_alive(table_reader& in, const island_description& x) {
                           to_text(least));
 }
 
-/// A mote whose radio listens at low power needs a while to be heard.
+/// Keep-alives of motes whose radios listen at low power occupy the air.
 void warn_of_slow_signs(table_reader& in, const island_description& x) {
   const auto least = x.listening.silence_min();
   if (in.has("keep_alive") && x.keep_alive < least)

@@ -9,7 +9,6 @@
 #include "config/slot_check.hpp"
 #include "config/window_room.hpp"
 #include "core/decimal.hpp"
-#include "radio/mac_rules.hpp"
 
 namespace rubicon::config {
 
@@ -19,11 +18,9 @@ namespace {
 /// below.
 constexpr double share_max = 0.5;
 
-/// By network/router.cpp: a mote passes a round of the clock on, once a minute, or so many
-/// broadcasts apart.
+/// Each mote forwards each round of the clock: once a minute, or more rarely.
 double rounds_per_second(const radio::listening_config& x) {
-  constexpr int round_lengths = 60;
-  return 1 / std::max(60.0, round_lengths * seconds(x.train()));
+  return 1 / std::max(60.0, network::round_lengths * seconds(x.train()));
 }
 
 /// Who sends more rarely says that it is there: mote/join_client.hpp.
@@ -34,19 +31,9 @@ double signs_per_second(const island_description& x) {
 /// The gap between two copies, of the slowest medium access in the island.
 duration longest_gap(const island_description& x, const radio::channel_config& radio) {
   duration longest{};
-  const auto look = [&](const radio::platform* kind) {
-    if (kind == nullptr)
-      return;
-    const auto named =
-        std::ranges::find(radio.macs, kind->name, &std::pair<std::string, std::string>::first);
-    const auto* rules =
-        radio::find_mac(named == radio.macs.end() ? "standard" : named->second, *kind);
-    if (rules != nullptr)
-      longest = std::max(longest, rules->longest_gap());
-  };
-  look(x.sink.platform);
-  for (const auto& mote : x.motes)
-    look(mote.platform);
+  each_medium_access(radio, x, [&longest](const auto& rules, const auto&) {
+    longest = std::max(longest, rules.longest_gap());
+  });
   return longest;
 }
 

@@ -7,7 +7,6 @@
 #include "apps/traffic.hpp"
 #include "config/reach.hpp"
 #include "network/tick_plan.hpp"
-#include "radio/mac_rules.hpp"
 
 namespace rubicon::config {
 
@@ -73,24 +72,13 @@ std::string text_of(const mote::vector_flow& x) {
 network::access_times access_of(const radio::channel_config& radio,
                                 const island_description& island) {
   network::access_times slowest{0ns, 0ns, 0ns};
-  const auto add = [&](const radio::platform* kind, const radio::access_parameters& own) {
-    if (kind == nullptr)
-      return;
-    const auto named =
-        std::ranges::find(radio.macs, kind->name, &std::pair<std::string, std::string>::first);
-    const auto* rules =
-        radio::find_mac(named == radio.macs.end() ? "standard" : named->second, *kind);
-    if (rules == nullptr)
-      return;
-    const auto x = mote::access_of(radio::adjusted(*rules, own));
+  slowest.wake = island.listening.train();
+  each_medium_access(radio, island, [&slowest](const auto& rules, const auto& own) {
+    const auto x = mote::access_of(radio::adjusted(rules, own));
     slowest.back_off = std::max(slowest.back_off, x.back_off);
     slowest.exchange = std::max(slowest.exchange, x.exchange);
     slowest.space = std::max(slowest.space, x.space);
-  };
-  slowest.wake = island.listening.train();
-  add(island.sink.platform, island.sink.access);
-  for (const auto& mote : island.motes)
-    add(mote.platform, mote.access);
+  });
   return slowest;
 }
 

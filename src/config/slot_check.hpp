@@ -10,12 +10,28 @@
 #include "config/ecology.hpp"
 #include "config/problem.hpp"
 #include "mote/vector_slot.hpp"
+#include "radio/mac_rules.hpp"
 
 namespace rubicon::config {
 
 /// What medium access adds to a frame in the island: of the slowest of its radios.
 [[nodiscard]] network::access_times access_of(const radio::channel_config& radio,
                                               const island_description& island);
+
+/// Calls `visit(const radio::mac_rules&, const radio::access_parameters&)` with the medium access
+/// of the sink and of each mote, and their own parameters, where both are known.
+template <class Visit>
+void each_medium_access(const radio::channel_config& radio, const island_description& island,
+                        Visit visit) {
+  const auto look = [&](const auto& node) {
+    const auto* rules = node.platform == nullptr ? nullptr : radio::mac_of(radio, *node.platform);
+    if (rules != nullptr)
+      visit(*rules, node.access);
+  };
+  look(island.sink);
+  for (const auto& mote : island.motes)
+    look(mote);
+}
 
 /// The slot that a mote's vectors need.
 struct slot_need {

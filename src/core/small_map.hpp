@@ -1,6 +1,5 @@
 // A map for a few elements: a sorted vector, which takes half the memory of a tree while it is
-// empty, and none for nodes. C++20 has none; Boost's can give up no element together with its key,
-// and triples the time to compile.
+// empty, and none for nodes. C++20 has no such map, and Boost's has no extract().
 #pragma once
 
 #include <algorithm>
@@ -31,12 +30,13 @@ public:
 
   template <class K>
   [[nodiscard]] iterator find(const K& x) {
-    return found_at(place_of(all_, x), x);
+    const auto at = place_of(all_, x);
+    return is_at(at, x) ? at : all_.end();
   }
   template <class K>
   [[nodiscard]] const_iterator find(const K& x) const {
     const auto at = place_of(all_, x);
-    return at != all_.end() && !(x < at->first) ? at : all_.end();
+    return is_at(at, x) ? at : all_.end();
   }
   template <class K>
   [[nodiscard]] bool contains(const K& x) const {
@@ -53,7 +53,7 @@ public:
 
   Value& operator[](const Key& x) {
     const auto at = place_of(all_, x);
-    if (at != all_.end() && !(x < at->first))
+    if (is_at(at, x))
       return at->second;
     return all_.emplace(at, x, Value{})->second;
   }
@@ -62,7 +62,7 @@ public:
   template <class... Args>
   bool emplace(const Key& x, Args&&... args) {
     const auto at = place_of(all_, x);
-    if (at != all_.end() && !(x < at->first))
+    if (is_at(at, x))
       return false;
     all_.emplace(at, x, Value(std::forward<Args>(args)...));
     return true;
@@ -95,8 +95,8 @@ private:
                             [](const value_type& a, const K& b) { return a.first < b; });
   }
   template <class K>
-  iterator found_at(iterator at, const K& x) {
-    return at != all_.end() && !(x < at->first) ? at : all_.end();
+  [[nodiscard]] bool is_at(const_iterator place, const K& x) const {
+    return place != all_.end() && !(x < place->first);
   }
 
   std::vector<value_type> all_;

@@ -344,7 +344,7 @@ bool node::heed_ticks(instant now) {
 }
 
 /// Whether the sink is to be asked for another slot. In an island that sleeps there are none: its
-/// channels have schedules, or nobody can tell when a receiver is on.
+/// channels have schedules, or it is unknown when a receiver is on.
 void node::watch_slots(instant now) {
   if (!joined() || config_->duty.enabled || config_->access.wake > 0s)
     return;

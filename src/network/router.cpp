@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "network/am.hpp"
+#include "network/slot_time.hpp"
 #include "network/tick_plan.hpp"
 
 namespace rubicon::network {
@@ -22,10 +23,9 @@ constexpr duration lost_pause = 1s; ///< then it is seen again whether the time 
 constexpr duration reborn_quiet = 200ms;
 constexpr duration sleeping_round = 30s; ///< between rounds of the clock where radios sleep
 
-/// Where radios listen at low power, a broadcast occupies the air for a whole interval: those that
-/// come again and again are so many of its lengths apart at least.
+/// Where radios listen at low power, a broadcast occupies the air for a whole interval: beacons are
+/// so many of its lengths apart at least.
 constexpr int beacon_lengths = 4;
-constexpr int round_lengths = 60;
 
 neighbours_config links_of(const router_config& config) {
   neighbours_config x;
@@ -43,7 +43,7 @@ neighbours_config links_of(const router_config& config) {
     x.beacon_slack += config.duty.period;
     x.beacon_gap_max += config.duty.period;
   }
-  // Beacons are rare, and each is repeated until all have heard it.
+  // Beacons are rare, and each is repeated until all neighbours can have received it.
   if (config.wake > 0s) {
     x.good_samples = 2;
     x.usable_samples = 2;
@@ -117,7 +117,7 @@ own_router_config with_patience(own_router_config x) {
     *gap = std::max(*gap, apart);
   x.relay_spread = std::max(x.relay_spread, x.wake);
   x.answer_spread_awake = std::max(x.answer_spread_awake, x.wake);
-  x.relays_max = 1; // all neighbours have heard it then
+  x.relays_max = 1; // all neighbours can have received it then
   x.sequence_gap += beacon_lengths * x.wake;
   return x;
 }

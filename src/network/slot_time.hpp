@@ -30,6 +30,10 @@ struct access_times {
   friend bool operator==(const access_times&, const access_times&) = default;
 };
 
+/// Where radios listen at low power, rounds of the clock are so many times access_times::wake apart
+/// at least.
+inline constexpr int round_lengths = 60;
+
 /// From the end of a mote's acknowledgement until its receiver is ready to assess the channel (IEEE
 /// 802.15.4-2006 6.9.2): the next hop's back-off begins then.
 inline constexpr duration turn_back = 192us;

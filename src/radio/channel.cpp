@@ -40,9 +40,7 @@ outgoing pack(std::uint64_t token, const frame& header) {
 }
 
 const mac_rules* rules_for(const platform& kind, const channel_config& config) {
-  const auto named =
-      std::ranges::find(config.macs, kind.name, &std::pair<std::string, std::string>::first);
-  const auto* rules = find_mac(named == config.macs.end() ? "standard" : named->second, kind);
+  const auto* rules = mac_of(config, kind);
   assert(rules != nullptr);
   return rules;
 }

@@ -51,9 +51,9 @@ void channel::on_listening(radio_index radio, instant now) {
   const bool was_on = ears.is_on();
   const bool busy = x.sender.open() > 0 || x.ack_dsn || medium_.sending(radio).has_value() ||
                     medium_.receives(radio);
-  const bool heard = ears.now_in() == listener::state::checking &&
-                     medium_.was_busy(radio, ears.checked_from(), now);
-  ears.on_time(now, heard, busy);
+  const bool was_busy = ears.now_in() == listener::state::checking &&
+                        medium_.was_busy(radio, ears.checked_from(), now);
+  ears.on_time(now, was_busy, busy);
   if (ears.is_on() && !was_on) {
     medium_.switch_on(radio, now);
     medium_.meter(radio).compute(x.listens->config.check, now); // the MCU takes the samples
@@ -63,8 +63,7 @@ void channel::on_listening(radio_index radio, instant now) {
   schedule_listening(radio);
 }
 
-/// Whatever a radio that is switched on may receive is told when its frame ends: that of itself is
-/// nothing to be told.
+/// Switching a radio has no output of its own: what it receives is output when its frame ends.
 void channel::schedule_listening(radio_index radio) {
   auto& x = *at(radio).listens;
   const auto due = x.ears->deadline();

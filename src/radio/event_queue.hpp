@@ -37,7 +37,7 @@ public:
     tell(x);
   }
 
-  /// Of an event that leads to nothing that anybody can be told: next_told() does not count it.
+  /// Of an event without any output: next_told() does not count it.
   void push_untold(const event& x) {
     entries_.push_back({x, pushed_++});
     std::push_heap(entries_.begin(), entries_.end(), later);

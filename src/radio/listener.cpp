@@ -23,7 +23,7 @@ bool listener::stay_awake(instant now) {
   return was_asleep;
 }
 
-void listener::on_time(instant now, bool heard, bool busy) {
+void listener::on_time(instant now, bool was_busy, bool busy) {
   if (now < deadline_)
     return;
   switch (state_) {
@@ -33,7 +33,7 @@ void listener::on_time(instant now, bool heard, bool busy) {
     deadline_ = now + config_.check;
     return;
   case state::checking:
-    if (heard || busy)
+    if (was_busy || busy)
       stay_awake(now);
     else
       sleep(now);

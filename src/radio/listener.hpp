@@ -34,10 +34,10 @@ public:
   /// @returns whether the radio was asleep, and deadline() is another
   bool stay_awake(instant now);
 
-  /// @param heard whether anything has been on the air since checked_from(); matters only while
+  /// @param was_busy whether the channel has been busy since checked_from(); matters only while
   /// checking
   /// @param busy it is sending, receiving or about to answer: the radio cannot be switched off
-  void on_time(instant now, bool heard, bool busy);
+  void on_time(instant now, bool was_busy, bool busy);
 
   [[nodiscard]] state now_in() const { return state_; }
   [[nodiscard]] bool is_on() const { return state_ != state::asleep; }

@@ -143,6 +143,12 @@ const mac_rules* find_mac(std::string_view name, const platform& kind) {
   return nullptr;
 }
 
+const mac_rules* mac_of(const channel_config& config, const platform& kind) {
+  const auto named =
+      std::ranges::find(config.macs, kind.name, &std::pair<std::string, std::string>::first);
+  return find_mac(named == config.macs.end() ? standard.name : named->second, kind);
+}
+
 const std::vector<std::string>& mac_names() {
   static const std::vector<std::string> names{
       std::string(standard.name), std::string(cc2420_32khz.name), std::string(rf230.name)};

@@ -68,7 +68,7 @@ struct mac_rules {
   unsigned retries_max;     ///< unless the file says otherwise
 
   /// From the end of a copy of a frame to the begin of the next one, where frames are repeated
-  /// until their receiver's radio is on and nobody else sends.
+  /// until their receiver's radio is on, and the channel is clear.
   [[nodiscard]] duration longest_gap() const;
 
   /// How long a sender may go on repeating a frame; never, if assessments are not limited.
@@ -85,5 +85,9 @@ struct mac_rules {
 /// The rules of that name (mac_names()) on that platform, whose clock may make them slower.
 /// @returns nullptr if there is no such name; else valid for ever
 [[nodiscard]] const mac_rules* find_mac(std::string_view name, const platform& kind);
+
+/// Those that `config` chooses for the platform: the standard's unless it names others.
+/// @returns nullptr if it names unknown ones; else valid for ever
+[[nodiscard]] const mac_rules* mac_of(const channel_config& config, const platform& kind);
 
 } // namespace rubicon::radio

@@ -184,7 +184,7 @@ struct access_parameters {
 struct listening_config {
   duration interval{};    ///< from one check to the next; 0: the radio is always on
   duration check = 11ms;  ///< how long one takes: 400 samples of a CC2420, started up before
-  duration awake = 100ms; ///< after something was heard, received or sent (DELAY_AFTER_RECEIVE)
+  duration awake = 100ms; ///< after a busy check, or a frame received or sent (DELAY_AFTER_RECEIVE)
   /// A frame is repeated for so much longer than the interval.
   static constexpr duration margin = 20ms;
   bool checks = true; ///< else its radio is always on, but it sends to those that are not
@@ -195,7 +195,7 @@ struct listening_config {
   /// of this time, which takes half an interval at each hop.
   [[nodiscard]] duration silence_min() const { return 60 * interval; }
 
-  /// For how long a frame is repeated, at most: whoever checks has heard it then.
+  /// For how long a frame is repeated, at most: each neighbour has checked by then.
   [[nodiscard]] duration train() const { return enabled() ? interval + margin : duration{}; }
 };
 
