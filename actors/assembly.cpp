@@ -139,7 +139,7 @@ std::shared_ptr<const mote::node_tables> tables_of(ecology_pointer self, island_
     return common;
   mote::node_tables x;
   x.layer.synaptic.tick_period = self->state.description.tick;
-  x.layer.messages.answer_slack = self->state.answer_slack;
+  x.layer.messages.slacks = self->state.slacks;
   apps::make_room(x.layer, programs);
   apps::make_room(x.network, apps::traffic_of(island, programs), traffic);
   auto made = std::make_shared<const mote::node_tables>(std::move(x));
@@ -589,16 +589,17 @@ void spawn_bluetooth(ecology_pointer self) {
 }
 
 /// One window carries a frame over several hops, and few islands are deeper than eight.
-transport::answer_slacks answer_slack_of(const config::ecology_description& x) {
+transport::answer_slacks slacks_of(const config::ecology_description& x) {
   constexpr std::size_t hops_likely = 8;
-  std::map<island_id, duration> all;
+  constexpr int rests = 20; ///< of the time in which a frame is repeated for a radio that listens
+  std::map<island_id, transport::answer_slack> all;
   config::for_each_island(x, [&](const config::island_description& island) {
     const auto hops = std::min(island.motes.size(), hops_likely);
     const auto access = config::access_of(x.radio, island);
     const auto slack = island.duty.answer_slack(static_cast<unsigned>(hops)) +
                        access.answer_slack(static_cast<unsigned>(hops));
     if (slack > 0s)
-      all[island.id] = slack;
+      all[island.id] = {slack, std::max(island.duty.common().period, rests * access.wake)};
   });
   return all.empty() ? nullptr : std::make_shared<const decltype(all)>(std::move(all));
 }
@@ -654,7 +655,7 @@ void spawn_mote(ecology_pointer self, supervised_mote& mote) {
 
 void assemble(ecology_pointer self) {
   const auto& description = self->state.description;
-  self->state.answer_slack = answer_slack_of(description);
+  self->state.slacks = slacks_of(description);
   self->state.pcs = &scheduler::coordinator::of(self->system())->add_process();
   for (const auto& island : description.islands)
     self->state.traffic[island.id] = traffic_in(self, island);

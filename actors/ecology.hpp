@@ -186,7 +186,7 @@ struct ecology_state : collected_answers {
   frame_observer observe_frames; ///< may be empty
   std::map<mote_address, supervised_mote> motes;
   /// From the description as it was before its motes were taken out.
-  transport::answer_slacks answer_slack;
+  transport::answer_slacks slacks;
   std::map<island_id, apps::traffic> traffic; ///< of the programs on all motes of an island
   /// Of motes without programs of their own, which share them.
   std::map<island_id, std::shared_ptr<const mote::node_tables>> tables;

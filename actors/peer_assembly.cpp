@@ -251,6 +251,8 @@ struct peer_app_spawner {
     const auto& island = description_of(self, id);
     managed_island x{
         id, island.name, {}, {{gateway_of(id), island.gateway_name}}, island.sink.place};
+    x.slack = transport::messenger_config::attempts_max *
+              slack_of(self->state.slacks, {id, own_mote}).there_and_back;
     for (const auto& alias : island.aliases)
       x.gateways.push_back({alias.id, alias.name});
     for (const auto& [address, mote] : self->state.motes) {
@@ -338,7 +340,7 @@ pc_actor spawn_pc(ecology_pointer self, supervised_peer& peer,
   x.config.incarnation = peer.incarnation;
   x.config.awaits_clock = true;
   x.config.tick_period = self->state.description.tick;
-  x.config.answer_slack = self->state.answer_slack;
+  x.config.slacks = self->state.slacks;
   x.config.channels_max = apps::ends_max(x.config.channels_max, programs) + streams;
   config::for_each_island(self->state.description,
                           [&x](const auto& each) { x.aliases |= !each.aliases.empty(); });
@@ -374,7 +376,7 @@ void spawn_programs(ecology_pointer self, supervised_peer& peer) {
   gateway_arguments gateway;
   gateway.config.island = island.id;
   gateway.config.tick_period = self->state.description.tick;
-  gateway.config.answer_slack = self->state.answer_slack;
+  gateway.config.slacks = self->state.slacks;
   if (!island.aliases.empty())
     gateway.config.gateways = config::gateways_of(island);
   gateway.config.incarnation = peer.incarnation;

@@ -80,7 +80,10 @@ struct proxy_manager_performer {
     if (what == nullptr)
       return;
     const auto& gateways = state.gateways.at(x.mote.island);
-    proxy::proxy core(*what, identity_of(state.arguments, x.mote, gateways.current()));
+    const auto island =
+        std::ranges::find(state.arguments.islands, x.mote.island, &managed_island::id);
+    proxy::proxy core(*what, identity_of(state.arguments, x.mote, gateways.current()),
+                      island == state.arguments.islands.end() ? 0s : island->slack);
     const auto name = core.prefix();
     const auto layer = core.streams().empty() ? program_node_actor() : state.arguments.layer;
     log(self, spdlog::level::info, "event=started proxy={} class={}", name, x.class_name);

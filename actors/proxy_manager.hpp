@@ -31,6 +31,7 @@ struct managed_island {
   std::vector<managed_gateway> gateways = {}; ///< in the order in which they take over; empty: the
                                               ///< one with the island's id, of unknown name
   std::optional<position> sink_place = {};    ///< where their antenna is
+  duration slack = {}; ///< what outcomes of a gateway take longer, as radios of motes sleep
 };
 
 /// What a proxy manager actor is made of.

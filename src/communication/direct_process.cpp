@@ -94,7 +94,9 @@ int direct_process::open_end(const stream_end& wish) {
   x.qos = wish.qos;
   x.buffer_size = wish.buffer_size;
   x.writes_to_self = wish.writes_to_self;
-  return below_.take_open(number_, below_.streams_.open_remote(below_.self(), x, below_.now_));
+  const auto slack = below_.messages_.far_slack(x.destination);
+  return below_.take_open(number_,
+                          below_.streams_.open_remote(below_.self(), x, below_.now_, slack));
 }
 
 int direct_process::open_sensor(std::uint8_t transducer, std::uint32_t period_ms,

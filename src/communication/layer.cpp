@@ -48,6 +48,7 @@ layer::layer(layer_config config, random_stream rng) : config_(config) {
   config.messages.incarnation = config.incarnation;
   messages_ = transport::messenger(config.messages, rng);
   config.tunnels.self = config.self;
+  config.tunnels.slacks = config.messages.slacks;
   config.tunnels.incarnation = config.incarnation;
   tunnels_ = transport::tunnels(config.tunnels);
   config.streams.transducers = transducers_max;
@@ -381,9 +382,9 @@ void layer::on_channel_octets(stream::channel_handle channel, byte_view octets, 
     const bool learns = synaptic::is_synaptic(octets);
     is_synaptic_[channel] = learns;
     if (learns)
-      take(synaptic_.on_accepted(channel, source, now));
+      take(synaptic_.on_accepted(channel, source, now, messages_.far_slack(source)));
     else
-      take(streams_.on_accepted(channel, source, now));
+      take(streams_.on_accepted(channel, source, now, messages_.far_slack(source)));
   }
   const auto user = is_synaptic_.find(channel);
   if (user == is_synaptic_.end()) {
@@ -513,8 +514,9 @@ int layer::create(std::size_t process, bool is_out, mote_address other, std::uin
     refuse();
     return -1;
   }
-  auto x = is_out ? synaptic_.create_out(self(), other, size, params, now_)
-                  : synaptic_.create_in(self(), other, size, params, now_);
+  const auto slack = messages_.far_slack(other);
+  auto x = is_out ? synaptic_.create_out(self(), other, size, params, now_, slack)
+                  : synaptic_.create_in(self(), other, size, params, now_, slack);
   if (x.refused) {
     refuse();
     return -1;

@@ -211,13 +211,9 @@ public:
   /// Whether on_tick() matters to anybody here: a synaptic channel is open, or a program asks for
   /// it.
   [[nodiscard]] bool wants_ticks() const;
-  /// Answers take so much longer from now on, as radios on the way sleep.
+  /// Answers take so much longer from now on, as radios of this island sleep.
   void set_answer_slack(duration x) {
     messages_.set_answer_slack(x);
-    set_channel_slack(x);
-  }
-  /// The same for what travels in channels alone.
-  void set_channel_slack(duration x) {
     streams_.set_answer_slack(x);
     synaptic_.set_answer_slack(x);
   }

@@ -21,7 +21,7 @@ layer_config layer_of(const pc_config& config) {
   x.incarnation = config.incarnation;
   x.messages.ack_wait = config.ack_wait;
   x.messages.outstanding_max = config.sends_max;
-  x.messages.answer_slack = config.answer_slack;
+  x.messages.slacks = config.slacks;
   x.messages.sessions_max = 1024;
   x.messages.sources_max = 1024;
   x.tunnels.tunnels_max = 4 * config.channels_max;
@@ -47,12 +47,6 @@ pc::pc(pc_config config, random_stream rng)
     : config_(config), layer_(std::make_unique<layer>(layer_of(config), rng)) {
   if (!config_.awaits_clock)
     ahead_ = 0s;
-  if (config_.answer_slack) {
-    duration longest{};
-    for (const auto& [island, slack] : *config_.answer_slack)
-      longest = std::max(longest, slack);
-    layer_->set_channel_slack(longest);
-  }
 }
 
 interface pc::attach(communication_events& events) {

@@ -38,7 +38,7 @@ struct pc_config {
   peer_id self;
   std::uint32_t incarnation = 0;              ///< how often it has been started before
   std::chrono::milliseconds tick_period{500}; ///< of the RUBICON clock (CLK-03)
-  transport::answer_slacks answer_slack = {};
+  transport::answer_slacks slacks = {};
   bool awaits_clock = false;     ///< it does not tick before on_clock()
   duration ack_wait = 500ms;     ///< transport::messenger_config's
   std::size_t sends_max = 64;    ///< reliable messages in flight

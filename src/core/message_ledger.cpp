@@ -258,7 +258,7 @@ provenance begin_message(message_kind kind, mote_address source, mote_address de
   auto* const who = provenance_here.who;
   if (who == nullptr)
     return provenance::none();
-  const auto number = who->begin("message", 0);
+  const auto number = who->begin(to_string(kind), 0);
   auto* const ledger = gives_accounts ? who->ledger() : nullptr;
   return {number,
           ledger == nullptr ? account_ref() : ledger->open(number, kind, source, destination)};

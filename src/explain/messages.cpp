@@ -50,16 +50,25 @@ std::uint32_t message_follower::begin(message x, std::uint64_t number, const rec
 }
 
 void message_follower::on_begun(const record& r) {
-  if (r.text != "message")
-    return;
-  if (r.id != 0)
+  const bool is_on_channel = r.text == "channel";
+  const bool is_in_tunnel = r.text == "tunnel";
+  if (r.text == "message" && r.id != 0)
     subscribers_[r.number] = mote_id(static_cast<std::uint16_t>(r.id));
-  else
+  else if (r.text == "message" || is_on_channel || is_in_tunnel)
     accounted_.insert(r.number);
+  const auto source = all_.all.known.address_of(r.from);
+  if (!source || !(is_on_channel || is_in_tunnel))
+    return;
+  message x; // it may be lost before anything of it is seen
+  x.source = *source;
+  x.destination = {source->island, mote_id{}};
+  x.is_on_channel = is_on_channel;
+  x.is_in_tunnel = is_in_tunnel;
+  begin(std::move(x), r.number, r);
 }
 
 void message_follower::on_ended(const record& r) {
-  accounted_.erase(r.id); // never seen: it was lost before it left
+  accounted_.erase(r.id);
   const auto n = all_.own_step_of(r.id);
   if (all_.is_about_message(n))
     all_.all.messages[all_.at(n).about.index].ending = {r.time, r.yes, r.text, r.from};
@@ -185,8 +194,16 @@ std::optional<sighting> message_follower::recognise(const envelope& x, std::uint
 std::optional<sighting> message_follower::seen(message x, std::uint64_t cause, const record& r) {
   const auto begun = all_.begun(cause, "message");
   const auto n = all_.step_of(cause);
-  if (begun == 0 && all_.is_about_message(n))
+  if (begun == 0 && all_.is_about_message(n)) {
+    auto& known = all_.all.messages[all_.at(n).about.index];
+    if (!known.content && known.is_on_channel == x.is_on_channel &&
+        known.is_in_tunnel == x.is_in_tunnel) {
+      known.content = std::move(x.content);
+      known.channel = x.channel;
+      known.destination = x.destination;
+    }
     return sighting{all_.at(n).about};
+  }
   return sighting{{false, begin(std::move(x), begun != 0 ? begun : r.number, r)}};
 }
 
@@ -212,7 +229,10 @@ std::optional<sighting> message_follower::answered(cargo of, const char* kind, b
 
 std::optional<sighting> message_follower::recognise(const channel_content& x, island_id here,
                                                     const record& r) {
-  if (!is_stream_record(x.content))
+  const auto n = all_.step_of(r.cause);
+  const bool is_known =
+      all_.is_about_message(n) && all_.all.messages[all_.at(n).about.index].is_on_channel;
+  if (!is_known && !is_stream_record(x.content))
     return std::nullopt;
   message m;
   m.source = all_.all.known.address_of(r.from).value_or(mote_address{here, no_mote});

@@ -17,7 +17,7 @@
 
 namespace rubicon::explain {
 
-inline constexpr int record_version = 3;
+inline constexpr int record_version = 4;
 
 /// What happened. Each is a message between actors, or what an actor remarked.
 enum class kind : std::uint8_t {

@@ -129,7 +129,7 @@ struct gateway_config {
   directory_config others{};
   output_requests_config requests{};
   std::chrono::milliseconds tick_period{500}; ///< of the RUBICON clock
-  transport::answer_slacks answer_slack = {};
+  transport::answer_slacks slacks = {};
   std::size_t devices_max = 1000;        ///< motes listed; what a sink has room for
   std::size_t input_channels_max = 4096; ///< channels of motes ever written to; further ones are
                                          ///< refused without a status

@@ -39,7 +39,7 @@ inline communication::pc_config pc_of(const gateway_config& config, std::uint32_
   x.sends_max = config.inputs_outstanding_max;
   x.awaits_clock = true;
   x.tick_period = config.tick_period;
-  x.answer_slack = config.answer_slack;
+  x.slacks = config.slacks;
   x.channels_max = config.channels_max;
   return x;
 }

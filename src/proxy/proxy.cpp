@@ -72,11 +72,11 @@ std::string_view to_string(proxy::state x) {
   return "unknown";
 }
 
-proxy::proxy(proxy_class what, proxy_identity who)
-    : class_(std::move(what)), who_(std::move(who)), prefix_(key_prefix(class_.prefix, who_)),
-      templates_(class_, template_names(class_, who_)) {
+proxy::proxy(proxy_class what, proxy_identity who, duration slack)
+    : class_(std::move(what)), who_(std::move(who)), slack_(slack),
+      prefix_(key_prefix(class_.prefix, who_)), templates_(class_, template_names(class_, who_)) {
   for (const auto& input : class_.inputs)
-    channels_.try_emplace(input.channel, class_.settings.answer_timeout, class_.settings.retry_for);
+    channels_.try_emplace(input.channel, answer_timeout(), class_.settings.retry_for);
   for (const auto& field : class_.fields)
     if (field.mean_of > 1 && !field.computed_by_mote)
       means_.emplace(field.name, running_mean(field.mean_of));
@@ -109,7 +109,7 @@ proxy::outputs proxy::on_class_changed(const class_change& x) {
     at += class_.settings.stale_after - stale_after;
   if (x.answer_timeout || x.retry_for) {
     for (auto& [channel, requests] : channels_)
-      requests.set_times(class_.settings.answer_timeout, class_.settings.retry_for);
+      requests.set_times(answer_timeout(), class_.settings.retry_for);
     for (const auto& input : class_.inputs) {
       const auto deadline = to_text(instant(deadline_of(input.channel)));
       say(key_of(input.name + ".deadline"), deadline, out);
@@ -382,10 +382,14 @@ void proxy::sensed(instant now, outputs& out) {
     enter(state::active, now, out);
 }
 
+duration proxy::answer_timeout() const {
+  return class_.settings.answer_timeout + slack_;
+}
+
 /// In which a request has its outcome for certain: those before it on the channel come first.
 duration proxy::deadline_of(std::uint16_t channel) const {
   const auto before = std::ranges::count(class_.inputs, channel, &input::channel);
-  return (before + 1) * (class_.settings.answer_timeout + class_.settings.retry_for);
+  return (before + 1) * (answer_timeout() + class_.settings.retry_for);
 }
 
 void proxy::note_latency(std::uint16_t channel, duration taken, outputs& out) {

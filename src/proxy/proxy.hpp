@@ -149,7 +149,8 @@ public:
 
   proxy() = default;
   /// With the settings and the program of its class.
-  proxy(proxy_class what, proxy_identity who);
+  /// @param slack what outcomes of the mote's gateway take longer, as radios of its island sleep
+  proxy(proxy_class what, proxy_identity who, duration slack = {});
 
   /// Prior information; call it once, when the manager has started the proxy.
   [[nodiscard]] outputs start(instant now);
@@ -234,6 +235,7 @@ private:
   void enter(state next, instant now, outputs& out);
   void sensed(instant now, outputs& out);
   void apply(std::uint16_t channel, input_channel::outputs todo, outputs& out);
+  [[nodiscard]] duration answer_timeout() const;
   [[nodiscard]] duration deadline_of(std::uint16_t channel) const;
   void note_latency(std::uint16_t channel, duration taken, outputs& out);
   void tell(std::size_t input, std::string_view word, request_outcome outcome, outputs& out);
@@ -241,6 +243,7 @@ private:
 
   proxy_class class_;
   proxy_identity who_;
+  duration slack_{};
   std::string prefix_;
   tuple_templates templates_;
   std::unique_ptr<program> program_;           ///< nullptr: none

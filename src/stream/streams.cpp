@@ -82,7 +82,7 @@ answer streams::write(descriptor stream, byte_view record, instant now) {
     done.todo.emplace_back(send_on_channel{*x->channel, encode(content)});
     if (x->is_reliable) {
       x->unacked.push_back(content.record);
-      x->due = x->due.value_or(now + repeat_wait());
+      x->due = x->due.value_or(now + repeat_wait(*x));
     } else {
       keep(*x, record, now);
     }

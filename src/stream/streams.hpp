@@ -83,7 +83,7 @@ public:
   streams() = default;
   explicit streams(streams_config config) : config_(config) {}
 
-  /// Answers to what we send take so much longer from now on, as radios sleep.
+  /// Answers to what we send take so much longer from now on, as radios of our island sleep.
   void set_answer_slack(duration x) { answer_slack_ = x; }
 
   /// Open at once. Equal ones may be open: programs of a node do not know each other, and each has
@@ -97,7 +97,9 @@ public:
   /// follows. Failures: bad_argument (broadcast, sizes, rate), already_open (this end of a stream
   /// of that name is), no_room.
   /// @param self this node's address; no_mote in the mote part for a PC
-  [[nodiscard]] answer open_remote(mote_address self, const remote_request& x, instant now);
+  /// @param far_slack what answers take longer, as radios of the other end's island sleep
+  [[nodiscard]] answer open_remote(mote_address self, const remote_request& x, instant now,
+                                   duration far_slack = {});
 
   /// Failures: bad_descriptor, illegal_operation, not_open_yet, ended, too_long, busy (a reliable
   /// stream).
@@ -118,7 +120,8 @@ public:
   [[nodiscard]] outputs on_connect_failed(descriptor stream);
 
   /// Somebody has opened a channel to this node.
-  [[nodiscard]] outputs on_accepted(channel_handle channel, mote_address source, instant now);
+  [[nodiscard]] outputs on_accepted(channel_handle channel, mote_address source, instant now,
+                                    duration far_slack = {});
   [[nodiscard]] outputs on_channel_octets(channel_handle channel, byte_view octets, instant now);
   [[nodiscard]] outputs on_channel_closed(channel_handle channel);
 
@@ -155,6 +158,7 @@ private:
     bool loops = false; ///< both ends are here: there is no channel
     std::optional<channel_handle> channel{};
     mote_address other{};        ///< the other end
+    duration far_slack{};        ///< of its island
     std::uint16_t sequence = 0;  ///< of the next record
     std::vector<bytes> recent{}; ///< the last ones that went out, while nobody acks
     instant last_write{};
@@ -230,8 +234,12 @@ private:
     constexpr auto more = open_header_size - write_header_size;
     return config_.record_max > more ? config_.record_max - more : 0;
   }
-  [[nodiscard]] duration patience() const { return config_.writer_patience + 2 * answer_slack_; }
-  [[nodiscard]] duration repeat_wait() const { return config_.open_repeat + answer_slack_; }
+  [[nodiscard]] duration patience(duration far_slack) const {
+    return config_.writer_patience + 2 * (answer_slack_ + far_slack);
+  }
+  [[nodiscard]] duration repeat_wait(const row& x) const {
+    return config_.open_repeat + answer_slack_ + x.far_slack;
+  }
 
   streams_config config_;
   duration answer_slack_{};

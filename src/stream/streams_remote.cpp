@@ -12,7 +12,8 @@ constexpr std::uint16_t resume_span = 1024;
 
 } // namespace
 
-answer streams::open_remote(mote_address self, const remote_request& x, instant now) {
+answer streams::open_remote(mote_address self, const remote_request& x, instant now,
+                            duration far_slack) {
   auto destination = x.destination;
   if (destination.island == own_island)
     destination.island = self.island;
@@ -29,6 +30,7 @@ answer streams::open_remote(mote_address self, const remote_request& x, instant 
     return {.refused = failure::no_room};
   auto& added = add(what, x.buffer_size, reads ? x.queue_size : 0);
   added.name = x.name;
+  added.far_slack = far_slack;
   added.loops = !reads && destination == self;
   answer done{.stream = added.id};
   if (reads)
@@ -57,7 +59,7 @@ void streams::start_writer(row& x, const remote_request& wish, mote_address dest
     if (now - before->last_write <= config_.resume_within)
       x.recent = before->recent;
   }
-  x.gives_up = now + patience();
+  x.gives_up = now + patience(x.far_slack);
   x.due = x.gives_up;
   todo.emplace_back(connect_channel{x.id, destination, wish.rate,
                                     write_header_size + wish.buffer_size, wish.qos});
@@ -147,7 +149,7 @@ void streams::opened(row& x, outputs& todo) {
 
 void streams::ask(row& x, outputs& todo, instant now) {
   x.at = phase::asking;
-  x.due = std::min(now + repeat_wait(), x.gives_up);
+  x.due = std::min(now + repeat_wait(x), x.gives_up);
   const auto qos = x.is_reliable ? qos_reliable : std::uint8_t{0};
   todo.emplace_back(
       send_on_channel{*x.channel, encode(open_message{x.name, qos, x.sequence, x.recent})});
@@ -172,9 +174,10 @@ outputs streams::on_connect_failed(descriptor stream) {
   return todo;
 }
 
-outputs streams::on_accepted(channel_handle channel, mote_address source, instant now) {
+outputs streams::on_accepted(channel_handle channel, mote_address source, instant now,
+                             duration far_slack) {
   if (early_.size() < config_.early_max) {
-    early_.push_back({channel, source, std::nullopt, 0, now + patience()});
+    early_.push_back({channel, source, std::nullopt, 0, now + patience(far_slack)});
     return {};
   }
   ++counters_.refused;
@@ -329,7 +332,7 @@ void streams::on_ack(row& x, std::uint16_t next, instant now) {
   x.resends = 0;
   x.due.reset();
   if (!x.unacked.empty())
-    x.due = now + repeat_wait();
+    x.due = now + repeat_wait(x);
 }
 
 void streams::resend(row& x, outputs& todo, instant now) {
@@ -343,7 +346,7 @@ void streams::resend(row& x, outputs& todo, instant now) {
     ++counters_.resent;
     todo.emplace_back(send_on_channel{*x.channel, encode(write_message{sequence++, record})});
   }
-  x.due = now + repeat_wait();
+  x.due = now + repeat_wait(x);
 }
 
 void streams::deliver(row& x, byte_view record, outputs& todo) {

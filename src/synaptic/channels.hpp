@@ -74,16 +74,18 @@ public:
   channels() = default;
   explicit channels(channels_config config) : config_(config) {}
 
-  /// Answers to what we send take so much longer from now on, as radios sleep.
+  /// Answers to what we send take so much longer from now on, as radios of our island sleep.
   void set_answer_slack(duration x) { answer_slack_ = x; }
 
   /// create_done follows. Failures: bad_argument (broadcast, size), already_open, no_room.
   /// @param self this node's address; no_mote in the mote part for a PC
   /// @param destination own_island: the island that `x` says
+  /// @param far_slack what answers take longer, as radios of the other end's island sleep
   [[nodiscard]] answer create_out(mote_address self, mote_address destination, std::size_t size,
-                                  const parameters& x, instant now);
+                                  const parameters& x, instant now, duration far_slack = {});
   [[nodiscard]] answer create_in(mote_address self, mote_address source, std::size_t size,
-                                 const parameters& x, instant now);
+                                 const parameters& x, instant now,
+                                 duration far_slack = {});
 
   /// Stops it, closes it. Failure: bad_descriptor.
   [[nodiscard]] answer dispose(descriptor channel);
@@ -106,7 +108,8 @@ public:
   [[nodiscard]] outputs on_connect_failed(descriptor channel);
 
   /// Somebody has opened a channel to this node.
-  [[nodiscard]] outputs on_accepted(channel_handle handle, mote_address source, instant now);
+  [[nodiscard]] outputs on_accepted(channel_handle handle, mote_address source, instant now,
+                                    duration far_slack = {});
   [[nodiscard]] outputs on_channel_octets(channel_handle handle, byte_view octets);
   [[nodiscard]] outputs on_channel_closed(channel_handle handle);
 
@@ -149,6 +152,7 @@ private:
     std::optional<channel_handle> channel{};
     std::optional<instant> due{};
     instant gives_up{}; ///< asking, and connecting
+    duration far_slack{}; ///< of the other end's island
 
     std::vector<float> values{}; ///< ChOut
     bool is_active = false;
@@ -196,7 +200,9 @@ private:
   void send_vector(row& x, outputs& todo);
   void send_stop(row& x, outputs& todo, bool in_slot = false);
 
-  [[nodiscard]] duration patience() const { return config_.writer_patience + 2 * answer_slack_; }
+  [[nodiscard]] duration patience(duration far_slack) const {
+    return config_.writer_patience + 2 * (answer_slack_ + far_slack);
+  }
 
   channels_config config_;
   duration answer_slack_{};

@@ -20,14 +20,15 @@ mote_address resolved(mote_address x, mote_address self, const parameters& wish)
 } // namespace
 
 answer channels::create_out(mote_address self, mote_address destination, std::size_t size,
-                            const parameters& x, instant now) {
+                            const parameters& x, instant now, duration far_slack) {
   const auto other = resolved(destination, self, x);
   auto done = create(self, other, {.is_out = true}, size, x);
   if (done.refused)
     return done;
   auto& added = rows_.back();
   added.values.resize(size);
-  added.gives_up = now + patience();
+  added.far_slack = far_slack;
+  added.gives_up = now + patience(far_slack);
   added.due = added.gives_up;
   if (added.loops) {
     join_own(added, done.todo);
@@ -42,13 +43,13 @@ answer channels::create_out(mote_address self, mote_address destination, std::si
 
 /// The in end is passive: it finds that the out end has been here, or waits for it.
 answer channels::create_in(mote_address self, mote_address source, std::size_t size,
-                           const parameters& x, instant now) {
+                           const parameters& x, instant now, duration far_slack) {
   auto done = create(self, resolved(source, self, x), {.is_out = false}, size, x);
   if (done.refused)
     return done;
   auto& added = rows_.back();
   added.input = arrivals(added.shape.size, added.shape.divisor);
-  added.due = now + config_.reader_patience;
+  added.due = now + config_.reader_patience + 2 * (answer_slack_ + far_slack);
   if (added.loops)
     join_own(added, done.todo);
   else
@@ -111,7 +112,7 @@ void channels::opened(row& x, outputs& todo) {
 
 void channels::ask(row& x, outputs& todo, instant now) {
   x.at = phase::asking;
-  x.due = std::min(now + config_.open_repeat + answer_slack_, x.gives_up);
+  x.due = std::min(now + config_.open_repeat + answer_slack_ + x.far_slack, x.gives_up);
   todo.emplace_back(send_on_channel{*x.channel, encode(x.shape)});
 }
 
@@ -161,9 +162,10 @@ outputs channels::on_connect_failed(descriptor channel) {
   return todo;
 }
 
-outputs channels::on_accepted(channel_handle handle, mote_address source, instant now) {
+outputs channels::on_accepted(channel_handle handle, mote_address source, instant now,
+                              duration far_slack) {
   if (early_.size() < config_.early_max) {
-    early_.push_back({handle, source, std::nullopt, now + patience()});
+    early_.push_back({handle, source, std::nullopt, now + patience(far_slack)});
     return {};
   }
   ++counters_.refused;

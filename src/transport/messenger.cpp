@@ -129,12 +129,14 @@ void messenger::attempt(mote_address destination, session& x, outputs& out, inst
   ++x.attempts;
 }
 
+duration messenger::far_slack(mote_address destination) const {
+  const bool is_near = destination.island == island_ || destination.island == own_island;
+  return config_.self != no_mote && is_near ? 0s
+                                            : slack_of(config_.slacks, destination).there_and_back;
+}
+
 duration messenger::slack_to(mote_address destination) const {
-  const bool is_own = config_.self != no_mote && destination.island == island_;
-  if (is_own || !config_.answer_slack)
-    return own_slack_;
-  const auto there = config_.answer_slack->find(destination.island);
-  return own_slack_ + (there == config_.answer_slack->end() ? 0ns : there->second);
+  return own_slack_ + far_slack(destination);
 }
 
 outputs messenger::on_segment(island_id source_island, byte_view octets, instant now,

@@ -18,6 +18,7 @@
 #include "core/provenance.hpp"
 #include "core/random.hpp"
 #include "core/time.hpp"
+#include "transport/answer_slack.hpp"
 #include "transport/segment.hpp"
 
 namespace rubicon::transport {
@@ -50,16 +51,12 @@ struct outcome {
 using output = std::variant<to_network, received, outcome>;
 using outputs = std::vector<output>;
 
-/// What answers take longer where frames wait for radios that sleep, by island of the destination;
-/// nullptr: nowhere.
-using answer_slacks = std::shared_ptr<const std::map<island_id, duration>>;
-
 struct messenger_config {
   mote_id self;                    ///< no_mote for the PC side
   std::uint32_t incarnation = 0;   ///< how often this node has been started before
   duration ack_wait = 500ms;       ///< after the first attempt; doubles with each further one,
-  answer_slacks answer_slack = {}; ///< and this more after each, but for a mote's own island: as
-                                   ///< set_answer_slack() has it
+  answer_slacks slacks = {}; ///< and this more after each, but for a mote's own island: as
+                             ///< set_answer_slack() has it
   static constexpr unsigned attempts_max = 5; ///< failure after 31 times ack_wait
   /// No attempt waits less than twice as long as answers of that receiver take, up to this: a slow
   /// line is not filled with copies of what it still holds. It fails no later for that: there are
@@ -126,6 +123,8 @@ public:
 
   /// What answers from there take longer for radios that sleep.
   [[nodiscard]] duration slack_to(mote_address destination) const;
+  /// Of it, what is not of our own island.
+  [[nodiscard]] duration far_slack(mote_address destination) const;
 
   /// This node has been started again, we hear: greet it before the next message.
   void forget_incarnation(mote_address destination);

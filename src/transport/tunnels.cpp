@@ -10,6 +10,9 @@ namespace rubicon::transport {
 
 namespace {
 
+/// Of keep-alives so many may be lost, one after the other.
+constexpr int silent_periods = 3;
+
 /// Of two lives of a node, is `a` the later one?
 bool is_later(tunnel_life a, tunnel_life b) {
   const int distance = (a + tunnel_lives - b) % tunnel_lives;
@@ -264,9 +267,32 @@ void tunnels::end(entry x, tunnel_end why, tunnels_outputs& out) {
   forget(x);
 }
 
+/// That of both ends' islands. One's own is not counted twice for a tunnel within it.
+answer_slack tunnels::slack_to(mote_address peer) const {
+  auto sum = slack_of(config_.slacks, peer);
+  if (peer.island == island_ && peer.mote != no_mote)
+    return sum;
+  const auto here = slack_of(config_.slacks, {island_, config_.self});
+  sum.there_and_back += here.there_and_back;
+  sum.period = std::max(sum.period, here.period);
+  return sum;
+}
+
+duration tunnels::keep_alive_of(const tunnel& x) const {
+  return std::max(config_.keep_alive, slack_to(x.peer).period);
+}
+
+/// Until nothing received means that the other end is gone.
+duration tunnels::patience_with(const tunnel& x) const {
+  const auto slack = slack_to(x.peer).there_and_back;
+  if (x.peer_life == 0)
+    return config_.connect_timeout + 2 * slack;
+  return config_.silence + silent_periods * (keep_alive_of(x) - config_.keep_alive) + slack;
+}
+
 instant tunnels::due(const tunnel& x) const {
-  return x.peer_life == 0 ? std::min(x.sent + x.wait, x.heard + config_.connect_timeout)
-                          : std::min(x.sent + config_.keep_alive, x.heard + config_.silence);
+  const auto next = x.peer_life == 0 ? x.wait + slack_to(x.peer).there_and_back : keep_alive_of(x);
+  return std::min(x.sent + next, x.heard + patience_with(x));
 }
 
 std::optional<instant> tunnels::deadline() const {
@@ -290,7 +316,7 @@ tunnels_outputs tunnels::on_time(instant now) {
 void tunnels::on_due(entry at, tunnels_outputs& out, instant now) {
   auto& x = at->second;
   const bool is_open = x.peer_life != 0;
-  if (now >= x.heard + (is_open ? config_.silence : config_.connect_timeout)) {
+  if (now >= x.heard + patience_with(x)) {
     out.emplace_back(packet(x, kind::close));
     end(at, is_open ? tunnel_end::silent : tunnel_end::unreachable, out);
     return;

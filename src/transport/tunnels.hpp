@@ -15,6 +15,7 @@
 #include "core/bytes.hpp"
 #include "core/fields.hpp"
 #include "core/time.hpp"
+#include "transport/answer_slack.hpp"
 #include "transport/tunnel_message.hpp"
 
 namespace rubicon::transport {
@@ -73,12 +74,18 @@ struct tunnels_config {
   std::size_t tunnels_max = 3;   ///< that begin or end here
   /// Ended ones whose late connects are not taken for new ones.
   static constexpr std::size_t remembered_max = 4;
-  /// After the first connect; doubles with each further one.
+  answer_slacks slacks = {};     ///< of all islands, the other end's and our own
+  /// After the first connect; doubles with each further one. What answers take longer comes on top,
+  /// and twice on top of the time-out: the first may be lost.
   static constexpr duration connect_wait = 1s;
   static constexpr duration connect_wait_max = 8s;
   duration connect_timeout = 30s; ///< until the opener gives up (STR-19)
-  duration keep_alive = 10s;      ///< having sent nothing for so long, an end says that it is there
-  duration silence = 35s;         ///< having heard nothing for so long, it ends the tunnel
+  /// Having sent nothing for so long, an end says that it is there; no more often than once in a
+  /// period of radios that sleep.
+  duration keep_alive = 10s;
+  /// Having received nothing for so long, it ends the tunnel; as many keep-alives of a longer
+  /// period, and what answers take longer.
+  duration silence = 35s;
 };
 
 struct tunnels_counters {
@@ -184,6 +191,9 @@ private:
   using kind = tunnel_message::kind;
 
   [[nodiscard]] entry find(mote_address from, const tunnel_message& x);
+  [[nodiscard]] answer_slack slack_to(mote_address peer) const;
+  [[nodiscard]] duration keep_alive_of(const tunnel& x) const;
+  [[nodiscard]] duration patience_with(const tunnel& x) const;
   [[nodiscard]] instant due(const tunnel& x) const;
   [[nodiscard]] packet_out packet(const tunnel& x, kind what, byte_view content = {}) const;
   [[nodiscard]] packet_out answer(mote_address to, const tunnel_message& x, kind what) const;

@@ -379,6 +379,35 @@ TEST_CASE("a message that never left is not taken for the next one", "[explain]"
   CHECK(outcome_of(all, all.messages[1]).status == message_status::delivered);
 }
 
+TEST_CASE("a packet that is lost before it leaves its mote is listed with its cause", "[explain]") {
+  explain_fixture world;
+  const auto kind_of_packet = GENERATE(as<std::string>{}, "channel", "tunnel");
+  record begun;
+  begun.text = kind_of_packet;
+  const auto number = world.put(kind::begun, near_mote, "", 0, begun);
+  SECTION("when it has ended") {
+    record ended;
+    ended.id = number;
+    ended.text = "channel_full";
+    world.put(kind::message_ended, near_mote, "", 0, ended);
+    const auto all = follow(world.x);
+    REQUIRE(all.messages.size() == 1);
+    const auto became = outcome_of(all, all.messages[0]);
+    CHECK(all.messages[0].is_accounted);
+    CHECK(all.messages[0].is_on_channel == (kind_of_packet == "channel"));
+    CHECK(all.messages[0].is_in_tunnel == (kind_of_packet == "tunnel"));
+    CHECK(became.status == message_status::lost);
+    CHECK(became.cause == "channel_full");
+  }
+  SECTION("and as in flight until then") {
+    world.now += 100s;
+    world.put(kind::event, near_mote, "", 0);
+    const auto all = follow(world.x);
+    REQUIRE(all.messages.size() == 1);
+    CHECK(outcome_of(all, all.messages[0]).status == message_status::in_flight);
+  }
+}
+
 TEST_CASE("a receiver that has started again turns a message away", "[explain][DIS-07]") {
   explain_fixture world;
   delivery way{world, world.reliable(7, 5, reading)};
