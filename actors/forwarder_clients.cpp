@@ -19,7 +19,7 @@ forwarder_clients::open(io::loop& where, const std::string& address, std::uint16
   out->listener_ = std::make_unique<io::tcp_listener>(std::get<io::tcp_listener>(std::move(found)));
   if (out->listener_->port() != port)
     return "port " + std::to_string(port) +
-           " is in use: end the program that has it, or take another";
+           " is in use: end the program that uses it, or choose another";
   return out;
 }
 

@@ -202,11 +202,12 @@ struct gateway_performer {
     if (std::exchange(state.has_refused, true))
       return;
     const auto most = (is_real ? state.real_port : state.port).payload_max();
-    self->send(state.arguments.ecology,
-               notable_event{self->path(), "refuses packets with more than " +
-                                               std::to_string(most) +
-                                               " octets of payload: a BaseStation would take "
-                                               "nothing more after one (`payload`)"});
+    self->send(
+        state.arguments.ecology,
+        notable_event{
+            self->path(),
+            "refuses packets with more than " + std::to_string(most) +
+                " octets of payload: a BaseStation would accept nothing after one (`payload`)"});
   }
 
   /// Of the sink.

@@ -30,7 +30,7 @@ void tell_unmet(init_pointer self, std::size_t component, const std::string& why
   if (self->state.unmet.insert(component).second)
     self->send(self->state.arguments.ecology,
                request_unmet{self->path(), "component " + what.name + " cannot be started (" + why +
-                                               "): mend its command `" + what.command + '`'});
+                                               "): correct its command `" + what.command + '`'});
 }
 
 /// What a shell says of a command that it does not find, or that is no program (POSIX 2.8.2).

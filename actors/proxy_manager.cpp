@@ -67,8 +67,8 @@ void claim_key(proxy_manager_pointer self, const std::string& prefix, const mote
       to_string(mote), to_string(other));
   self->send(state.arguments.ecology,
              notable_event{self->path(), "the proxies of " + name(other) + " and " + name(mote) +
-                                             " have one key, " + prefix +
-                                             ": what is written to one reaches both"});
+                                             " have the same key, " + prefix +
+                                             ": a write to it reaches both"});
 }
 
 struct proxy_manager_performer {

@@ -23,10 +23,10 @@ real_links::open(const real_links_config& config, peis_peer_actor user) {
   out->links_ = std::get<std::unique_ptr<peer::tcp_links>>(std::move(links));
   if (config.port_is_given && out->links_->port() != config.links.first_port)
     return "port " + std::to_string(*config.links.first_port) +
-           " is in use: end the program that has it, or give this peer another `tcp.port`";
+           " is in use: end the program that uses it, or give this peer another `tcp.port`";
   if (const auto why = out->links_->warning(); !why.empty())
-    out->tell_unmet(why +
-                    ": take `lan` out of the file, or give this computer a network with multicast");
+    out->tell_unmet(
+        why + ": remove `lan` from the file, or connect this computer to a network with multicast");
   return out;
 }
 
@@ -46,7 +46,7 @@ void real_links::tell_unmet(std::string what) {
 void real_links::on_attempt_failed(peis::attempt_id attempt, const std::string& why) {
   if (io::is_unknown_host(why) && unknown_names_.size() < unknown_names_max &&
       unknown_names_.insert(why).second)
-    tell_unmet("cannot connect to " + why + ": mend the name in `connect`");
+    tell_unmet("cannot connect to " + why + ": correct the name in `connect`");
   post(user_, attempt_failed{attempt.value});
 }
 

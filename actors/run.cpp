@@ -335,7 +335,7 @@ public:
     tell(deliver_report{});
     report_.interrupted = cause == scheduler::stop_cause::requested && ended_early_.empty();
     if (report_.complete && !report_.interrupted && world_.now() < end && ended_early_.empty())
-      ended_early_ = "the run ended before its time";
+      ended_early_ = "the run ended early";
     if (!ended_early_.empty())
       break_off(ended_early_);
     leave();
@@ -390,8 +390,8 @@ private:
 
   void note_standstill(duration length) {
     const auto text = std::to_string(length / 1s) + " s";
-    post(root_, notable_event{"ecology", "this process or its computer stood still for " + text +
-                                             ": others have taken it for dead"});
+    post(root_, notable_event{"ecology", "this process or its computer was suspended for " + text +
+                                             ": other processes may have considered it dead"});
   }
 
   [[nodiscard]] instant next_multiple(duration every) {
@@ -460,7 +460,7 @@ private:
   void tell(Message x) {
     post(root_, x);
     if (!world_.drain() && ended_early_.empty())
-      ended_early_ = "actors kept each other busy without end";
+      ended_early_ = "actors kept sending each other messages without end";
   }
 
   /// Peers say goodbye, and inits stop their components.
@@ -536,7 +536,7 @@ report::run_report empty_report(const config::ecology_description& x) {
   report.ecology = x.name;
   report.seed = x.seed;
   report.mode = mode_name(x);
-  report.reason = "the run broke off";
+  report.reason = "the run was aborted";
   return report;
 }
 

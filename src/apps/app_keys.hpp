@@ -24,13 +24,12 @@ inline auto keys_of(const sampler_config*) {
       keys::optional("reliable", &sampler_config::reliable, keys::flag{},
                      "ask for an end-to-end acknowledgement"),
       keys::optional("only_subscribed", &sampler_config::only_subscribed, keys::flag{},
-                     "it sends only while somebody in the PEIS network subscribes to its output "
-                     "tuple, by its key or a pattern that begins with `devices`"),
-      keys::optional(
-          "stamped", &sampler_config::stamped, keys::flag{},
-          "after the counts, say when that was (D1.1 2.1): 4 octets, big-endian, the low 32 bits "
-          "of the [network time](gateway.md#time) in milliseconds; a "
-          "[field](#proxyfield) with `encoding = \"stamp\"` has the whole time"));
+                     "it sends only while a PEIS component subscribes to its output tuple, by its "
+                     "key or a pattern that begins with `devices`"),
+      keys::optional("stamped", &sampler_config::stamped, keys::flag{},
+                     "append the time of sampling to the counts (D1.1 2.1): 4 octets, big-endian, "
+                     "the low 32 bits of the [network time](gateway.md#time) in milliseconds; a "
+                     "[field](#proxyfield) with `encoding = \"stamp\"` has the whole time"));
 }
 
 inline auto keys_of(const actuator_config*) {
@@ -42,26 +41,27 @@ inline auto keys_of(const actuator_config*) {
 }
 
 inline auto keys_of(const messenger_config*) {
-  return keys::of(keys::required("to", &messenger_config::to, keys::mote_name{}, "who gets it"),
-                  keys::required("text", &messenger_config::text, keys::text{}, "what is sent"),
-                  keys::optional("every", &messenger_config::every, report_period,
-                                 "from one message to the next"),
-                  keys::optional("am_type", &messenger_config::am_type, keys::whole<std::uint8_t>{},
-                                 "on which the listener waits"),
-                  keys::optional("reliable", &messenger_config::reliable, keys::flag{},
-                                 "ask for an end-to-end acknowledgement"));
+  return keys::of(
+      keys::required("to", &messenger_config::to, keys::mote_name{}, "receiver"),
+      keys::required("text", &messenger_config::text, keys::text{}, "text of the message"),
+      keys::optional("every", &messenger_config::every, report_period,
+                     "from one message to the next"),
+      keys::optional("am_type", &messenger_config::am_type, keys::whole<std::uint8_t>{},
+                     "channel of the listener"),
+      keys::optional("reliable", &messenger_config::reliable, keys::flag{},
+                     "ask for an end-to-end acknowledgement"));
 }
 
 inline auto keys_of(const listener_config*) {
   return keys::of(keys::optional("am_type", &listener_config::am_type, keys::whole<std::uint8_t>{},
-                                 "of the messages that it counts"));
+                                 "AM type of the messages that it counts"));
 }
 
 inline auto keys_of(const stream_writer_config*) {
   return keys::of(
       keys::required("transducer", &stream_writer_config::transducer, keys::quantity_name{},
                      {"a transducer of the mote", "", "quantity"}),
-      keys::required("to", &stream_writer_config::to, keys::node_name{}, "where the read end is"),
+      keys::required("to", &stream_writer_config::to, keys::node_name{}, "node of the read end"),
       keys::optional("every", &stream_writer_config::every, record_period,
                      "from one record to the next"),
       keys::optional("stream", &stream_writer_config::stream, keys::whole<std::uint16_t>{},
@@ -77,15 +77,15 @@ inline auto keys_of(const stream_reader_config*) {
 
 inline auto keys_of(const synapse*) {
   return keys::of(
-      keys::required("node", &synapse::other, keys::node_name{}, "who has the other end"),
+      keys::required("node", &synapse::other, keys::node_name{}, "the other end"),
       keys::optional("size", &synapse::size, keys::whole<std::uint8_t>{1, vector_max}, "elements"));
 }
 
 inline auto keys_of(const reservoir_config*) {
   return keys::of(keys::optional("units", &reservoir_config::units,
-                                 keys::whole<std::uint8_t>{1, vector_max}, "how many it has"),
+                                 keys::whole<std::uint8_t>{1, vector_max}, "number of units"),
                   keys::optional("leak", &reservoir_config::leak, keys::ratio{},
-                                 "share of the new in a unit's next state"),
+                                 "share of the new input in a unit's next state"),
                   keys::optional("radius", &reservoir_config::radius, keys::ratio{},
                                  "bound of the spectral radius of the units' own weights"));
 }
@@ -99,13 +99,13 @@ inline auto keys_of(const readout_config*) {
 
 inline auto keys_of(const average_config*) {
   return keys::of(keys::optional("every", &average_config::every, record_period,
-                                 "from one mean to the next, and as the writers'"));
+                                 "period of the means, and of the writers"));
 }
 
 inline auto keys_of(const stream_output*) {
   return keys::of(
       keys::required("to", &stream_output::to, keys::node_name{},
-                     "where the read end is; it may be the node of the average itself"),
+                     "node of the read end; it may be the node of the average itself"),
       keys::optional("stream", &stream_output::stream, keys::whole<std::uint16_t>{},
                      "symbolic name; no other output has it, nor is it among `streams`"));
 }
@@ -119,7 +119,7 @@ inline auto keys_of(const stream_switch_config*) {
                      "in counts of the stream"),
       keys::required("off_at", &stream_switch_config::off_at, keys::real{},
                      "the same; not equal to `on_at`"),
-      keys::required("to", &stream_switch_config::to, keys::mote_name{}, "whose actuator it is"),
+      keys::required("to", &stream_switch_config::to, keys::mote_name{}, "mote with the actuator"),
       keys::optional("channel", &stream_switch_config::channel, keys::whole<std::uint8_t>{},
                      "channel of its app `actuator`"));
 }

@@ -120,7 +120,7 @@ exit_status refuse_in(const std::string& folder, const std::string& why) {
   std::error_code error;
   const bool is_missing =
       why.starts_with(authority) && !std::filesystem::exists(authority, error) && !error;
-  return refuse(why + (is_missing ? "; rubicon certs init makes an authority" : ""));
+  return refuse(why + (is_missing ? "; rubicon certs init creates an authority" : ""));
 }
 
 exit_status tell(const io::made_certificate& made, const std::string& about_key) {
@@ -134,14 +134,13 @@ exit_status perform_in(const std::string& folder, const io::new_authority& x) {
   if (const auto* why = std::get_if<std::string>(&made))
     return refuse(*why);
   return tell(std::get<io::made_certificate>(made),
-              "who has it can make certificates, so leave it on no host");
+              "anyone who has it can make certificates, so keep it off the hosts");
 }
 
 exit_status perform_in(const std::string& folder, const io::new_certificate& x) {
   if (x.use == io::certificate_use::any)
-    return refuse("say what `" + x.host +
-                  "` is: --host, which answers who deploys, or "
-                  "--coordinator, who deploys");
+    return refuse("choose the use of `" + x.host +
+                  "`: --host, which runs a part, or --coordinator, which deploys");
   const auto made = io::make_certificate(folder, x, io::system_time());
   if (const auto* why = std::get_if<std::string>(&made))
     return refuse_in(folder, *why);
@@ -156,7 +155,7 @@ exit_status perform_in(const std::string& folder, const io::renewal& x) {
   if (!found.key_file.empty())
     return tell(found, "for " + x.host + " only, beside ca.crt");
   const auto text = printable(found.file) + ", valid until " + date_text(found.valid_until) +
-                    "; its key is as before\n";
+                    "; its key is unchanged\n";
   return print(stdout, text) ? exit_status::good : exit_status::refused;
 }
 
@@ -167,7 +166,7 @@ exit_status perform_in(const std::string& folder, const revoke_host& x) {
   const auto& found = std::get<io::made_revocation>(made);
   const auto text = printable(found.file) + ", number " + std::to_string(found.number) + ": " +
                     report::counted(found.added, "certificate") + " of " + x.host +
-                    " more; keep it beside ca.crt: `rubicon deploy`, `status` and `doctor` take it "
+                    " more; keep it beside ca.crt: `rubicon deploy`, `status` and `doctor` send it "
                     "to hosts\n";
   return print(stdout, text) ? exit_status::good : exit_status::refused;
 }

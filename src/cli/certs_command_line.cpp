@@ -20,10 +20,10 @@ void add_days(CLI::App& app, unsigned& days, const char* text) {
 void add_use(CLI::App& app, io::certificate_use& use) {
   auto* const as_host = app.add_flag_function(
       "--host", [&use](auto) { use = io::certificate_use::host; },
-      "It answers who deploys, and may not deploy itself");
+      "It runs a part of a deployment, and may not deploy");
   app.add_flag_function(
          "--coordinator", [&use](auto) { use = io::certificate_use::coordinator; },
-         "It deploys, and is no host")
+         "It deploys, and runs no part")
       ->excludes(as_host);
 }
 
@@ -42,52 +42,53 @@ certs_command_line::certs_command_line(CLI::App& app)
 
 CLI::App& certs_command_line::add(const char* name, const char* text) {
   auto& app = *app_.add_subcommand(name, text);
-  add_path(app, "--dir", "DIR", folder_, "Folder of the certificates; certs if not given");
+  add_path(app, "--dir", "DIR", folder_, "Folder of the certificates; default: certs");
   return app;
 }
 
 void certs_command_line::add_init() {
-  auto& app = add("init", "Make an authority, which signs the certificates of hosts");
-  app.add_option("--name", authority_.name, "Name of the deployment; rubicon if not given")
+  auto& app = add("init", "Create an authority, which signs the certificates of hosts");
+  app.add_option("--name", authority_.name, "Name of the deployment; default: rubicon")
       ->type_name("NAME");
-  add_days(app, authority_.days, "Days that it is valid; 3652, 10 years, if not given");
+  add_days(app, authority_.days, "Validity in days; default: 3652, 10 years");
 }
 
 void certs_command_line::add_host() {
-  auto& app = add("add", "Make the certificate and the key of a host");
+  auto& app = add("add", "Create the certificate and the key of a host");
   app.add_option("HOST", host_.host, "The host's name in the file")->required()->type_name("");
   app.add_option("--address", host_.addresses,
-                 "An IP address or DNS name by which others reach it; may be given again")
+                 "An IP address or DNS name under which others reach it; may be repeated")
       ->allow_extra_args(false) // else it would take HOST for another address
       ->type_name("ADDRESS");
   add_use(app, host_.use);
-  add_days(app, host_.days, "Days that it is valid; 825 if not given");
+  add_days(app, host_.days, "Validity in days; default: 825");
 }
 
 void certs_command_line::add_renew() {
-  auto& app = add("renew", "Make another certificate for a host, of the same use and addresses");
+  auto& app = add("renew", "Create a new certificate for a host, for the same use and addresses");
   app.add_option("HOST", renewal_.host, "The host's name")->required()->type_name("");
   app.add_flag("--new-key", renewal_.new_key,
-               "Make another key, too: the former one may be in other hands");
+               "Also create a new key: the old one may be compromised");
   add_use(app, renewal_.use);
-  add_days(app, renewal_.days, "Days that it is valid; 825 if not given");
+  add_days(app, renewal_.days, "Validity in days; default: 825");
   app.footer(
-      "The former files are kept in the folder `former`. Without --new-key HOST.crt alone is\n"
-      "new: its key, wherever that is, stays. A certificate for both uses gets one of them.");
+      "The former files are kept in the folder `former`. Without --new-key only HOST.crt is\n"
+      "new and its key stays valid. A certificate for both uses gets one of them.");
 }
 
 void certs_command_line::add_revoke() {
-  auto& app = add("revoke", "Take back the certificates of a host, with its former ones");
+  auto& app = add("revoke", "Revoke the certificates of a host, including its former ones");
   app.add_option("HOST", revoked_.host, "The host's name")->required()->type_name("");
-  app.footer("Writes ca.crl. Whoever has it beside ca.crt takes it to the hosts that he asks.");
+  app.footer(
+      "Writes ca.crl. Commands that find it beside ca.crt send it to the hosts they contact.");
 }
 
 void certs_command_line::add_list() {
-  auto& app = add("list", "Tell which certificates there are, and whether they are good");
+  auto& app = add("list", "List the certificates, and whether they are valid");
   app.add_flag("--json", list_.json, "Print JSON");
   app.footer(
       "Exit status 1: one has expired or was revoked, was not signed by the authority beside\n"
-      "it, or has a key that others can read or that is not its own.");
+      "it, or has a key that others can read or that does not match it.");
 }
 
 std::optional<certs_command> certs_command_line::parsed() const {

@@ -34,20 +34,20 @@ namespace {
 
 constexpr const char* about =
     "Runs a robotic ecology: islands of wireless motes, their sinks, the gateways on basestation\n"
-    "PCs, proxies, and PEIS peers, as one TOML file describes them.";
+    "PCs, proxies, and PEIS peers, described by one TOML file.";
 
 constexpr const char* roles =
-    "Roles this binary plays, as the file says:\n"
+    "Roles that the file can give this binary:\n"
     "  mote           a constrained node with a radio, transducers, actuators and programs\n"
     "  sink           the mote at the end of a basestation's serial cable\n"
     "  gateway        joins an island to the PEIS network, one per island\n"
     "  PEIS peer      a PC or robot with a PEIS kernel and its programs\n"
-    "  proxy          speaks for one mote through tuples with meaning and units\n"
+    "  proxy          represents one mote through tuples with meaning and units\n"
     "  proxy manager  starts and ends proxies as motes join and leave\n"
     "  init           starts, stops and watches the other components of its host\n"
     "\n"
-    "Exit status: 0 good; 1 the run ended with violations, equal runs differed, or nobody\n"
-    "answered, or a certificate is no good; 2 the command line or the file was refused;\n"
+    "Exit status: 0 success; 1 the run ended with violations, equal runs differed, no peer\n"
+    "or host answered, or a certificate is invalid; 2 the command line or the file was rejected;\n"
     "130 Ctrl-C ended it.";
 
 duration parse_length(const std::string& text, const char* option = "--for") {
@@ -102,9 +102,9 @@ void add_file(CLI::App& app, std::string& file) {
 
 void add_overrides(CLI::App& app, config::overrides& x) {
   add_path(app, "--topology", "FILE", x.topology,
-           "Gains of a TOSSIM topology, instead of what the TOML file names");
+           "TOSSIM topology with gains, instead of the one that the TOML file names");
   add_path(app, "--noise-trace", "FILE", x.noise_trace,
-           "Noise readings, instead of what the TOML file names");
+           "Noise readings, instead of those that the TOML file names");
 }
 
 /// PORT or ADDRESS:PORT
@@ -120,13 +120,14 @@ void parse_page_place(const std::string& text, page_place& x) {
 }
 
 CLI::Option* add_view(CLI::App& app, std::optional<page_place>& x) {
-  return add_parsed(app, "--view", "PORT",
-                    "Show the run in a browser, live: prints the address, and stays until Ctrl-C",
-                    [&x](const auto& text) {
-                      x.emplace();
-                      if (!text.empty())
-                        parse_page_place(text, *x);
-                    })
+  return add_parsed(
+             app, "--view", "PORT",
+             "Show the run live in a browser: prints the address, and keeps serving until Ctrl-C",
+             [&x](const auto& text) {
+               x.emplace();
+               if (!text.empty())
+                 parse_page_place(text, *x);
+             })
       ->expected(0, 1);
 }
 
@@ -159,41 +160,41 @@ CLI::App& add_run(CLI::App& app, run_command& x) {
              [&](const auto& text) { options.speed = parse_speed(text); });
   options.threads = std::max(1U, std::thread::hardware_concurrency());
   run.add_option("--threads", options.threads,
-                 "Threads that share islands and PCs in virtual time; the outcome is the same")
+                 "Threads in virtual time; the result does not depend on it")
       ->check(CLI::Range(1U, 256U))
       ->type_name("N");
-  auto* const json =
-      run.add_flag("--json", x.json, "Print the report as one JSON object and nothing else");
+  auto* const json = run.add_flag("--json", x.json, "Print the report as one JSON object only");
   run.add_flag("--full", x.full, "Print every row of the report")->excludes(json);
   add_path(run, "--report", "FILE", x.watch.page_file,
-           "Write the report as one HTML page that needs nothing else");
+           "Write the report as one self-contained HTML page");
   auto* const csv = add_path(run, "--csv", "DIR", x.watch.csv_folder,
                              "Write tuples, energy, links, losses and events over time as CSV");
   add_parsed(run, "--csv-every", "TIME",
-             "Ecology time between two samples; a hundredth of the run if not given, 1s at least",
+             "Ecology time between two samples; default: a hundredth of the run, at least 1s",
              [&](const auto& text) { x.watch.csv_every = parse_length(text, "--csv-every"); })
       ->needs(csv);
   auto* const view = add_view(run, x.watch.view);
   add_control(run, x.watch,
-              "Let the page cause faults and changes, and set tuples, with =kernel also kernel.* "
-              "ones; in wall time")
+              "Let the page cause faults and changes and set tuples, with =kernel also kernel.* "
+              "tuples; in wall time")
       ->needs(view);
   run.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->type_name("LEVEL");
   auto* const debug = add_path(run, "--debug-dir", "DIR", options.debug_folder,
                                "Write logs of all messages into this folder");
-  run.add_option(
-         "--debug-of", options.debug_of,
-         "Only messages from or to these: a module such as mote, or a path in the logs such "
-         "as mote/kitchen; may be given several times")
+  run.add_option("--debug-of", options.debug_of,
+                 "Only messages from or to these: a module such as mote, or a path in the logs "
+                 "such as mote/kitchen; may be repeated")
       ->needs(debug)
       ->allow_extra_args(false)
       ->type_name("PATTERN");
-  auto* const captures = add_path(run, "--pcap", "DIR", options.pcap_folder,
-                                  "Write the frames on each air into a capture in this folder");
+  auto* const captures =
+      add_path(run, "--pcap", "DIR", options.pcap_folder,
+               "Write the frames of each radio medium into a capture in this folder");
   run.add_flag("--pcap-lost", options.pcap_lost,
-               "Capture also frames that nobody received, as pcapng, with a comment that says why")
+               "Also capture frames that no radio received, as pcapng, with a comment that gives "
+               "the reason")
       ->needs(captures);
   add_path(run, "--record-serial", "FILE", options.serial_file,
            "Write the frames on serial lines into this file, for `serial = { replay = FILE }`");
@@ -201,43 +202,44 @@ CLI::App& add_run(CLI::App& app, run_command& x) {
            "Record the run into this file, for rubicon explain");
   auto* const reload = run.add_flag(
       "--reload", x.reloads,
-      "Read FILE again on SIGHUP, which does not end the run then, and follow what may change; in "
-      "wall time");
+      "Read FILE again on SIGHUP, instead of ending, and apply what may change; in wall time");
   auto* const host =
-      run.add_option("--host", x.host,
-                     "Run only what is placed on this [[host]], in wall time, with links to others")
+      run.add_option(
+             "--host", x.host,
+             "Run only the part placed on this [[host]], in wall time, linked to the others")
           ->type_name("NAME")
           ->excludes(reload);
   add_path(run, "--starts", "FILE", x.starts_file,
-           "Where it is kept how often the part was started; a file of the user if not given")
+           "File that counts the starts of the part; default: a file of the user")
       ->needs(host);
   // What a host tells the parts that it starts.
-  run.add_flag("--bundled", x.is_bundled, "FILE is what a host has written")->group("");
-  add_path(run, "--part-report", "FILE", x.part_file, "Where reports go")->needs(host)->group("");
-  add_parsed(run, "--elapsed", "TIME", "How long the others have run",
+  run.add_flag("--bundled", x.is_bundled, "FILE was written by a host")->group("");
+  add_path(run, "--part-report", "FILE", x.part_file, "Where reports are written")
+      ->needs(host)
+      ->group("");
+  add_parsed(run, "--elapsed", "TIME", "How long the other parts have run",
              [&](const auto& text) { x.elapsed = parse_length(text, "--elapsed"); })
       ->needs(host)
       ->group("");
-  run.add_flag("--strict", x.is_strict, "Refuse a file with warnings, as one with mistakes");
+  run.add_flag("--strict", x.is_strict, "Treat warnings about the file as errors");
   add_overrides(run, x.instead);
   run.add_flag("--check-determinism", x.check_determinism,
                "Run twice, the second time on one thread, and compare the trace hashes");
   run.footer(
-      "What is not given here is as the file says; LEVEL is warn, N of --threads one a core.\n"
-      "The options of an original PEIS kernel (--peis-id N, --peis-connect URL, ...) take the "
-      "place "
-      "of\nwhat the file says of its peer (docs/peis.md).\n"
-      "In wall time events are printed on standard error as they happen, but with --log off.");
+      "Defaults come from the file; LEVEL is warn, N of --threads one per core.\n"
+      "The options of an original PEIS kernel (--peis-id N, --peis-connect URL, ...) override\n"
+      "the settings of the file's peer (docs/peis.md).\n"
+      "In wall time events are printed on standard error as they happen, except with --log off.");
   return run;
 }
 
 void add_tls(CLI::App& app, control::tls_files& x) {
   auto* const certificate = add_path(app, "--tls-cert", "FILE", x.certificate,
-                                     "Own certificate, as `rubicon certs add` makes it");
+                                     "Own certificate, made by `rubicon certs add`");
   auto* const key = add_path(app, "--tls-key", "FILE", x.key, "Its key");
-  auto* const authority =
-      add_path(app, "--tls-ca", "FILE", x.authority,
-               "Certificate of the authority: only what it has signed is listened to");
+  auto* const authority = add_path(
+      app, "--tls-ca", "FILE", x.authority,
+      "Certificate of the authority: only peers with certificates signed by it are accepted");
   certificate->needs(key)->needs(authority);
   key->needs(certificate);
   authority->needs(certificate);
@@ -257,34 +259,34 @@ void parse_listen(const std::string& text, host_command& x) {
 
 CLI::App& add_host(CLI::App& app, host_command& x) {
   auto& host = *app.add_subcommand("host", "Be one of the computers that run an ecology together");
-  host.add_option("--name", x.name, "Its name, as [[host]] of the files has it")
+  host.add_option("--name", x.name, "Its name, as in [[host]] of the files")
       ->required()
       ->type_name("NAME");
   add_parsed(host, "--listen", "ADDRESS:PORT",
-             "Where it takes commands; 127.0.0.1:4242 if not given",
+             "Address that accepts commands; default: 127.0.0.1:4242",
              [&](const auto& text) { parse_listen(text, x); });
   add_tls(host, x.tls);
   host.add_flag("--allow-commands", x.access.commands,
-                "Files may start programs here, as commands of an init");
+                "Let files start programs here, as commands of an init");
   host.add_option("--allow-devices", x.access.devices,
                   "Serial ports that files may open here, and pseudo-terminals: '/dev/ttyUSB*'")
       ->delimiter(',')
       ->type_name("PATH");
   add_path(host, "--state", "DIR", x.state_folder,
-           "Where files and lives are kept; a folder of the user if not given");
+           "Folder for files and start counts; default: a folder of the user");
   add_path(host, "--files", "DIR", x.files_folder,
-           "Where recorders of files write; NAME-files in that folder if not given");
-  host.footer("It runs until Ctrl-C or SIGTERM, which ends its part of the ecology as well.\n"
-              "Without certificates it takes commands from this computer only.");
+           "Folder where recorders of the file write; default: NAME-files in that folder");
+  host.footer("It runs until Ctrl-C or SIGTERM, which also ends its part of the ecology.\n"
+              "Without certificates it accepts commands from this computer only.");
   return host;
 }
 
 CLI::App& add_doctor(CLI::App& app, doctor_command& x) {
   auto& doctor = *app.add_subcommand(
-      "doctor", "Look at this computer, and at the hosts of a file, and say what to do");
-  doctor.add_option("FILE", x.file, "Whose [[host]]s are asked as well")->type_name("");
+      "doctor", "Check this computer and the hosts of a file, and suggest fixes");
+  doctor.add_option("FILE", x.file, "File whose [[host]]s are checked as well")->type_name("");
   add_tls(doctor, x.tls);
-  doctor.add_flag("--json", x.json, "Print JSON and nothing else");
+  doctor.add_flag("--json", x.json, "Print JSON only");
   return doctor;
 }
 
@@ -292,10 +294,10 @@ CLI::App& add_doctor(CLI::App& app, doctor_command& x) {
 class deployed_command_line {
 public:
   explicit deployed_command_line(CLI::App& app)
-      : status_(add(app, "status", "Tell how a deployment is doing, host by host")),
+      : status_(add(app, "status", "Show the state of a deployment, host by host")),
         stop_(add(app, "stop", "End a deployment, on all its hosts")),
-        fault_(add(app, "fault", "Let something go wrong in a deployment, or change, now")) {
-    status_.add_flag("--json", asked_.json, "Print one JSON object and nothing else");
+        fault_(add(app, "fault", "Cause a fault or a change in a deployment now")) {
+    status_.add_flag("--json", asked_.json, "Print one JSON object only");
     fault_.add_option("SENTENCE", cause_.sentence, "Such as \"crash mote kitchen/stove for 10s\"")
         ->required()
         ->type_name("");
@@ -315,7 +317,7 @@ public:
 private:
   CLI::App& add(CLI::App& app, const char* name, const char* text) {
     auto& out = *app.add_subcommand(name, text);
-    out.add_option("--ecology", ecology_, "Its name; what you have deployed last if not given")
+    out.add_option("--ecology", ecology_, "Its name; default: the one you deployed last")
         ->type_name("NAME");
     return out;
   }
@@ -331,10 +333,9 @@ private:
 CLI::App& add_deploy(CLI::App& app, deploy_command& x) {
   auto& deploy = *app.add_subcommand("deploy", "Run an ecology on the hosts of its file, as one");
   add_file(deploy, x.file);
-  deploy.add_flag("--local", x.local, "Every [[host]] is a process of this computer");
-  deploy.add_flag("--dry-run", x.dry_run, "Only print what would run where, and whether it could");
-  deploy
-      .add_flag("--attach", x.attach, "Follow what runs already, in the place of who deployed it")
+  deploy.add_flag("--local", x.local, "Run every [[host]] as a process of this computer");
+  deploy.add_flag("--dry-run", x.dry_run, "Only print what would run where, and whether it can");
+  deploy.add_flag("--attach", x.attach, "Follow a running deployment, in place of its coordinator")
       ->excludes("--local")
       ->excludes("--dry-run");
   add_tls(deploy, x.tls);
@@ -342,19 +343,18 @@ CLI::App& add_deploy(CLI::App& app, deploy_command& x) {
              [&](const auto& text) { x.length = parse_length(text); });
   add_parsed(deploy, "--seed", "N", "Seed of all random numbers",
              [&](const auto& text) { x.seed = parse_seed(text); });
-  auto* const json =
-      deploy.add_flag("--json", x.json, "Print the report as one JSON object and nothing else");
+  auto* const json = deploy.add_flag("--json", x.json, "Print the report as one JSON object only");
   deploy.add_flag("--full", x.full, "Print every row of the report")->excludes(json);
   add_path(deploy, "--report", "FILE", x.page_file,
-           "Write the report as one HTML page that needs nothing else");
+           "Write the report as one self-contained HTML page");
   auto* const view = add_view(deploy, x.view);
-  deploy.add_flag("--control", x.control, "The page may let faults happen")->needs(view);
+  deploy.add_flag("--control", x.control, "Let the page cause faults")->needs(view);
   deploy.add_option("--log", x.log_level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
       ->type_name("LEVEL");
-  deploy.footer("Each host runs `rubicon host` already; with --local they are started here.\n"
-                "What is killed is started again, as a later life of the same.\n"
-                "Ctrl-C stops all and reports what they have done so far, with status 130.");
+  deploy.footer("Each host already runs `rubicon host`; with --local the hosts are started here.\n"
+                "A part that was killed is restarted, as its next life.\n"
+                "Ctrl-C stops all hosts and reports the run so far, with status 130.");
   return deploy;
 }
 
@@ -364,65 +364,63 @@ CLI::App& add_swarm(CLI::App& app, swarm_command& x) {
   add_parsed(swarm, "--seeds", "A..B", "The seeds, both ends included", [&](const auto& text) {
     x.seeds = parse_seeds(text);
   })->required();
-  auto* const jobs = add_parsed(swarm, "--jobs", "N", "Runs at a time; one per core if not given",
-                                [&](const auto& text) { x.jobs = parse_jobs(text); });
-  add_parsed(swarm, "--for", "TIME", "Ecology time of each run; as the file says if not given",
+  auto* const jobs =
+      add_parsed(swarm, "--jobs", "N", "Number of parallel runs; default: one per core",
+                 [&](const auto& text) { x.jobs = parse_jobs(text); });
+  add_parsed(swarm, "--for", "TIME", "Ecology time of each run; default: the file's",
              [&](const auto& text) {
                static_cast<void>(parse_length(text));
                x.length = text;
              });
-  add_parsed(swarm, "--timeout", "TIME",
-             "Real time after which a run is given up; 5min if not given",
+  add_parsed(swarm, "--timeout", "TIME", "Real time after which a run is aborted; default: 5min",
              [&](const auto& text) { x.timeout = parse_length(text, "--timeout"); });
-  swarm.add_flag("--json", x.json, "Print one JSON object and nothing else");
+  swarm.add_flag("--json", x.json, "Print one JSON object only");
   add_path(swarm, "--report", "FILE", x.page_file,
-           "Write what came out, and how it differs between seeds, as one HTML page");
+           "Write the results, and how they differ between seeds, as one HTML page");
   auto* const hosts =
       swarm
           .add_option("--hosts", x.hosts,
                       "Computers that run them, each with `rubicon host`: names of [[host]] of the "
-                      "file or ADDRESS:PORT, with commas; this one alone if not given")
+                      "file or ADDRESS:PORT, separated by commas; default: this computer")
           ->delimiter(',')
           ->type_name("NAMES");
   jobs->excludes(hosts);
   add_tls(swarm, x.tls);
-  swarm.footer("Ctrl-C ends it with what it has found so far, and status 130.");
+  swarm.footer("Ctrl-C ends it with the results so far, and status 130.");
   return swarm;
 }
 
 CLI::App& add_explain(CLI::App& app, explain_command& x) {
-  auto& explain = *app.add_subcommand("explain", "Where did my reading go? Ask a recorded run");
-  explain.add_option("RECORD", x.record, "What run --record has written")
-      ->required()
-      ->type_name("");
+  auto& explain = *app.add_subcommand("explain", "Trace a message or a value in a recorded run");
+  explain.add_option("RECORD", x.record, "File written by run --record")->required()->type_name("");
   explain
       .add_option("WHAT", x.what,
                   "A message such as kitchen/fan#3, or a tuple such as kitchen.fan.state")
       ->type_name("");
-  add_parsed(explain, "--at", "TIME", "The value that the tuple had at this time, not the newest",
+  add_parsed(explain, "--at", "TIME", "The value of the tuple at this time, not the newest",
              [&](const auto& text) { x.at = parse_length(text, "--at"); });
-  explain.add_flag("--all", x.all, "All values of the tuple, a line each");
+  explain.add_flag("--all", x.all, "All values of the tuple, one per line");
   explain.add_flag("--lost", x.list.lost_only, "Only messages that were lost");
   explain.add_option("--from", x.list.from, "Only messages from this mote, island or PC")
       ->type_name("WHO");
-  add_parsed(explain, "--limit", "N", "The newest N only; 0 for all, 20 if not given",
+  add_parsed(explain, "--limit", "N", "Only the newest N; 0 for all; default: 20",
              [&](const auto& text) {
                const auto limit = parse_whole(text);
                if (!limit)
                  throw CLI::ValidationError("--limit", "not a number: '" + text + "'");
                x.list.limit = *limit;
              });
-  explain.add_flag("--json", x.json, "Print JSON and nothing else");
-  explain.footer("Without WHAT it lists the messages, what became of them, and the tuples.");
+  explain.add_flag("--json", x.json, "Print JSON only");
+  explain.footer("Without WHAT it lists the messages with their outcomes, and the tuples.");
   return explain;
 }
 
 CLI::App& add_view(CLI::App& app, view_command& x) {
-  auto& view = *app.add_subcommand("view", "Look at a recorded run in a browser, at any moment");
-  view.add_option("RECORD", x.record, "What run --record has written")->required()->type_name("");
-  add_parsed(view, "--port", "PORT", "Where the page is; any free port of 127.0.0.1 if not given",
+  auto& view = *app.add_subcommand("view", "Show any moment of a recorded run in a browser");
+  view.add_option("RECORD", x.record, "File written by run --record")->required()->type_name("");
+  add_parsed(view, "--port", "PORT", "Address of the page; default: any free port of 127.0.0.1",
              [&](const auto& text) { parse_page_place(text, x.where); });
-  view.footer("It prints the address of the page, and stays until Ctrl-C.");
+  view.footer("It prints the address of the page, and keeps serving until Ctrl-C.");
   return view;
 }
 
@@ -447,15 +445,16 @@ void check_combination(const explain_command& x) {
   if (x.what.empty() && (x.at || x.all))
     throw CLI::ValidationError(x.at ? "--at" : "--all", "of which tuple?");
   if (x.at && x.all)
-    throw CLI::ValidationError("--at", "says one time, --all says all");
+    throw CLI::ValidationError("--at", "selects one time, --all selects all");
   if (!x.what.empty() && (x.list.lost_only || !x.list.from.empty()))
     throw CLI::ValidationError(x.list.lost_only ? "--lost" : "--from",
-                               "chooses from the list, which is there without WHAT");
+                               "filters the list, which is printed only without WHAT");
 }
 
 void check_combination(const run_command& x) {
   if (x.check_determinism && x.options.mode == config::run_mode::wall)
-    throw CLI::ValidationError("--check-determinism", "only virtual runs repeat, not --mode wall");
+    throw CLI::ValidationError("--check-determinism",
+                               "only virtual runs are reproducible, not --mode wall");
   if (x.check_determinism && !x.options.record_file.empty())
     throw CLI::ValidationError("--check-determinism", "runs twice, --record records one run");
   if (x.check_determinism && !x.options.serial_file.empty())
@@ -467,21 +466,24 @@ void check_combination(const run_command& x) {
   if (x.check_determinism && x.watch.view)
     throw CLI::ValidationError("--check-determinism", "runs twice, --view shows one run");
   if (!x.part_file.empty() && x.watch.view)
-    throw CLI::ValidationError("--view", "the part of a deployment is shown with the others");
+    throw CLI::ValidationError("--view", "the page of a deployment shows all parts");
   if (!x.host.empty() && x.check_determinism)
-    throw CLI::ValidationError("--check-determinism", "only virtual runs repeat, not --host");
+    throw CLI::ValidationError("--check-determinism",
+                               "only virtual runs are reproducible, not --host");
   if (!x.host.empty() && x.options.mode == config::run_mode::virtual_time)
-    throw CLI::ValidationError("--host", "its part meets those of other hosts: in wall time only");
+    throw CLI::ValidationError("--host",
+                               "its part is linked to those of other hosts: in wall time only");
 }
 
 void check_combination(const deploy_command& x) {
   if (x.file == standard_input)
-    throw CLI::ValidationError("FILE", "it is sent with what it names: not from standard input");
+    throw CLI::ValidationError("FILE",
+                               "it is sent with the files that it names: not from standard input");
 }
 
 void check_combination(const swarm_command& x) {
   if (x.file == standard_input)
-    throw CLI::ValidationError("FILE", "each run reads it anew: not from standard input");
+    throw CLI::ValidationError("FILE", "each run reads it again: not from standard input");
 }
 
 std::vector<std::string> option_names(const CLI::App& app) {
@@ -598,21 +600,22 @@ command parse_words(std::span<const char* const> arguments, const original_optio
   app.failure_message([&](const CLI::App*, const CLI::Error& error) {
     const auto unknown = unknown_word(app, arguments);
     return "rubicon: " + printable(unknown.empty() ? error.what() : unknown) +
-           "\nrubicon --help explains.\n";
+           "\n"
+           "See rubicon --help.\n";
   });
   run_command run;
   run.options.handle_signals = true;
   const auto& run_app = add_run(app, run);
   check_command check;
-  auto& check_app = *app.add_subcommand("check", "Check a file without running it, and sum it up");
+  auto& check_app =
+      *app.add_subcommand("check", "Check a file without running it, and summarise it");
   add_file(check_app, check.file);
   check_app.add_flag("--list", check.list, "List motes, peers and tuple keys instead");
-  check_app.add_flag("--strict", check.is_strict,
-                     "Refuse a file with warnings, as one with mistakes");
+  check_app.add_flag("--strict", check.is_strict, "Treat warnings about the file as errors");
   add_overrides(check_app, check.instead);
   schema_command schema;
   auto& schema_app = *app.add_subcommand(
-      "schema", "Print a JSON Schema of such files, for editors and validators");
+      "schema", "Print the JSON Schema of these files, for editors and validators");
   schema_app.add_option("--tables", schema.tables_of)->group(""); // of docs/configuration.md
   deploy_command deploy;
   const auto& deploy_app = add_deploy(app, deploy);

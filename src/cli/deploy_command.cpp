@@ -148,7 +148,7 @@ exit_status ask_whether(const deploy_command& x, const deploy::packed& file) {
     auto problems = problems_of(answers[i]);
     all_could = all_could && problems.empty();
     if (problems.empty())
-      problems.emplace_back("could run it");
+      problems.emplace_back("can run it");
     for (const auto& each : problems)
       text += printable(hosts[i].name + "  " + each) + '\n';
   }

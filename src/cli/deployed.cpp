@@ -75,7 +75,7 @@ std::string remember(const deployed& x) {
                  {"hosts", hosts}};
   const auto path = io::state_file(x.ecology + deployed_ending);
   if (path.empty())
-    return "there is no folder to remember the deployment";
+    return "there is no folder to store the deployment's name in";
   return io::replace_file(path, all.dump(2) + '\n');
 }
 

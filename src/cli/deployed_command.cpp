@@ -113,7 +113,7 @@ public:
     });
     const auto status = tell(all);
     if (status == exit_status::good && !somebody_is_concerned(all))
-      return say("nothing that it names is on any host");
+      return say("no host has what it names");
     return status;
   }
 
@@ -149,12 +149,11 @@ private:
 exit_status perform(const deployed_command& x) {
   const auto found = remembered(x.ecology);
   if (!found) {
-    static_cast<void>(
-        print(stderr,
-              x.ecology.empty()
-                  ? "rubicon: you have deployed nothing that runs; `rubicon deploy FILE --attach` "
-                    "finds what somebody else has deployed\n"
-                  : "rubicon: you have deployed no `" + printable(x.ecology) + "` that runs\n"));
+    static_cast<void>(print(
+        stderr, x.ecology.empty() ? "rubicon: none of your deployments is running; `rubicon deploy "
+                                    "FILE --attach` finds one deployed by another user\n"
+                                  : "rubicon: you have deployed no `" + printable(x.ecology) +
+                                        "` that is running\n"));
     return exit_status::refused;
   }
   return std::visit(asker(*found), x.what);

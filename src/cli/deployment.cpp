@@ -75,7 +75,7 @@ void deployment::stop(bool interrupted) {
 void deployment::cause(const std::string& sentence) {
   for (auto& each : hosts_) {
     if (each.at != phase::following) {
-      say(each, "is not there to receive `" + sentence + '`');
+      say(each, "is not reachable and did not receive `" + sentence + '`');
       continue;
     }
     each.faults.push_back(sentence);
@@ -151,7 +151,7 @@ void deployment::on_facts(followed& x, deploy::answer& found) {
   x.facts = std::get<deploy::host_facts>(std::move(found));
   const auto& facts = x.facts;
   if (facts.host != x.name)
-    return fail(x, "at " + x.client->place() + " calls itself `" + facts.host + '`');
+    return fail(x, "at " + x.client->place() + " has the name `" + facts.host + '`');
   if (options_.attach && !began_ && !take_over(x))
     return;
   const bool has_it = facts.deployment == id_;
@@ -175,11 +175,11 @@ bool deployment::take_over(followed& x) {
   if (facts.deployment.empty() || facts.state == deploy::part_state::offered) {
     x.asks_at = steady::now() + retry_early; // another host may tell us
     if (x.asks_at >= made_ + options_.patience)
-      fail(x, "runs nothing: deploy the file without --attach");
+      fail(x, "runs no part: deploy the file without --attach");
     return false;
   }
   if (facts.files_hash != hash_of(part_for(x))) {
-    fail(x, "runs `" + facts.ecology + "` from another file, or of before it was changed");
+    fail(x, "runs `" + facts.ecology + "` from another file or an older version of it");
     return false;
   }
   id_ = facts.deployment;

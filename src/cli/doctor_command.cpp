@@ -53,7 +53,7 @@ using findings = std::vector<finding>;
 constexpr std::chrono::days certificate_left_least(14);
 
 constexpr const char* any_use_advice =
-    "give it one use, where ca.key is: rubicon certs renew --host, or --coordinator";
+    "restrict it to one use, where ca.key is: rubicon certs renew --host, or --coordinator";
 
 std::string address_text(const io::network_interface& x) {
   std::string text;
@@ -68,7 +68,7 @@ finding look_at_network() {
     if (!each.loopback)
       found += (found.empty() ? "" : ", ") + each.device + ' ' + address_text(each);
   return {"network", found.empty() ? "loopback only" : found,
-          found.empty() ? "connect this computer to the network of the others, unless all run here"
+          found.empty() ? "connect this computer to the other hosts' network, unless all run here"
                         : ""};
 }
 
@@ -85,9 +85,9 @@ finding look_at_multicast() {
   auto joined = io::udp_group::join(loop, config, [&](byte_view datagram, const ipv4_address&) {
     heard = heard || std::ranges::equal(datagram, mark);
   });
-  const std::string advice = "peers of `lan = true` do not find each other: add a route for "
-                             "multicast (ip route add 224.0.0.0/4 dev DEVICE), or name links with "
-                             "`connect`; links between [[host]]s need none";
+  const std::string advice = "peers with `lan = true` do not find each other: add a route for "
+                             "multicast (ip route add 224.0.0.0/4 dev DEVICE), or set links with "
+                             "`connect`; links between [[host]]s need no multicast";
   if (const auto* why = std::get_if<std::string>(&joined))
     return {"multicast", *why, advice};
   auto& group = std::get<io::udp_group>(joined);
@@ -97,7 +97,7 @@ finding look_at_multicast() {
   const auto until = std::chrono::steady_clock::now() + patience;
   while (!heard && std::chrono::steady_clock::now() < until)
     loop.wait_until(until);
-  return {"multicast", heard ? "works" : "nothing comes back", heard ? "" : advice};
+  return {"multicast", heard ? "works" : "no packet came back", heard ? "" : advice};
 }
 
 finding look_at_clock() {
@@ -119,7 +119,7 @@ finding look_at_descriptors() {
 finding look_at_state() {
   const auto path = io::state_file("doctor");
   if (path.empty())
-    return {"state folder", "none", "set HOME or XDG_STATE_HOME to a folder that you may write"};
+    return {"state folder", "none", "set HOME or XDG_STATE_HOME to a writable folder"};
   return {"state folder", std::filesystem::path(path).parent_path().string(), ""};
 }
 
@@ -144,7 +144,7 @@ bool look_at_certificates(const control::tls_files& tls, findings& out) {
     found.emplace(tls);
   } catch (const std::runtime_error& why) {
     out.push_back({"certificate", why.what(),
-                   "rubicon certs list shows more; certs renew, add and init make others"});
+                   "see rubicon certs list; certs renew, add and init make new ones"});
     return false;
   }
   const auto& own = *found->identity();
@@ -152,10 +152,12 @@ bool look_at_certificates(const control::tls_files& tls, findings& out) {
   out.push_back(
       {"certificate",
        tls.certificate + " of `" + own.name() + "` until " + io::time_text(own.valid_until()),
-       left < certificate_left_least ? "it ends soon: rubicon certs renew makes another" : ""});
+       left < certificate_left_least ? "it expires soon: rubicon certs renew makes a new one"
+                                     : ""});
   if (own.use() == io::certificate_use::any)
-    out.push_back(
-        {"certificate", tls.certificate + " is for a host and for who deploys", any_use_advice});
+    out.push_back({"certificate",
+                   tls.certificate + " is valid both for a host and for a coordinator",
+                   any_use_advice});
   const auto& list = found->revoked();
   out.push_back({"revoked",
                  list ? "list " + std::to_string(list->number()) + " has " +
@@ -170,16 +172,19 @@ void look_at_use(const deploy::host_facts& theirs, const io::tls_keeper& own,
                  const std::string& name, findings& out) {
   const auto ours = own.revoked() ? own.revoked()->number() : 0;
   if (theirs.revocations > ours)
-    out.push_back(
-        {name,
-         "has list " + std::to_string(theirs.revocations) + " of revoked certificates" +
-             (ours == 0 ? ", here is none" : ", here is " + std::to_string(ours)),
-         "copy ca.crl from the folder of the authority to beside " + own.files().authority});
+    out.push_back({name,
+                   "has list " + std::to_string(theirs.revocations) + " of revoked certificates" +
+                       (ours == 0 ? ", this computer has none"
+                                  : ", this computer has " + std::to_string(ours)),
+                   "copy ca.crl from the folder of the authority into the folder of " +
+                       own.files().authority});
   if (theirs.revocations < ours)
-    out.push_back({name, "does not take list " + std::to_string(ours) + " of revoked certificates",
-                   "its log says why"});
+    out.push_back({name,
+                   "does not accept list " + std::to_string(ours) + " of revoked certificates",
+                   "see its log"});
   if (theirs.may_deploy)
-    out.push_back({name, "its certificate is for a host and for who deploys", any_use_advice});
+    out.push_back(
+        {name, "its certificate is valid both for a host and for a coordinator", any_use_advice});
 }
 
 /// @param why a host does not answer
@@ -188,18 +193,19 @@ std::string advice_for(const std::string& why, const std::string& host) {
   if (has("clock there is wrong") || has("one of the two clocks"))
     return "set the clock that is wrong (timedatectl set-ntp true), here or there";
   if (has("revoked"))
-    return "make another certificate with another key, where ca.key is: rubicon certs renew "
-           "--new-key; whose name was revoked by mistake, too";
+    return "make a new certificate with a new key, where ca.key is: rubicon certs renew --new-key; "
+           "also if its name was revoked by mistake";
   if (has("expired"))
-    return "make another certificate where ca.key is: rubicon certs renew";
+    return "make a new certificate where ca.key is: rubicon certs renew";
   if (has("another authority"))
-    return "make both certificates with one ca.key";
-  if (has("shows the certificate of"))
+    return "make both certificates with the same ca.key";
+  if (has("presented the certificate of"))
     return "correct `address`, or give the host its own files";
   if (has("certificate"))
-    return "give both ends certificates of one authority (--tls-cert, --tls-key, --tls-ca)";
+    return "give both ends certificates of the same authority (--tls-cert, --tls-key, --tls-ca)";
   return "start rubicon host --name " + host +
-         " there, open the port in its firewall, and give both ends certificates of one authority";
+         " there, open the port in its firewall, and give both ends certificates of the same "
+         "authority";
 }
 
 /// What hosts say of themselves, and of the part that is theirs.
@@ -228,18 +234,18 @@ void look_at_hosts(const doctor_command& x, const deploy::packed& file, findings
         !std::holds_alternative<deploy::verdict>(offered[i]))
       continue;
     if (heard->facts.host != hosts[i].name)
-      out.push_back({name, "calls itself `" + heard->facts.host + '`',
+      out.push_back({name, "has the name `" + heard->facts.host + '`',
                      "start it with --name " + hosts[i].name + ", or correct `address`"});
     out.push_back({name, "clock " + report::fixed(heard->clock_ahead_s, 3) + " s ahead of ours",
                    std::abs(heard->clock_ahead_s) > clock_off_max_s
-                       ? "set it (timedatectl set-ntp true): certificates and logs go by it"
+                       ? "set it (timedatectl set-ntp true): certificates and logs depend on it"
                        : ""});
     look_at_use(heard->facts, actors.own(), name, out);
     const auto problems = problems_of(offered[i]);
     for (const auto& each : problems)
-      out.push_back({name, "could not run its part", each});
+      out.push_back({name, "cannot run its part", each});
     if (problems.empty())
-      out.push_back({name, "could run its part", ""});
+      out.push_back({name, "can run its part", ""});
   }
 }
 

@@ -20,7 +20,7 @@ std::optional<ecology_file> load_bundle(const std::string& file, const config::o
                                         const config::extensions& known) {
   const auto bundle = read_bundle(file);
   if (!bundle) {
-    static_cast<void>(print(stderr, printable(file) + " is nothing that a host has written\n"));
+    static_cast<void>(print(stderr, printable(file) + " was not written by a host\n"));
     return std::nullopt;
   }
   auto loaded = deploy::load(*bundle, instead, known);

@@ -94,9 +94,9 @@ places announced(io::loop& where, const network_options& wish, const search_area
 
 /// `several networks are there: home, lab; say which with --network NAME`
 std::string several(const std::set<std::string>& names) {
-  return "several networks are there: " +
+  return "there are several networks: " +
          config::joined(std::vector<std::string>(names.begin(), names.end()), ", ") +
-         "; say which with --network NAME";
+         "; choose one with --network NAME";
 }
 
 std::set<std::string> names_of(const places& x) {
@@ -108,13 +108,13 @@ std::set<std::string> names_of(const places& x) {
 
 std::string nobody(const network_options& wish, const search_area& area) {
   const auto last = area.first_port + area.ports - 1;
-  return "no running ecology" +
+  return "found no running ecology" +
          (wish.network_given ? " of the network `" + wish.network + '`' : std::string()) +
-         " is found: no run on this computer takes links, nobody answers at 127.0.0.1, ports " +
+         ": no run on this computer accepts links, no peer answered at 127.0.0.1, ports " +
          std::to_string(area.first_port) + " to " + std::to_string(last) +
-         ", and no peer announced itself; a peer takes links if its file says tcp = true, in wall "
-         "time; say where it is with --connect HOST:PORT" +
-         (wish.lan ? "" : ", or look on the local network with --lan");
+         ", and no peer announced itself; a peer accepts links in wall time if its file has tcp = "
+         "true; give its address with --connect HOST:PORT" +
+         (wish.lan ? "" : ", or search the local network with --lan");
 }
 
 } // namespace
@@ -154,8 +154,8 @@ std::variant<joined_network, std::string> join_network(io::loop& where, network_
     if (auto joined = first_of(where, wish, network, urls, area))
       return *std::move(joined);
   if (!heard.empty())
-    return "the network `" + heard.begin()->first + "` announces itself at " +
-           config::joined(heard.begin()->second, ", ") + ", but nobody answers there";
+    return "a peer of the network `" + heard.begin()->first + "` announced itself at " +
+           config::joined(heard.begin()->second, ", ") + ", but does not answer there";
   return nobody(wish, area);
 }
 

@@ -75,10 +75,10 @@ std::variant<peer_id, std::string> find_peer(const visit& at, const peer_wish& x
                                         [&] { return at.peer().hosts().size(); }));
   const auto all = called(at, x.name);
   if (all.empty())
-    return "no peer is called `" + x.name + "` in the network `" + at.with.network +
+    return "no peer is named `" + x.name + "` in the network `" + at.with.network +
            "`; rubicon hosts lists them";
   if (all.size() > 1)
-    return "several peers are called `" + x.name + "`: " + list(at, all) + "; say which by its id";
+    return "several peers are named `" + x.name + "`: " + list(at, all) + "; give its id";
   if (!at.self.await_host(all.front()))
     return "no route to peer " + list(at, all);
   return all.front();
@@ -96,10 +96,10 @@ std::variant<peer_id, std::string> find_owner(const visit& at, const peer_wish& 
                                         [&] { return news + at.peer().hosts().size(); }));
   const auto all = holders(at, keys);
   if (all.empty())
-    return "no peer has a tuple " + words_of(keys) + "; say whose it is to be with --owner PEER";
+    return "no peer has a tuple " + words_of(keys) + "; give its owner with --owner PEER";
   if (all.size() > 1)
     return "several peers have a tuple " + words_of(keys) + ": " + list(at, all) +
-           "; say whose with --owner PEER";
+           "; choose one with --owner PEER";
   return *all.begin();
 }
 

@@ -51,7 +51,7 @@ std::variant<std::unique_ptr<guest>, std::string> guest::join(io::loop& where,
   if (!x->last_failure_.empty())
     return x->last_failure_;
   return options.peer +
-         (connected() ? " answers, but not as a peer of the network `" + options.network + '`'
+         (connected() ? " answers, but is not a peer of the network `" + options.network + '`'
                       : " does not answer");
 }
 

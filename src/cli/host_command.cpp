@@ -155,8 +155,8 @@ bool is_loopback(const std::string& address) {
 exit_status perform(const host_command& x) {
   if (x.tls.empty() && !is_loopback(x.address))
     return refuse("host " + x.name + " would listen on " + x.address +
-                  " for anybody: give it certificates (--tls-cert, --tls-key, --tls-ca; `rubicon "
-                  "certs` makes them), or let it listen on 127.0.0.1");
+                  " without authentication: give it certificates (--tls-cert, --tls-key, --tls-ca; "
+                  "`rubicon certs` makes them), or let it listen on 127.0.0.1");
   if (x.tls.empty() && x.access.commands)
     return refuse("--allow-commands without certificates would let every user of this computer "
                   "start programs as you: give --tls-cert, --tls-key and --tls-ca");
@@ -167,7 +167,7 @@ exit_status perform(const host_command& x) {
   if (folder.empty())
     folder = fs::path(io::state_file("host")).parent_path();
   if (folder.empty())
-    return refuse("there is no folder to keep the part's files; say --state DIR");
+    return refuse("there is no folder for the part's files; use --state DIR");
   std::error_code error;
   fs::create_directories(folder, error);
   folder = fs::absolute(folder);

@@ -110,8 +110,8 @@ std::vector<std::string> hosted_part::problems_of(const deploy::offer& x,
   if (x.what.length <= duration{} || x.what.length > length_max)
     return {"it would run for " + to_text(x.what.length)};
   if (is_running())
-    return {"it runs `" + part_->ecology.name +
-            "` already: `rubicon stop` ends it, `--attach` follows it"};
+    return {"it already runs `" + part_->ecology.name +
+            "`: `rubicon stop` ends it, `--attach` follows it"};
   std::vector<std::string> out;
   for (const auto& each : loaded.problems)
     out.push_back(to_string(each));
@@ -146,7 +146,7 @@ std::vector<std::string> hosted_part::problems_of(const deploy::offer& x,
     out.push_back(std::move(each));
   for (const auto& path : deploy::files_written(ours))
     if (deploy::is_inside(path) && leads_over_link(with_.files, path))
-      out.push_back('`' + path + "` leads over a link in " + with_.files.string());
+      out.push_back('`' + path + "` contains a symbolic link in " + with_.files.string());
   return out;
 }
 
@@ -169,7 +169,7 @@ deploy::verdict hosted_part::offer(deploy::offer x) {
 
 deploy::verdict hosted_part::begin(const deploy::begin_part& x) {
   if (!has(x.deployment))
-    return refusal("that deployment is not offered here any more");
+    return refusal("that deployment is no longer offered here");
   if (part_->state != deploy::part_state::offered)
     return {};
   if (x.elapsed < duration{} || x.elapsed > part_->what.length)
@@ -240,7 +240,7 @@ void hosted_part::on_end(io::process_end how) {
                 ? std::clamp(2 * x.pause, restart_pause_min, restart_pause_max)
                 : restart_pause_min;
   if (x.lives.size() >= lives_max && !is_over)
-    note("has died " + std::to_string(lives_max) + " times, and stays dead");
+    note("has died " + std::to_string(lives_max) + " times, and is not restarted");
   if (is_over || x.refused || x.lives.size() >= lives_max || elapsed() + x.pause >= x.what.length) {
     x.state = deploy::part_state::ended;
     say_('`' + x.ecology.name + "` has ended");
@@ -249,7 +249,7 @@ void hosted_part::on_end(io::process_end how) {
   x.state = deploy::part_state::waiting;
   x.begins_again = steady::now() + x.pause;
   note("has ended with " + to_string(how) + " after " +
-       to_text(std::chrono::floor<std::chrono::seconds>(elapsed())) + "; it is started again");
+       to_text(std::chrono::floor<std::chrono::seconds>(elapsed())) + "; it is restarted");
 }
 
 void hosted_part::note(const std::string& line) {
@@ -264,7 +264,7 @@ void hosted_part::on_time() {
 
 deploy::verdict hosted_part::cause(const deploy::cause_fault& x) {
   if (!has(x.deployment) || !process_)
-    return refusal("it does not run now");
+    return refusal("it is not running");
   const auto found = deploy::fault_of(part_->what, x.sentence, with_.known);
   if (const auto* why = std::get_if<std::string>(&found))
     return refusal(*why);
@@ -275,13 +275,13 @@ deploy::verdict hosted_part::cause(const deploy::cause_fault& x) {
   if (auto why = lacks(part_->what, part_->ecology, fault); !why.empty())
     return refusal(std::move(why));
   if (!process_->feed("fault " + x.sentence + '\n'))
-    return refusal("its process takes nothing now");
+    return refusal("its process does not accept commands now");
   return {};
 }
 
 deploy::verdict hosted_part::end(const deploy::end_part& x) {
   if (!has(x.deployment))
-    return refusal("that deployment is not here");
+    return refusal("that deployment is not on this host");
   end_all();
   return {};
 }
@@ -326,7 +326,7 @@ void hosted_part::keep_lives() {
     text += std::to_string(each.number) + ' ' + std::to_string(each.elapsed.count()) + ' ' +
             std::to_string(each.ended.count()) + '\n';
   if (const auto why = io::replace_file(file(".lives").string(), text); !why.empty())
-    note("cannot keep what its part counts: " + why);
+    note("cannot store the start count of its part: " + why);
 }
 
 /// What an earlier service of this host has left of the deployment that is offered; what it has

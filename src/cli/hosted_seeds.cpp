@@ -55,7 +55,7 @@ deploy::verdict hosted_seeds::offer(const deploy::offer_seeds& x) {
 deploy::seeds_news hosted_seeds::run(const deploy::run_seeds& x) {
   deploy::seeds_news out;
   if (!experiment_ || experiment_->id != x.experiment) {
-    out.problems.emplace_back("it does not have the files of this experiment any more");
+    out.problems.emplace_back("it no longer has the files of this experiment");
     return out;
   }
   auto& all = *experiment_;

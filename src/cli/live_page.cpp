@@ -100,9 +100,9 @@ view::controls::outcome hand_made::take(wish x) {
   if (over_)
     return {false, "the run is over"};
   if (waiting_.size() >= waiting_max)
-    return {false, "the run has not done yet what was asked for before"};
+    return {false, "too many earlier requests are pending"};
   if (++taken_ > taken_max)
-    return {false, "so much has been done by hand that no more is taken"};
+    return {false, "the limit of manual actions is reached"};
   waiting_.push_back(std::move(x));
   return {true, "accepted"};
 }
@@ -131,19 +131,19 @@ std::shared_ptr<const view::controls> hand_made::controls(std::string why_no_tup
 /// Why this tuple cannot be set; empty: it can.
 std::string hand_made::refusal_of(const wish& x) const {
   if (x.key.empty())
-    return "a tuple has a key";
+    return "a tuple needs a key";
   if (x.key.size() + x.value.size() > tuple_octets_max)
-    return "that is too long";
+    return "the key and the value are too long";
   const auto name = peis::key::parse(x.key);
   if (!name)
-    return "no key: one has up to 7 parts between dots and 127 characters, and `*` only as a whole "
-           "part of a pattern";
+    return "not a key: a key has up to 7 parts between dots and 127 characters, and `*` only as a "
+           "whole part of a pattern";
   if (name->is_pattern())
-    return "a pattern stands for many tuples: one at a time is set, by its whole key";
+    return "this is a pattern: give the key of one tuple";
   if (!owners_.contains(x.owner))
     return "there is no peer `" + x.owner + '`';
   if (peis::is_reserved(*name) && !kernels_)
-    return "`" + x.key + "` is its kernel's own: `--control=kernel` lets it be set";
+    return "`" + x.key + "` belongs to the kernel: `--control=kernel` allows setting it";
   return {};
 }
 
@@ -185,7 +185,7 @@ std::string hand_made::repeated() const {
       text += "\n# at " + when + ": " + printable(what.owner) + " " + printable(what.key) + " = " +
               printable(what.value) + '\n';
   }
-  return text.empty() ? text : "what was done by hand, for the file:\n" + text;
+  return text.empty() ? text : "manual actions, for the file:\n" + text;
 }
 
 live_page::live_page(const page_place& where, const std::string& ecology,
@@ -221,9 +221,9 @@ live_page::live_page(const page_place& where, const std::string& ecology,
   url_ = "http://" + (where.address == "0.0.0.0" ? "127.0.0.1" : where.address) + ':' +
          std::to_string(server_->port()) + '/' + token + '/';
   if (!where.address.starts_with("127."))
-    say("the page is not encrypted: who hears the network reads all that it shows" +
-        std::string(may_control ? ", and its address, with which he can do what it can" : ""));
-  say("watch it at " + url_);
+    say("the page is not encrypted: anyone on the network can read what it shows" +
+        std::string(may_control ? ", and its address, which gives the same control" : ""));
+  say("page: " + url_);
 }
 
 void live_page::attach(run_options& options, const config::ecology_description& ecology) {
@@ -273,7 +273,7 @@ void live_page::read_on(const std::string& record, bool is_own) {
   constexpr std::uint64_t read_max = 128 * megabyte; // it takes several times as much memory
   message_reader::bound most{
       .octets = read_max,
-      .beyond = "The record has become so long that the rest of it is read when the run has ended.",
+      .beyond = "The record is too long to follow; the rest is read when the run has ended.",
       .is_of_record = false};
   if (is_own)
     most = {.octets = own_record_octets_max - megabyte,
@@ -283,7 +283,7 @@ void live_page::read_on(const std::string& record, bool is_own) {
   if (std::filesystem::is_regular_file(record, ignored)) // what is read of others nobody else gets
     reader_.emplace(record, std::move(most), timeline_);
   else
-    timeline_->set_why_no_messages("The record is no file that could be read.");
+    timeline_->set_why_no_messages("The record is not a regular file.");
 }
 
 void live_page::show(const report::run_report& so_far, duration length) {
@@ -302,7 +302,7 @@ void live_page::show(const report::run_report& so_far, duration length) {
 }
 
 void live_page::stay() {
-  say("the page stays there until Ctrl-C: " + url_);
+  say("the page is served until Ctrl-C: " + url_);
   io::loop loop;
   bool over = false;
   const io::signal_watch signals(loop, [&over](int) { over = true; });

@@ -45,7 +45,7 @@ peer_wish parse_wish(const char* name, const std::string& text) {
   if (!text.empty() && text.find_first_not_of("0123456789") == std::string::npos)
     return {parse_id(name, text), {}};
   if (text.empty() || text.size() > name_max)
-    throw CLI::ValidationError(name, "neither an id nor a name of a peer: '" + text + '\'');
+    throw CLI::ValidationError(name, "not an id or name of a peer: '" + text + '\'');
   return {std::nullopt, text};
 }
 
@@ -87,7 +87,7 @@ void add_key(CLI::App& app, What& x) {
 template <class What>
 void add_its_owner(CLI::App& app, What& x) {
   add_parsed(app, "--owner", "PEER",
-             "The peer whose tuple it is, by its id or name; the one who has it if not given",
+             "The owner of the tuple, by its id or name; default: the peer that has it",
              [&](const auto& text) { x.owner = parse_wish("--owner", text); });
 }
 
@@ -99,17 +99,17 @@ void add_write(CLI::App& app, write_tuple& x) {
 
 void add_meta(CLI::App& app, meta_tuple& x) {
   add_key(app, x);
-  add_parsed(app, "TARGET", "", "Let it point at this tuple",
+  add_parsed(app, "TARGET", "", "Point it at this tuple",
              [&](const auto& text) { x.target = parse_key("TARGET", text, false); });
   add_its_owner(app, x);
-  add_parsed(app, "--at", "PEER", "The peer whose tuple TARGET is; that of --owner if not given",
+  add_parsed(app, "--at", "PEER", "The owner of TARGET; default: that of --owner",
              [&](const auto& text) { x.target_owner = parse_wish("--at", text); });
-  app.add_flag("--nowhere", x.nowhere, "Let it point nowhere");
+  app.add_flag("--nowhere", x.nowhere, "Point it nowhere");
   app.final_callback([&x] {
     if (x.target && x.nowhere)
-      throw CLI::ValidationError("--nowhere", "but also TARGET: one or the other");
+      throw CLI::ValidationError("--nowhere", "cannot be combined with TARGET");
     if (!x.target_owner.is_any() && !x.target)
-      throw CLI::ValidationError("--at", "whose tuple is TARGET: which?");
+      throw CLI::ValidationError("--at", "needs TARGET");
   });
 }
 
@@ -120,22 +120,21 @@ What& network_command_line::add(CLI::App& below, const char* name, const char* t
   auto& app = *below.add_subcommand(name, text);
   const auto x = std::make_shared<What>();
   all_.push_back({&app, [this, x] { return network_command{with_, *x}; }});
-  auto* const connect =
-      add_parsed(app, "--connect", "HOST:PORT",
-                 "A peer of the network; one that runs on this computer if not given",
-                 [this](const auto& words) { with_.peer = parse_peer(words); });
-  app.add_flag("--lan", with_.lan, "Look for one on the local network too")->excludes(connect);
+  auto* const connect = add_parsed(app, "--connect", "HOST:PORT",
+                                   "A peer of the network; default: one on this computer",
+                                   [this](const auto& words) { with_.peer = parse_peer(words); });
+  app.add_flag("--lan", with_.lan, "Also search the local network")->excludes(connect);
   add_parsed(app, "--network", "NAME",
-             "The network's name; rubicon if not given, or as the one that is found",
+             "The network's name; default: that of the peer found, else rubicon",
              [this](const auto& words) {
                if (words.size() > 62)
                  throw CLI::ValidationError("--network", "longer than 62 characters");
                with_.network = words;
                with_.network_given = true;
              });
-  add_parsed(app, "--id", "ID", "Our own id; a high one by chance if not given",
+  add_parsed(app, "--id", "ID", "Our own id; default: a random high one",
              [this](const auto& words) { with_.id = parse_id("--id", words); });
-  add_parsed(app, "--timeout", "TIME", "How long to wait for answers; 5s if not given",
+  add_parsed(app, "--timeout", "TIME", "How long to wait for answers; default: 5s",
              [this](const auto& words) { with_.timeout = parse_time("--timeout", words); });
   app.add_flag("--json", with_.json, "Print JSON");
   return *x;
@@ -154,8 +153,8 @@ network_command_line::network_command_line(CLI::App& app) {
 
   auto& set = add<write_tuple>(tuples, "set", "Set a tuple at its owner");
   add_write(last(), set);
-  last().add_flag("--wait", set.wait, "It is a proxy's input: report how the actuation ended");
-  auto& appended = add<write_tuple>(tuples, "append", "Add to the end of a tuple at its owner");
+  last().add_flag("--wait", set.wait, "For a proxy's input: report the outcome of the actuation");
+  auto& appended = add<write_tuple>(tuples, "append", "Append to a tuple at its owner");
   appended.append = true;
   add_write(last(), appended);
   auto& deleted = add<delete_tuple>(tuples, "delete", "Delete a tuple at its owner");
@@ -173,38 +172,37 @@ network_command_line::network_command_line(CLI::App& app) {
         return key ? std::string() : "not a key: '" + text + '\'';
       });
   add_owner(last(), watched.owner);
-  add_parsed(last(), "--for", "TIME", "End after this time; at Ctrl-C if not given",
+  add_parsed(last(), "--for", "TIME", "End after this time; default: at Ctrl-C",
              [&](const auto& text) { watched.length = parse_time("--for", text); });
-  add_parsed(last(), "--count", "N", "End after so many changes",
+  add_parsed(last(), "--count", "N", "End after this many changes",
              [&](const auto& text) { watched.count = parse_number("--count", text, UINT64_MAX); });
 
   auto& listed = add<list_tuples>(tuples, "ls", "List tuples");
   add_parsed(last(), "KEY", "", "Names of tuples; * stands for a part",
              [&](const auto& text) { listed.pattern = parse_key("KEY", text, true); });
   add_owner(last(), listed.owner);
-  last().add_flag("--all", listed.all, "Also kernel.*, with which peers describe themselves");
+  last().add_flag("--all", listed.all, "Also kernel.*, which describe the peers");
 
-  auto& graph =
-      add<show_graph>(tuples, "graph", "Show who has which tuples, and who subscribes to them");
+  auto& graph = add<show_graph>(tuples, "graph", "Show the owners and subscribers of tuples");
   last()
       .add_flag("--dot", graph.dot, "Print it for Graphviz's dot")
       ->excludes(last().get_option("--json"));
-  last().add_flag("--all", graph.all, "Also kernel.*, with which peers describe themselves");
+  last().add_flag("--all", graph.all, "Also kernel.*, which describe the peers");
 
   auto& top = add<show_top>(app, "top", "Watch a running network: peers, gateways, proxies");
-  last().add_flag("--once", top.once, "Print one picture and end");
-  add_parsed(last(), "--every", "TIME", "Between two pictures; 1s if not given",
+  last().add_flag("--once", top.once, "Print once and end");
+  add_parsed(last(), "--every", "TIME", "Interval of updates; default: 1s",
              [&](const auto& text) { top.every = parse_time("--every", text); });
-  add_parsed(last(), "--count", "N", "End after so many pictures",
+  add_parsed(last(), "--count", "N", "End after this many updates",
              [&](const auto& text) { top.count = parse_number("--count", text, UINT64_MAX); });
   last().footer("On a terminal it fills the screen until q or Ctrl-C; into a pipe it writes one "
-                "picture after the other.");
+                "update after the other.");
 
   add<list_hosts>(app, "hosts", "List the peers of a running network");
   add_host(last(), add<trace_route>(app, "route", "Show the route to a peer and back").host);
   auto& pinged = add<ping_host>(app, "ping", "Measure the time to a peer and back");
   add_host(last(), pinged.host);
-  add_parsed(last(), "--count", "N", "How often; 4 if not given",
+  add_parsed(last(), "--count", "N", "Number of pings; default: 4",
              [&](const auto& text) { pinged.count = parse_number("--count", text, UINT64_MAX); });
 }
 

@@ -62,7 +62,7 @@ private:
   /// The word behind an option.
   std::string value(const std::string& option) {
     if (words_.empty()) {
-      refuse(option, "a word behind it is missing");
+      refuse(option, "its value is missing");
       return {};
     }
     found.said.push_back(words_.front());
@@ -198,7 +198,7 @@ std::string take_over(const original_options& x, config::ecology_description& to
     return {};
   auto* peer = peer_of(to);
   if (peer == nullptr)
-    return "options of --peis- are about one peer: the file has none, or several";
+    return "options of --peis- apply to one peer: the file has none, or several";
   if (x.id && is_used(*x.id, *peer, to))
     return "--peis-id: the file uses " + to_string(*x.id) + " for another peer";
   if (x.name && std::ranges::any_of(to.peers, [&](const auto& each) {

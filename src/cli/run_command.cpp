@@ -258,15 +258,14 @@ exit_status report_run(const run_command& x, ecology_file file) {
   if (viewed && !report.interrupted)
     viewed->finish(report);
   else if (!viewed && !x.json && console_of(stderr).is_terminal)
-    static_cast<void>(
-        print(stderr, "with --view you see it in a browser, and can go back in it\n"));
+    static_cast<void>(print(stderr, "--view shows the run in a browser, at any moment\n"));
   return status;
 }
 
 exit_status compare_runs(const run_command& x, const config::ecology_description& ecology) {
   if (x.options.mode.value_or(ecology.mode) != config::run_mode::virtual_time) {
-    static_cast<void>(
-        print(stderr, printable(x.file) + ": only virtual runs repeat; add --mode virtual\n"));
+    static_cast<void>(print(
+        stderr, printable(x.file) + ": only virtual runs are reproducible; add --mode virtual\n"));
     return exit_status::refused;
   }
   const auto first = run_watched(ecology, x.options, console_of(stderr), false);
@@ -275,7 +274,7 @@ exit_status compare_runs(const run_command& x, const config::ecology_description
   const auto second =
       first.interrupted ? first : run_watched(ecology, on_one_thread, console_of(stderr), false);
   if (second.interrupted) {
-    static_cast<void>(print(stderr, printable(x.file) + ": interrupted, nothing is compared\n"));
+    static_cast<void>(print(stderr, printable(x.file) + ": interrupted, not compared\n"));
     return exit_status::interrupted;
   }
   const bool equal = first.trace_hash == second.trace_hash && first.events == second.events;
@@ -297,7 +296,7 @@ std::vector<std::string> take_part(config::ecology_description& all, const std::
   const auto used = config::used_hosts(all);
   const auto name_of = [](const auto& x) { return x.name; };
   if (config::find_host(all, host) == nullptr)
-    return {"there is no [[host]] of the name `" + host + '`'};
+    return {"there is no [[host]] named `" + host + '`'};
   if (std::ranges::find(used, host, name_of) == used.end())
     return {"nothing is placed on host `" + host + '`'};
   auto problems = config::placement_problems(all);
@@ -378,7 +377,7 @@ exit_status run_part(run_command x, ecology_file file) {
   };
   file.ecology.length = x.options.length.value_or(file.ecology.length);
   if (x.elapsed >= file.ecology.length)
-    return refuse("the run is over after " + to_text(file.ecology.length));
+    return refuse("the run ends after " + to_text(file.ecology.length));
   const auto problems = take_part(file.ecology, x.host);
   for (const auto& each : problems)
     static_cast<void>(refuse(each));
@@ -387,7 +386,7 @@ exit_status run_part(run_command x, ecology_file file) {
   if (x.starts_file.empty())
     x.starts_file = io::state_file(file.ecology.name + '-' + x.host + ".starts");
   if (x.starts_file.empty())
-    return refuse("there is no folder to keep how often the part was started; say --starts FILE");
+    return refuse("there is no folder to count the starts of the part in; use --starts FILE");
   auto opened = io::kept_number::open(x.starts_file);
   if (const auto* why = std::get_if<std::string>(&opened))
     return refuse(*why);
@@ -419,9 +418,9 @@ void take_clock(run_command& x) {
 /// Why nobody can do anything to a run; nullptr: somebody can.
 const char* why_untouchable(const run_command& x, const ecology_file& file) {
   if (x.file == standard_input)
-    return ": what stands on standard input can be read once only: give a file\n";
+    return ": standard input can be read only once: give a file\n";
   if (x.options.mode.value_or(file.ecology.mode) != config::run_mode::wall)
-    return ": a virtual run is over before anybody could do something: add --mode wall\n";
+    return ": a virtual run ends before you can act: add --mode wall\n";
   return nullptr;
 }
 

@@ -193,8 +193,8 @@ exit_status perform(const serial_command& with, const listen_serial& x) {
 
 std::string too_long_text(std::size_t payload_max) {
   return "a payload of more than " + std::to_string(payload_max) +
-         " octets is refused: a BaseStation that is compiled for fewer takes nothing more after "
-         "one; say --payload if the mote takes longer ones";
+         " octets is refused: a BaseStation compiled for less accepts nothing after it; use "
+         "--payload if the mote accepts longer ones";
 }
 
 exit_status perform(const serial_command& with, const send_serial& x) {
@@ -221,7 +221,7 @@ exit_status perform(const serial_command& with, const send_serial& x) {
   if (!to.lost().empty())
     return fail(to.lost());
   if (!acked)
-    return fail("the sink has not acknowledged it");
+    return fail("the sink did not acknowledge it");
   return answer(with.device.empty() ? "handed to the forwarder\n" : "acknowledged\n");
 }
 

@@ -75,8 +75,8 @@ bytes parse_payload(const std::string& text) {
 /// For commands that write to a mote.
 void serial_command_line::add_payload_max(CLI::App& app) {
   add_parsed(app, "--payload", "N",
-             "Longest AM payload that the mote is compiled for; 28 if not given, as TinyOS has it. "
-             "A longer one is refused: a BaseStation would take nothing more after it",
+             "Longest AM payload that the mote is compiled for; default: 28, as in TinyOS. A "
+             "longer one is refused: a BaseStation would accept nothing after it",
              [this](const auto& text) {
                with_.payload_max =
                    parse_number<std::size_t>("--payload", text, 1, serial::am_payload_max);
@@ -88,27 +88,28 @@ CLI::App& serial_command_line::add(CLI::App& below, const char* name, const char
   add_parsed(app, "SOURCE", "", "A serial port such as /dev/ttyUSB0, or sf@HOST:PORT, a forwarder",
              [this](const auto& words) { parse_source(words, with_); })
       ->required();
-  add_parsed(
-      app, "--baud", "RATE", "Of the port: micaz, iris, telosb or a number; micaz if not given",
-      [this](const auto& words) {
-        const bool is_number = words.find_first_not_of("0123456789") == std::string::npos;
-        const auto rate = config::parse_baud(is_number ? words + "baud" : words);
-        if (!rate || *rate < 300 || *rate > 4'000'000)
-          throw CLI::ValidationError("--baud", "neither a platform nor a rate: '" + words + '\'');
-        with_.baud = static_cast<std::uint32_t>(*rate);
-      });
+  add_parsed(app, "--baud", "RATE", "Of the port: micaz, iris, telosb or a number; default: micaz",
+             [this](const auto& words) {
+               const bool is_number = words.find_first_not_of("0123456789") == std::string::npos;
+               const auto rate = config::parse_baud(is_number ? words + "baud" : words);
+               if (!rate || *rate < 300 || *rate > 4'000'000)
+                 throw CLI::ValidationError("--baud",
+                                            "neither a platform nor a rate: '" + words + '\'');
+               with_.baud = static_cast<std::uint32_t>(*rate);
+             });
   return app;
 }
 
 serial_command_line::serial_command_line(CLI::App& app) {
-  auto& serial = *app.add_subcommand("serial", "Listen and talk to a sink, without an ecology");
+  auto& serial =
+      *app.add_subcommand("serial", "Receive from and send to a sink, without an ecology");
   serial.require_subcommand(1);
 
-  auto& listened = add(serial, "listen", "Print what a sink says");
+  auto& listened = add(serial, "listen", "Print the packets of a sink");
   listen_app_ = &listened;
   add_parsed(listened, "--for", "TIME", "End after this time; at Ctrl-C if not given",
              [this](const auto& text) { listen_.length = parse_time(text); });
-  add_parsed(listened, "--count", "N", "End after so many packets", [this](const auto& text) {
+  add_parsed(listened, "--count", "N", "End after this many packets", [this](const auto& text) {
     listen_.count = parse_number<std::uint64_t>("--count", text, 1, UINT64_MAX);
   });
   listened.add_flag("--json", listen_.json, "Print a JSON object for each packet");
@@ -118,21 +119,22 @@ serial_command_line::serial_command_line(CLI::App& app) {
   add_parsed(sent, "TYPE", "", "AM type", [this](const auto& text) {
     send_.am_type = parse_number<std::uint8_t>("TYPE", text, 0, 255);
   })->required();
-  add_parsed(sent, "PAYLOAD", "", "In hexadecimal; none if not given",
+  add_parsed(sent, "PAYLOAD", "", "In hexadecimal; default: none",
              [this](const auto& text) { send_.payload = parse_payload(text); });
-  add_parsed(sent, "--to", "ID", "The mote that the sink sends it to; all if not given",
+  add_parsed(sent, "--to", "ID", "The mote that the sink sends it to; default: all",
              [this](const auto& text) {
                send_.destination = parse_number<std::uint16_t>("--to", text, 0, 65535);
              });
-  add_parsed(sent, "--group", "N", "AM group; 0x22 if not given", [this](const auto& text) {
+  add_parsed(sent, "--group", "N", "AM group; default: 0x22", [this](const auto& text) {
     send_.group = parse_number<std::uint8_t>("--group", text, 0, 255);
   });
   add_payload_max(sent);
 
-  auto& forwarded = add(serial, "forward", "Be a serial forwarder for programs of TinyOS");
+  auto& forwarded = add(serial, "forward", "Run a serial forwarder for programs of TinyOS");
   forward_app_ = &forwarded;
   add_payload_max(forwarded);
-  add_parsed(forwarded, "ADDRESS:PORT", "", "Where they connect to; 127.0.0.1:9002 if not given",
+  add_parsed(forwarded, "ADDRESS:PORT", "",
+             "Address for their connections; default: 127.0.0.1:9002",
              [this](const auto& text) { parse_listener(text, forward_); });
   add_parsed(forwarded, "--for", "TIME", "End after this time; at Ctrl-C if not given",
              [this](const auto& text) { forward_.length = parse_time(text); });

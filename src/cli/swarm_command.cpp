@@ -169,7 +169,7 @@ std::variant<deployed_host, std::string> find_host(const config::ecology_descrip
     return deployed_host{name, host->address, host->control_port};
   if (const auto found = parse_host_port(name))
     return deployed_host{name, found->host, found->port};
-  return '`' + name + "` is no [[host]] of the file, and no ADDRESS:PORT";
+  return '`' + name + "` is neither a [[host]] of the file nor ADDRESS:PORT";
 }
 
 exit_status refuse(const swarm_command& x, const std::string& why) {

@@ -71,7 +71,7 @@ std::string as_table(const found_tuples& all) {
 /// How a request at another peer has ended; good: it has acknowledged.
 exit_status told(peer_id owner, std::optional<peis::cause> ended) {
   if (!ended)
-    return fail("peer " + to_string(owner) + " has not acknowledged it");
+    return fail("peer " + to_string(owner) + " did not acknowledge it");
   if (*ended != peis::cause::none)
     return fail(refused(*ended));
   return exit_status::good;
@@ -97,7 +97,7 @@ exit_status show_meta(const visit& at, peer_id owner, const meta_tuple& x) {
     return fail("peer " + to_string(owner) + " has no tuple `" + x.key + '`');
   const auto reference = peis::read_meta(*found.content);
   if (!reference)
-    return fail("tuple `" + x.key + "` of peer " + to_string(owner) + " is no meta tuple");
+    return fail("tuple `" + x.key + "` of peer " + to_string(owner) + " is not a meta tuple");
   nlohmann::ordered_json out{{"owner", owner.value}, {"key", x.key}, {"target", nullptr}};
   if (!*reference)
     return answer(at.with.json ? line_of(out) : "nowhere\n");

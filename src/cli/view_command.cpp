@@ -30,7 +30,7 @@ exit_status perform(const view_command& x) {
                               .controls = false,
                               .messages = true};
   if (view::with_facts(all->ecology, facts, "record").empty())
-    return refuse(x.record + ": it does not hold the positions of the motes: record the run again");
+    return refuse(x.record + ": it lacks the positions of the motes: record the run again");
   live_page page(x.where, all->ecology, facts, "record", "", nullptr, all);
   page.stay();
   return exit_status::good;

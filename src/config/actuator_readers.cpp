@@ -11,7 +11,7 @@ constexpr time_span way_time{0s, 24h};
 void read_relay(table_reader& in, device::actuator_config& out) {
   out.kind = device::actuator_kind::relay;
   in.optional("initial", word<std::uint8_t>{{{"off", 0}, {"on", 1}}}, out.initial,
-              "on the air 0 and 1");
+              "transmitted as 0 and 1");
 }
 
 void read_dimmer(table_reader& in, device::actuator_config& out) {
@@ -31,20 +31,22 @@ void read_level(table_reader& in, device::actuator_config& out) {
 
 void read_actuators(table_reader& in, std::vector<device::actuator_config>& out) {
   name_claims names;
-  in.tables("actuators", "actuators",
-            {"what it moves; a mote's replace its type's of the same name, or are added", "none"},
-            [&](table_reader& x) {
-              device::actuator_config config;
-              x.required("name", name_text{}, config.name, "one of a kind on the mote");
-              x.one_of("kind", "what it is",
-                       {{"relay", [&config](table_reader& y) { read_relay(y, config); }},
-                        {"dimmer", [&config](table_reader& y) { read_dimmer(y, config); }},
-                        {"level", [&config](table_reader& y) { read_level(y, config); }}});
-              if (!config.name.empty())
-                names.claim(config.name, "actuator", x.at("name"), x.problems());
-              std::erase_if(out, [&config](const auto& y) { return y.name == config.name; });
-              out.push_back(std::move(config));
-            });
+  in.tables(
+      "actuators", "actuators",
+      {"actuators; those of a mote replace those of its type with the same name, or are added",
+       "none"},
+      [&](table_reader& x) {
+        device::actuator_config config;
+        x.required("name", name_text{}, config.name, "unique on the mote");
+        x.one_of("kind", "what it is",
+                 {{"relay", [&config](table_reader& y) { read_relay(y, config); }},
+                  {"dimmer", [&config](table_reader& y) { read_dimmer(y, config); }},
+                  {"level", [&config](table_reader& y) { read_level(y, config); }}});
+        if (!config.name.empty())
+          names.claim(config.name, "actuator", x.at("name"), x.problems());
+        std::erase_if(out, [&config](const auto& y) { return y.name == config.name; });
+        out.push_back(std::move(config));
+      });
 }
 
 } // namespace rubicon::config

@@ -20,15 +20,15 @@ public:
       if (island == nullptr)
         continue; // its own table has no good id
       if (island->outside.has_sink())
-        problems.add(each.at, "island `" + island->name +
-                                  "` has a real sink: its motes are in the real air");
+        problems.add(each.at,
+                     "island `" + island->name + "` has a real sink: its motes use real radios");
       placed_.claim(each.value, "island `" + island->name + '`', each.at, problems,
-                    "is already in an air");
+                    "already belongs to a radio medium");
       if (first == nullptr)
         first = island;
       if (island->host != first->host)
         problems.add(each.at, "islands `" + first->name + "` and `" + island->name +
-                                  "` share an air, so they must be on one host");
+                                  "` share a radio medium, so they must be on one host");
     }
   }
 
@@ -57,10 +57,11 @@ std::vector<air_description> read_airs(table_reader& root,
   root.tables("air", "[[air]]", "islands that share a place", [&](table_reader& in) {
     air_description air;
     std::vector<located<island_id>> members;
-    if (in.required("name", name_text{}, air.name, "not that of an island outside of it"))
+    if (in.required("name", name_text{}, air.name,
+                    "unique among radio media and the islands outside it"))
       air_names.claim(air.name, "air name", in.at("name"), in.problems());
     in.required("islands", list_of<island_name>{{}, 1}, members,
-                "each island belongs to at most one air");
+                "each island belongs to at most one radio medium");
     placed.place(members, in.problems());
     air.islands = values_of(std::move(members));
     for (const auto& island : islands) {

@@ -23,16 +23,16 @@ void read_dead_band(table_reader& in, sampler_app& app, placed_app& out) {
   named_values<double> bands;
   const bool found = in.optional(
       "dead_band", pairs_of<real>{{0}}, bands,
-      {"it samples every period, but a message goes only when one of these values is so far, or "
-       "farther, from what was sent last; 0: when it has changed at all",
-       "each goes", "`{ temperature = 0.5 }`, some of the quantities, in their units"});
+      {"it samples every period, but sends only when one of these values differs by at least this "
+       "much from the one last sent; 0: when it has changed",
+       "every sample is sent", "`{ temperature = 0.5 }`, some of the quantities, in their units"});
   app.silence_max = 10 * app.every;
   in.optional("silence_max", apps::report_period, app.silence_max,
-              {"with `dead_band`: a message goes at least so often, so that whoever waits can tell "
-               "a steady value from a mote that is gone",
+              {"with `dead_band`: longest time between two messages, so that a steady value can be "
+               "distinguished from an absent mote",
                "ten times `every`", "time from `every`"});
   if (in.has("silence_max") && !in.has("dead_band"))
-    in.problems().add(in.at("silence_max"), "`silence_max` means nothing without a `dead_band`");
+    in.problems().add(in.at("silence_max"), "`silence_max` has no effect without a `dead_band`");
   if (app.silence_max < app.every)
     in.problems().add(in.at("silence_max"), "`silence_max` must not be shorter than `every`, which "
                                             "is " +
@@ -58,18 +58,16 @@ placed_app read_sampler(table_reader& in) {
   placed_app out;
   std::vector<located<device::quantity>> found;
   in.required("transducers", list_of<quantity_name>{{true}, 1, 8}, found,
-              {"each is a transducer of the mote, or `\"signal\"`: how strongly the mote receives "
-               "its parent, the next mote or sink on the way to the gateway, in dBm; 127 before it "
-               "has heard it",
+              {"each is a transducer of the mote, or `\"signal\"`: signal strength at which the "
+               "mote receives its parent, the next mote or sink on the route to the gateway, in "
+               "dBm; 127 before the first frame",
                "", "array of 1 to 8 quantities"});
   in.all(app);
   check_channel(in, "channel", app.channel);
   app.every_min = std::min(app.every_min, app.every);
-  if (in.optional(
-          "every_min", apps::report_period, app.every_min,
-          {"subscribers may ask for another [period](gateway.md#of-a-gateway), but for none "
-           "below this",
-           "`\"100ms\"`, or `every` if that is shorter", "time from 10 ms to `every`"}) &&
+  if (in.optional("every_min", apps::report_period, app.every_min,
+                  {"shortest [period](gateway.md#of-a-gateway) that subscribers may request",
+                   "`\"100ms\"`, or `every` if that is shorter", "time from 10 ms to `every`"}) &&
       app.every_min > app.every)
     in.problems().add(in.at("every_min"), "`every_min` must not be longer than `every`, which is " +
                                               to_text(app.every));
@@ -101,9 +99,9 @@ placed_app read_messenger(table_reader& in) {
   check_channel(in, "am_type", app.am_type);
   const auto* island = in.names().find(app.to.island);
   if (island != nullptr && !island->is_joined)
-    in.problems().add(in.at("to"),
-                      "a mote of an island with stack = \"mac\" or with a base station "
-                      "takes no messages");
+    in.problems().add(
+        in.at("to"),
+        "a mote of an island with stack = \"mac\" or with a base station accepts no messages");
   return {std::move(app), {}, {}, {}};
 }
 
@@ -125,7 +123,7 @@ void read_end(table_reader& in, std::string_view key, const flow_end_name& kind,
 /// A key that means nothing with this pattern.
 void refuse_with(const table_reader& in, std::string_view key, std::string_view pattern) {
   if (in.has(key))
-    in.problems().add(in.at(key), '`' + std::string(key) + "` means nothing with pattern = \"" +
+    in.problems().add(in.at(key), '`' + std::string(key) + "` has no effect with pattern = \"" +
                                       std::string(pattern) + '"');
 }
 
@@ -149,16 +147,15 @@ void check_times(const table_reader& in, const traffic::sender_config& app) {
 placed_app read_sender(table_reader& in) {
   traffic::sender_config app;
   placed_app out;
-  read_end(
-      in, "to", {true}, true, out,
-      "the target; `\"sink\"` is the sink of the own island, `\"*\"` whoever hears it and has a "
-      "receiver");
+  read_end(in, "to", {true}, true, out,
+           "the target; `\"sink\"` is the sink of the own island, `\"*\"` every radio that "
+           "receives it and has a receiver");
   read_end(in, "via", {}, false, out, {"first hop, a relay", "the target itself"});
   in.all(app);
   check_times(in, app);
   if (out.ends[0].value && out.ends[0].value->mote == broadcast_mote) {
     if (in.has("via"))
-      in.problems().add(in.at("via"), "a broadcast goes to whoever hears it, not `via` a relay");
+      in.problems().add(in.at("via"), "a broadcast goes to all radios in range, not `via` a relay");
     if (in.has("ack") && app.ack)
       in.problems().add(in.at("ack"), "a broadcast is never acknowledged");
     app.ack = false;
@@ -211,41 +208,41 @@ std::vector<placed_app> read_mote_apps(table_reader& in) {
     app.channel_at = x.at(channel_key);
     out.push_back(std::move(app));
   };
-  in.tables(
-      "apps", "apps of a mote",
-      {"its programs; a mote's replace its type's of the same kind on the same channel or AM type, "
-       "a relay its relay, a receiver its receiver, a member that of the same group and a plain "
-       "program of TinyOS its own of that kind, or are added; of a sink senders, relays and "
-       "receivers only",
-       "none"},
-      [&](table_reader& x) {
-        std::vector<std::pair<std::string_view, table_reader::part_reader>> choices{
-            {"sampler", [&](table_reader& y) { add(y, "channel", read_sampler(y)); }},
-            {"actuator", [&](table_reader& y) { add(y, "channel", read_actuator_app(y)); }},
-            {"messenger", [&](table_reader& y) { add(y, "am_type", read_messenger(y)); }},
-            {"listener", [&](table_reader& y) { add(y, "am_type", read_listener(y)); }}};
-        for (const auto& kind : mote_programs(in))
-          choices.emplace_back(
-              kind.first, [&add, kind](table_reader& y) { add(y, "app", read_program(y, kind)); });
-        choices.insert(
-            choices.end(),
-            {{"member", [&](table_reader& y) { add(y, "group", read_member(y)); }},
-             {"sender", [&](table_reader& y) { add(y, "app", read_sender(y)); }},
-             {"relay", [&](table_reader& y) { add(y, "app", read_relay(y)); }},
-             {"receiver",
-              [&](table_reader& y) {
-                add(y, "app", {traffic::receiver_config{}, {}, {}, {}});
-              }},
-             {"oscilloscope", [&](table_reader& y) { add(y, "app", read_oscilloscope(y)); }},
-             {"blink",
-              [&](table_reader& y) {
-                add(y, "app", read_counter(y, tinyos::program_kind::blink));
-              }},
-             {"count", [&](table_reader& y) {
-                add(y, "app", read_counter(y, tinyos::program_kind::count));
-              }}});
-        x.one_of("app", "which program", choices);
-      });
+  in.tables("apps", "apps of a mote",
+            {"its programs; those of a mote are added to those of its type, or replace one of the "
+             "same kind on the same channel or AM type; a relay or a receiver replaces the type's, "
+             "a member that of the same group, and a plain program of TinyOS the one of its kind; "
+             "a sink has senders, relays and receivers only",
+             "none"},
+            [&](table_reader& x) {
+              std::vector<std::pair<std::string_view, table_reader::part_reader>> choices{
+                  {"sampler", [&](table_reader& y) { add(y, "channel", read_sampler(y)); }},
+                  {"actuator", [&](table_reader& y) { add(y, "channel", read_actuator_app(y)); }},
+                  {"messenger", [&](table_reader& y) { add(y, "am_type", read_messenger(y)); }},
+                  {"listener", [&](table_reader& y) { add(y, "am_type", read_listener(y)); }}};
+              for (const auto& kind : mote_programs(in))
+                choices.emplace_back(kind.first, [&add, kind](table_reader& y) {
+                  add(y, "app", read_program(y, kind));
+                });
+              choices.insert(
+                  choices.end(),
+                  {{"member", [&](table_reader& y) { add(y, "group", read_member(y)); }},
+                   {"sender", [&](table_reader& y) { add(y, "app", read_sender(y)); }},
+                   {"relay", [&](table_reader& y) { add(y, "app", read_relay(y)); }},
+                   {"receiver",
+                    [&](table_reader& y) {
+                      add(y, "app", {traffic::receiver_config{}, {}, {}, {}});
+                    }},
+                   {"oscilloscope", [&](table_reader& y) { add(y, "app", read_oscilloscope(y)); }},
+                   {"blink",
+                    [&](table_reader& y) {
+                      add(y, "app", read_counter(y, tinyos::program_kind::blink));
+                    }},
+                   {"count", [&](table_reader& y) {
+                      add(y, "app", read_counter(y, tinyos::program_kind::count));
+                    }}});
+              x.one_of("app", "program", choices);
+            });
   return out;
 }
 

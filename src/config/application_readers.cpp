@@ -59,10 +59,10 @@ placed_program read_reservoir(table_reader& in, bool senses) {
       out.needs_at.push_back(each.at);
     app.transducers = values_of(std::move(found));
   }
-  app.from = read_synapses(in, "from", {"channels that come in", "none"});
+  app.from = read_synapses(in, "from", {"incoming channels", "none"});
   app.to = read_synapses(
       in, "to",
-      {"channels that go out: the first transducer, if there is one, then the units", "none"});
+      {"outgoing channels: the first transducer, if there is one, then the units", "none"});
   in.all(app);
   out.app = std::move(app);
   return out;
@@ -70,7 +70,7 @@ placed_program read_reservoir(table_reader& in, bool senses) {
 
 placed_program read_readout(table_reader& in) {
   apps::readout_config app;
-  app.from = read_synapses(in, "from", "channels that come in, at least 1");
+  app.from = read_synapses(in, "from", "incoming channels, at least 1");
   if (in.sound() && app.from.empty())
     in.problems().add(in.at("app"), "a readout needs at least one channel in `from`");
   in.all(app);
@@ -95,7 +95,7 @@ placed_program read_average(table_reader& in) {
   in.all(app);
   claims<std::uint16_t> listed;
   in.tables(
-      "outputs", "outputs of an average", "where the mean goes",
+      "outputs", "outputs of an average", "receivers of the mean",
       [&](table_reader& x) {
         apps::stream_output to;
         x.all(to);
@@ -123,7 +123,7 @@ placed_program read_recorder(table_reader& in, claims<std::string>& files) {
   app.streams = read_streams(in);
   in.all(app);
   if (in.required("file", text{}, app.file,
-                  "relative to the folder where the run is started; no other recorder writes it"))
+                  "relative to the working directory of the run; no other recorder writes it"))
     files.claim(app.file, "file `" + app.file + '`', in.at("file"), in.problems(),
                 "is already written by the recorder");
   return {std::move(app), {}};
@@ -194,20 +194,19 @@ std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_vie
                                                claims<std::string>& files) {
   std::vector<apps::app_config> out;
   end_claims ends;
-  in.tables(
-      key, title,
-      {"programs of its PC; they hear of each mote that joins the island; only where it is the "
-       "island's only gateway",
-       "none"},
-      [&](table_reader& x) {
-        std::vector<std::pair<std::string_view, table_reader::part_reader>> choices;
-        for (const auto& [word, read] : pc_programs(in, files))
-          choices.emplace_back(word, [&, read = read](table_reader& y) {
-            out.push_back(read(y).app);
-            ends.claim(out.back(), y.at("app"), y.problems());
-          });
-        x.one_of("app", "which program", choices);
-      });
+  in.tables(key, title,
+            {"programs of its PC; they are notified of each mote that joins the island; only if it "
+             "is the island's only gateway",
+             "none"},
+            [&](table_reader& x) {
+              std::vector<std::pair<std::string_view, table_reader::part_reader>> choices;
+              for (const auto& [word, read] : pc_programs(in, files))
+                choices.emplace_back(word, [&, read = read](table_reader& y) {
+                  out.push_back(read(y).app);
+                  ends.claim(out.back(), y.at("app"), y.problems());
+                });
+              x.one_of("app", "which program", choices);
+            });
   return out;
 }
 

@@ -60,14 +60,15 @@ void read_bluetooth(table_reader& in, bluetooth_description& out) {
       {"simulated Bluetooth between the adapters of peers", "see there"}, [&out](table_reader& x) {
         x.optional("range", metres{0.1, 1000}, out.range_m,
                    "devices farther away are not seen, and links longer than this are dropped");
-        x.optional("rate", bit_rate{}, out.rate_bps, "of each link, each way; 0 for no limit");
+        x.optional("rate", bit_rate{}, out.rate_bps, "of each link, per direction; 0 for no limit");
         x.optional("scan_period", time_span{1s, 30s}, out.scan_period,
                    "between two scans of an adapter");
         x.optional("rssi_threshold", power_level{}, out.threshold_dbm,
-                   "no link is begun with what is received more weakly; by default beyond 7.9 m");
-        x.optional("takeover", flag{}, out.takeover,
-                   "when the peer ends that announces on a shared adapter, the next one does it; "
-                   "`false`: nobody does, and nobody behind that adapter is found any more");
+                   "no link is opened to devices received more weakly; by default beyond 7.9 m");
+        x.optional(
+            "takeover", flag{}, out.takeover,
+            "when the peer that announces on a shared adapter ends, the next one takes over; "
+            "`false`: no peer does, and the peers behind that adapter are no longer found");
       });
 }
 
@@ -76,8 +77,8 @@ std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root) {
   std::vector<bluetooth_device> out;
   name_claims names;
   claims<peis::bluetooth_address> addresses;
-  root.tables("bluetooth_device", "[[bluetooth_device]]", "what has Bluetooth and is no peer",
-              [&](table_reader& in) {
+  root.tables("bluetooth_device", "[[bluetooth_device]]",
+              "devices with Bluetooth that are not peers", [&](table_reader& in) {
                 bluetooth_device x;
                 if (in.required("name", name_text{}, x.name, "no other device has it"))
                   names.claim(x.name, "device name", in.at("name"), in.problems());
@@ -95,7 +96,7 @@ void read_adapters(table_reader& in, machine_places& places, peer_description& o
   std::vector<located<std::string>> adapters;
   in.optional("bluetooth", list_of<adapter_name>{{}, 1, adapters_max}, adapters,
               {"adapters of its computer that it uses; peers of one host share them, and the first "
-               "to start announces for all of them",
+               "to start announces all of them",
                "none"});
   claims<std::string> named;
   for (const auto& each : adapters)
@@ -104,7 +105,7 @@ void read_adapters(table_reader& in, machine_places& places, peer_description& o
   out.bluetooth = values_of(std::move(adapters));
   const bool placed = in.optional(
       "position_m", place{}, out.place,
-      {"where its computer is; needed by `bluetooth`, and the same for all peers of a host",
+      {"position of its computer; needed by `bluetooth`, and the same for all peers of a host",
        "none"});
   in.optional("wired", flag{}, out.wired,
               "it is on the simulated network between hosts; `false`: it has links over Bluetooth "
@@ -112,7 +113,7 @@ void read_adapters(table_reader& in, machine_places& places, peer_description& o
   if (in.has("bluetooth") && !in.has("position_m"))
     in.problems().add(in.at("bluetooth"), "`bluetooth` needs a `position_m`");
   if (in.has("position_m") && !in.has("bluetooth"))
-    in.problems().add(in.at("position_m"), "`position_m` means nothing without `bluetooth`");
+    in.problems().add(in.at("position_m"), "`position_m` has no effect without `bluetooth`");
   const bool meets_others = in.has("bluetooth") || !out.connect.empty() || out.tcp || out.lan;
   if (!out.wired && !meets_others)
     in.problems().add(in.at("wired"), "without `bluetooth` it would have no links at all");
@@ -123,8 +124,9 @@ void read_adapters(table_reader& in, machine_places& places, peer_description& o
     return;
   const auto [known, is_new] = places.emplace(out.host, out.place);
   if (!is_new && known->second != out.place)
-    in.problems().add(in.at("position_m"), "the peers of host `" + out.host +
-                                               "` share its adapters: they have one position");
+    in.problems().add(in.at("position_m"),
+                      "the peers of host `" + out.host +
+                          "` share its adapters: they must have the same position");
 }
 
 } // namespace rubicon::config

@@ -51,24 +51,25 @@ struct fixed_kind {
   std::string_view why;
 };
 
-constexpr std::string_view is_decided = "is decided when the run begins";
+constexpr std::string_view is_decided = "is fixed when the run begins";
 
 constexpr std::array fixed_kinds{
-    fixed_kind{"name", "names all that is written of the run"},
-    fixed_kind{"seed", "decides all random numbers from the start; run again with `--seed`"},
-    fixed_kind{"mode", "is that of the whole run; run again with `--mode`"},
-    fixed_kind{"duration", "is that of the whole run; run again with `--for`"},
+    fixed_kind{"name", "names the outputs of the run"},
+    fixed_kind{"seed", "determines all random numbers from the start; run again with `--seed`"},
+    fixed_kind{"mode", "is fixed for the whole run; run again with `--mode`"},
+    fixed_kind{"duration", "is fixed for the whole run; run again with `--for`"},
     fixed_kind{"start", is_decided},
-    fixed_kind{"network", "is what peers meet by; those of two networks never connect"},
+    fixed_kind{"network",
+               "identifies the network of the peers; those of two networks never connect"},
     fixed_kind{"tick", "is shared by all motes and PCs from the start"},
-    fixed_kind{"radio", "decides how links are made; change one with kind = \"link\", or all for a "
-                        "while with a fault of kind = \"radio_loss\""},
+    fixed_kind{"radio", "determines the links; change one with kind = \"link\", or all for a time "
+                        "with a fault of kind = \"radio_loss\""},
     fixed_kind{"island", is_decided},
     fixed_kind{"air", is_decided},
-    fixed_kind{"mote", "is there from the start; a fault of kind = \"crash\" can give it another "
+    fixed_kind{"mote", "exists from the start; a fault of kind = \"crash\" can give it another "
                        "`type`, one of kind = \"move\" another island"},
     fixed_kind{"mote_type", is_decided},
-    fixed_kind{"peer", "is there from the start; a fault of kind = \"kill\" ends it"},
+    fixed_kind{"peer", "exists from the start; a fault of kind = \"kill\" ends it"},
     fixed_kind{"host", is_decided},
     fixed_kind{"expect", "is judged from the start"},
 };
@@ -77,21 +78,21 @@ constexpr std::array fixed_kinds{
 auto class_keys() {
   using proxy::class_change;
   const auto said = [](const char* meaning) { return keys::about{meaning, "as before"}; };
-  return of(required("class", &class_change::class_name, text{}, "which: the name of a [[proxy]]"),
+  return of(required("class", &class_change::class_name, text{}, "name of a [[proxy]]"),
             optional("period", &class_change::period, time_span{10ms, 24h * 10},
-                     said("as in [`qos`](#proxyqos); its proxies ask for it at once")),
+                     said("as in [`qos`](#proxyqos); its proxies request it at once")),
             optional("stale_after", &class_change::stale_after, time_span{10ms, 24h * 10},
-                     said("the same, also of what was read before")),
+                     said("the same, also for values read before")),
             optional("inactive_after", &class_change::inactive_after, time_span{1s, 24h * 10},
                      said("the same")),
             optional("retire_after", &class_change::retire_after, time_span{1s, 24h * 10},
                      said("the same")),
             optional("answer_timeout", &class_change::answer_timeout, time_span{1s, 1h},
-                     said("the same, for what is written from then on")),
+                     said("the same, for values written from then on")),
             optional("retry_for", &class_change::retry_for, time_span{0s, 24h}, said("the same")),
             optional("field", &class_change::field, text{},
-                     {"one of its fields, which the next keys are about", "none"}),
-            optional("unit", &class_change::unit, text{16}, said("published beside the value")),
+                     {"the field that the next keys change", "none"}),
+            optional("unit", &class_change::unit, text{16}, said("published with the value")),
             optional("scale", &class_change::scale, real{}, said("factor of the count")),
             optional("add", &class_change::add, real{}, said("added to the scaled count")),
             optional("decimals", &class_change::decimals, whole<int>{0, 6},
@@ -99,10 +100,10 @@ auto class_keys() {
 }
 
 auto rate_keys() {
-  return of(required("mote", &rate_change::mote, mote_name{}, "whose program it is"),
+  return of(required("mote", &rate_change::mote, mote_name{}, "mote with the program"),
             required("period", &rate_change::period, apps::report_period,
-                     "from one message to the next, also after the mote was started again; what "
-                     "somebody has asked the gateway for goes before it"),
+                     "period of its messages, also after the mote was restarted; a period "
+                     "requested from the gateway takes precedence"),
             optional("sampler", &rate_change::sampler, whole<std::uint16_t>{0, 255},
                      {"its channel", "the mote's only sampler or messenger"}),
             optional("messenger", &rate_change::messenger, whole<std::uint16_t>{0, 255},
@@ -110,21 +111,22 @@ auto rate_keys() {
 }
 
 auto link_keys() {
-  return of(required("from", &link_change::from, radio_name{}, "who sends"),
-            required("to", &link_change::to, radio_name{}, "who receives"),
+  return of(required("from", &link_change::from, radio_name{}, "sender"),
+            required("to", &link_change::to, radio_name{}, "receiver"),
             optional("loss", &link_change::loss, ratio{},
-                     {"chance that a copy is lost on this way", "as before"}),
+                     {"probability that a copy is lost on this link", "as before"}),
             optional("gain", &link_change::gain_db, decibels{-200, 20},
                      {"received dBm at 0 dBm sent", "as before"}));
 }
 
 auto network_keys_keys() {
-  return of(required("network_key", &network_keys_change::network_key,
-                     secret_key{"smepp.network_key"}, "encrypts all frames from then on"),
-            optional("network_mac", &network_keys_change::network_mac,
-                     secret_key{"smepp.network_mac"}, {"authenticates them", "as before"}),
-            optional("motes", &network_keys_change::motes, list_of<mote_name>{{}, 1},
-                     {"who gets the keys; others are left behind", "all motes with `member`"}));
+  return of(
+      required("network_key", &network_keys_change::network_key, secret_key{"smepp.network_key"},
+               "encrypts all frames from then on"),
+      optional("network_mac", &network_keys_change::network_mac, secret_key{"smepp.network_mac"},
+               {"authenticates them", "as before"}),
+      optional("motes", &network_keys_change::motes, list_of<mote_name>{{}, 1},
+               {"motes that receive the keys; others are left behind", "all motes with `member`"}));
 }
 
 class change_reader {
@@ -136,15 +138,17 @@ public:
       return;
     const auto within = in.title(); // faults and expectations have kinds of their own
     using choices = std::vector<std::pair<std::string_view, table_reader::part_reader>>;
-    in.one_of("kind", "what changes",
-              choices{{"debug", one(of(required("of", &debug_change::of, debug_pattern_list{},
-                                                "whose messages `--debug-dir` has from then on; "
-                                                "none: nobody's")))},
-                      {"rate", one(rate_keys())},
-                      {"link", one(link_keys())},
-                      {"proxy_class", one(class_keys())},
-                      {"network_keys", one(network_keys_keys())}},
-              within);
+    in.one_of(
+        "kind", "what changes",
+        choices{{"debug",
+                 one(of(required(
+                     "of", &debug_change::of, debug_pattern_list{},
+                     "actors whose messages `--debug-dir` has from then on; none: no actor's")))},
+                {"rate", one(rate_keys())},
+                {"link", one(link_keys())},
+                {"proxy_class", one(class_keys())},
+                {"network_keys", one(network_keys_keys())}},
+        within);
   }
 
 private:
@@ -168,7 +172,7 @@ private:
     const auto why = word == nullptr ? std::string_view() : why_fixed(*word);
     if (why.empty())
       return false;
-    in.problems().add(in.at("kind"), '`' + *word + "` does not change while an ecology runs: it " +
+    in.problems().add(in.at("kind"), '`' + *word + "` cannot change while an ecology runs: it " +
                                          std::string(why));
     for (const auto& each : *in.content().as<node_table>())
       in.expect(each.key); // nothing else is to be said of it
@@ -186,7 +190,7 @@ private:
 
   void check(table_reader& in, rate_change& x) const {
     if (x.sampler && x.messenger) {
-      refuse(in, "messenger", "`messenger` means nothing with `sampler`");
+      refuse(in, "messenger", "`messenger` has no effect with `sampler`");
       return;
     }
     const auto* mote = find(x.mote);
@@ -220,8 +224,8 @@ private:
   static void refuse_program(table_reader& in, const rate_change& x, bool none) {
     if (!none)
       refuse(in, "mote",
-             "that mote has several samplers and messengers: say which, with `sampler` "
-             "or `messenger`");
+             "that mote has several samplers and messengers: choose one with `sampler` or "
+             "`messenger`");
     else if (x.sampler || x.messenger)
       refuse(in, x.sampler ? "sampler" : "messenger", "that mote has no " + program_text(x));
     else
@@ -252,9 +256,9 @@ private:
     if (x.from == x.to)
       refuse(in, "to", "a link leads from one mote to another");
     else if (air_of(x.from.island) != air_of(x.to.island))
-      refuse(in, "to", "the two are in different airs, which hear nothing of each other");
+      refuse(in, "to", "the two use different radio media, which are isolated from each other");
     if (const auto* of = in.names().find(x.from.island); of != nullptr && !of->is_simulated)
-      refuse(in, "from", "that island has a real sink: nothing of its air is simulated");
+      refuse(in, "from", "that island has a real sink: its radio medium is not simulated");
   }
 
   void check(table_reader& in, proxy::class_change& x) const {
@@ -264,14 +268,14 @@ private:
       known.push_back(each.name);
     if (found == all_.proxies.end()) {
       refuse(in, "class",
-             "no proxy class is called `" + x.class_name + '`' + suggestion(x.class_name, known));
+             "no proxy class is named `" + x.class_name + '`' + suggestion(x.class_name, known));
       return;
     }
     if (found->types.empty())
-      refuse(in, "class", "that class is of tagged objects; only those of motes may change");
+      refuse(in, "class", "that class is for tagged objects; only classes for motes may change");
     check_field(in, x, *found);
     if (in.sound() && proxy::to_text(x).empty())
-      in.problems().add(in.at(), "nothing of the class is to change: say what");
+      in.problems().add(in.at(), "no change of the class is given");
   }
 
   void check(table_reader& in, network_keys_change& x) const {
@@ -282,7 +286,8 @@ private:
     };
     for (const auto& each : x.motes)
       if (const auto* mote = find(each); mote != nullptr && !is_member(*mote))
-        refuse(in, "motes", '`' + mote->name + "` has no program `member`, and so no such keys");
+        refuse(in, "motes",
+               '`' + mote->name + "` has no program `member`, and therefore no such keys");
     if (std::ranges::none_of(all_.islands, [&](const island_description& island) {
           return std::ranges::any_of(island.motes, is_member);
         }))
@@ -336,7 +341,7 @@ std::vector<fault_description> read_changes(table_reader& root, const surroundin
               [&](table_reader& in) {
                 fault_description x;
                 change what;
-                in.required("at", time_of_run{}, x.at, "from when on");
+                in.required("at", time_of_run{}, x.at, "time from which it applies");
                 change_reader(all, what).read(in);
                 x.what = std::move(what);
                 out.push_back(std::move(x));

@@ -35,7 +35,7 @@ struct component_id {
     }
     if (id < 1 || id > peer_id_max)
       return who.refuse(x, "a PEIS id from 1 to " + std::to_string(peer_id_max) +
-                               ", or one that counts from the init's own, as in \"+1\"");
+                               ", or relative to the init's own, as in \"+1\"");
     return peer_id(static_cast<std::int32_t>(id));
   }
   [[nodiscard]] static form takes() {
@@ -56,7 +56,7 @@ struct component_peer {
     std::vector<std::string> known;
     for (const auto& [each, id] : who.in.names->ends)
       known.push_back(each);
-    who.complain(x, "no peer is called `" + *name + '`' + suggestion(*name, known));
+    who.complain(x, "no peer is named `" + *name + '`' + suggestion(*name, known));
     return std::nullopt;
   }
   [[nodiscard]] static form takes() { return string_form("name of a peer"); }
@@ -74,7 +74,7 @@ placed_component read_component(table_reader& in, run_mode mode, peer_id own) {
       "the component is a process that `/bin/sh` runs; needs `mode = \"wall\"`. It finds the "
       "options of its kernel, and the extra arguments, in the environment variable `PEISINIT`");
   in.optional("id", component_id{own}, x.id,
-              "PEIS id of a command, or how many more than the init's it is; nobody else has it");
+              "PEIS id of a command, or its offset from the init's; it is unique");
   in.all(x);
   if (in.has("peer") == in.has("command"))
     in.problems().add(in.at(), "a component is either a `peer` or a `command`");
@@ -83,7 +83,7 @@ placed_component read_component(table_reader& in, run_mode mode, peer_id own) {
   else if (in.has("command") && !in.has("id"))
     in.problems().add(in.at(), "`id` is missing: a command has no PEIS id of its own");
   if (in.has("peer") && in.has("arguments"))
-    in.problems().add(in.at("arguments"), "`arguments` mean nothing to a peer of the file");
+    in.problems().add(in.at("arguments"), "`arguments` have no effect on a peer of the file");
   if (in.has("command") && mode == run_mode::virtual_time)
     in.problems().add(in.at("command"), "`command` needs mode = \"wall\": in virtual time no "
                                         "process can be started");
@@ -227,21 +227,22 @@ init_app read_init(table_reader& in, surroundings& with, peer_id own,
                    std::vector<placed_init>& placed) {
   init_app out;
   placed_init x{own, in.at("app"), {}, {}, in.at("folder")};
-  in.tables("components", "components",
-            "at most 64 with those of the folder, see below; also as `[[peer.apps.components]]`",
-            [&](table_reader& y) {
-              auto found = read_component(y, with.mode, own);
-              if (y.sound())
-                x.components.push_back(std::move(found));
-            });
+  in.tables(
+      "components", "components",
+      "at most 64 including those of the folder, see below; also as `[[peer.apps.components]]`",
+      [&](table_reader& y) {
+        auto found = read_component(y, with.mode, own);
+        if (y.sound())
+          x.components.push_back(std::move(found));
+      });
   in.optional("folder", text{path_octets_max}, x.folder,
-              {"each of its files `*.toml` describes one component with the keys below; one that "
-               "is wrong is told of and left out",
+              {"each of its files `*.toml` describes one component with the keys below; an invalid "
+               "one is reported and skipped",
                "none", "folder"});
   if (in.optional(
           "lock", text{path_octets_max}, out.lock,
-          {"in wall time the init holds this file; a second one that wants it refuses to run",
-           "one of the host and the user, in `$XDG_RUNTIME_DIR` or `/tmp`", "file"}) &&
+          {"in wall time the init locks this file; a second init with the same file does not start",
+           "one per host and user, in `$XDG_RUNTIME_DIR` or `/tmp`", "file"}) &&
       with.shared.files != nullptr)
     out.lock = (std::filesystem::path(with.shared.files->toml).parent_path() / out.lock).string();
   if (!in.has("components") && !in.has("folder"))

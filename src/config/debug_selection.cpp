@@ -38,9 +38,9 @@ bool debug_selection::has(std::string_view path) const {
 
 std::string debug_selection::text() const {
   if (patterns_.empty())
-    return "nobody";
+    return "no actors";
   if (among(patterns_, "*"))
-    return "everybody";
+    return "all actors";
   std::string text;
   for (const auto& x : patterns_)
     text += (text.empty() ? "" : ", ") + x;
@@ -126,7 +126,7 @@ std::string debug_names::problem(std::string_view pattern) const {
   for (auto at = paths_.lower_bound(module); at != paths_.end() && at->starts_with(module); ++at)
     if (module_of(*at) == module && at->size() > module.size())
       known.push_back(*at);
-  return "no actor is called " + ticked(pattern) + suggestion(pattern, known);
+  return "no actor is named " + ticked(pattern) + suggestion(pattern, known);
 }
 
 std::string debug_names::problem(const std::vector<std::string>& patterns) const {

@@ -38,7 +38,7 @@ void take_clock(table_reader& in, const ecology_description& x) {
     in.shared().clock_changes = files->instead.clock_changes;
   if (mode == run_mode::virtual_time)
     in.problems().add(in.at("start"), "`start` = \"now\" needs mode = \"wall\": a run in virtual "
-                                      "time is the same whenever it is run");
+                                      "time does not depend on when it is run");
 }
 
 } // namespace
@@ -46,7 +46,7 @@ void take_clock(table_reader& in, const ecology_description& x) {
 void read_ecology(table_reader& root, ecology_description& out) {
   const bool found =
       root.table("ecology", "[ecology]", "the run as a whole", [&out](table_reader& in) {
-        in.required("name", name_text{}, out.name, "of the ecology, in reports");
+        in.required("name", name_text{}, out.name, "name of the ecology, in reports");
         in.optional("seed", whole<std::uint64_t>{0, INT64_MAX}, out.seed,
                     "of all random numbers; the same file and seed give the same virtual run");
         in.optional("mode",
@@ -55,16 +55,16 @@ void read_ecology(table_reader& root, ecology_description& out) {
         in.optional("duration", time_span{1ms}, out.length, "of ecology time");
         in.optional("start", day_start{}, out.day_begins,
                     {"time of day at the start of the run, for [rules](#rules) with `at`; in wall "
-                     "time also "
-                     "`\"now\"`: that of the computer's clock and zone, through daylight saving: "
-                     "a time that a change leaves out comes at the change, one that it repeats "
-                     "comes once",
+                     "time also `\"now\"`: that of the computer's clock and time zone, including "
+                     "daylight saving: a time that a clock change skips occurs at the change, one "
+                     "that it repeats occurs once",
                      "`\"00:00\"`"});
         take_clock(in, out);
-        in.optional("date", calendar_day{}, out.date,
-                    {"day on which a run in virtual time starts, at `start`: the [network "
-                     "time](gateway.md#time) goes on from there. In wall time it is the computer's",
-                     "`\"2001-09-09\"` at 01:46:40"});
+        in.optional(
+            "date", calendar_day{}, out.date,
+            {"day on which a run in virtual time starts, at `start`: the [network "
+             "time](gateway.md#time) continues from there. In wall time it is the computer's",
+             "`\"2001-09-09\"` at 01:46:40"});
         in.optional("network", text{network_octets_max}, out.network,
                     "PEIS network string: peers with another one never connect");
         duration tick = out.tick;
@@ -83,7 +83,7 @@ void read_ecology(table_reader& root, ecology_description& out) {
              [&out](table_reader& in) {
                auto& plan = out.plan.emplace();
                in.required("picture", text{4096}, plan.picture,
-                           "file with it, a PNG, JPEG, WebP or SVG; not needed to run");
+                           "its file, a PNG, JPEG, WebP or SVG; not needed for a run");
                in.optional("position_m", place{}, plan.corner, "of its lower left corner");
                in.required("width", metres{0.1, 100'000}, plan.width_m,
                            "from its left edge to its right one");
@@ -101,7 +101,8 @@ std::string listening_address(const host_description& x) {
 
 host_description read_host(table_reader& in, name_claims& names) {
   host_description host;
-  if (in.required("name", name_text{}, host.name, "what `host` of islands and peers refers to"))
+  if (in.required("name", name_text{}, host.name,
+                  "name that `host` of islands and peers refers to"))
     names.claim(host.name, "host name", in.at("name"), in.problems());
   in.required("address", text{253}, host.address,
               "DNS name or IPv4 address under which other hosts reach it");
@@ -110,16 +111,15 @@ host_description read_host(table_reader& in, name_claims& names) {
                                         "\"192.168.1.7\": links over IPv6 are not made");
   host.listen = listening_address(host);
   in.optional("listen", interface_address{}, host.listen,
-              {"at which of its addresses it takes links of other hosts and commands; "
-               "`\"0.0.0.0\"`: at all",
+              {"its address for links from other hosts and for commands; `\"0.0.0.0\"`: all",
                "`address`, which must be an IPv4 address then"});
   in.optional("control_port", whole<std::uint16_t>{1, 65534}, host.control_port,
-              "at which `rubicon host` takes commands there");
+              "TCP port for commands to `rubicon host`");
   host.peis_port = static_cast<std::uint16_t>(host.control_port + 1);
   in.optional("peis_port", whole<std::uint16_t>{1, 65535}, host.peis_port,
               {"TCP port of the PEIS links from other hosts", "`control_port` + 1"});
   in.optional("networks", list_of<network_text>{{}, 0, networks_max}, host.networks,
-              {"from where those links may come; others are closed at once", "anywhere"});
+              {"networks that those links may come from; others are closed at once", "anywhere"});
   return host;
 }
 
@@ -128,7 +128,7 @@ host_description read_host(table_reader& in, name_claims& names) {
 std::vector<host_description> read_hosts(table_reader& root) {
   std::vector<host_description> out;
   name_claims names;
-  root.tables("host", "[[host]]", "computers; the first one has what names no host",
+  root.tables("host", "[[host]]", "computers; the first one runs everything that names no host",
               [&](table_reader& in) { out.push_back(read_host(in, names)); });
   return out;
 }

@@ -47,7 +47,7 @@ void read_condition(table_reader& in, tuple_condition& out) {
   in.all(
       out,
       of(required("key", &tuple_condition::key, tuple_key{}, "the tuple"),
-         optional("equals", &tuple_condition::equals, list_of<text>{{}, 1}, "it is one of these,"),
+         optional("equals", &tuple_condition::equals, list_of<text>{{}, 1}, "one of these values,"),
          optional("above", &tuple_condition::above, real{}, "or a number at or above this,"),
          optional("below", &tuple_condition::below, real{},
                   {"and below this", "", "number, more than `above`"})));
@@ -80,73 +80,76 @@ expectation read_expectation(table_reader& in) {
     });
   };
   kind("delivery",
-       of(optional("of", &delivery_expectation::of, scope_name{}, {"whose messages", "`\"*\"`"}),
-          required("at_least", &delivery_expectation::at_least, ratio{}, "this share")));
-  kind(
-      "acknowledged",
-      of(optional("of", &acknowledged_expectation::of, scope_name{}, {"whose messages", "`\"*\"`"}),
-         required("at_least", &acknowledged_expectation::at_least, ratio{}, "this share")));
-  kind("stream", of(required("stream", &stream_expectation::stream, whole<std::uint16_t>{},
-                             "number of the stream"),
-                    required("to", &stream_expectation::to, node_name{}, "where it is read"),
-                    required("at_least", &stream_expectation::at_least, ratio{}, "this share"),
-                    optional("pause", &stream_expectation::pause, time_span{1ms},
-                             {"the longest that the reader may go without a record, from its first "
-                              "one to the end of the run",
-                              "any"}),
-                    optional("first_within", &stream_expectation::first_within, time_span{1ms},
-                             {"the longest until its first record, from when the programs at both "
-                              "ends were there for the first time",
-                              "`pause`"})));
+       of(optional("of", &delivery_expectation::of, scope_name{},
+                   {"sender of the messages", "`\"*\"`"}),
+          required("at_least", &delivery_expectation::at_least, ratio{}, "at least this share")));
+  kind("acknowledged", of(optional("of", &acknowledged_expectation::of, scope_name{},
+                                   {"sender of the messages", "`\"*\"`"}),
+                          required("at_least", &acknowledged_expectation::at_least, ratio{},
+                                   "at least this share")));
+  kind("stream",
+       of(required("stream", &stream_expectation::stream, whole<std::uint16_t>{},
+                   "number of the stream"),
+          required("to", &stream_expectation::to, node_name{}, "node that reads it"),
+          required("at_least", &stream_expectation::at_least, ratio{}, "at least this share"),
+          optional("pause", &stream_expectation::pause, time_span{1ms},
+                   {"longest time that the reader may be without a record, from its first one to "
+                    "the end of the run",
+                    "any"}),
+          optional("first_within", &stream_expectation::first_within, time_span{1ms},
+                   {"longest time until its first record, from the moment when the programs at "
+                    "both ends first ran",
+                    "`pause`"})));
   kind("actuations",
        of(optional("proxy", &actuations_expectation::proxy, proxy_name{},
-                   {"whose inputs", "`\"*\"`"}),
+                   {"proxies whose inputs are checked", "`\"*\"`"}),
           optional("count", &actuations_expectation::count, whole<std::uint64_t>{1, INT64_MAX},
                    "minimum number of requests"),
-          required("at_least", &actuations_expectation::at_least, ratio{}, "this share")));
+          required("at_least", &actuations_expectation::at_least, ratio{}, "at least this share")));
   kind("tuple", of(required("within", &tuple_expectation::within, time_of_run{}, "so soon")));
   kind("clock",
-       of(optional("of", &clock_expectation::of, scope_name{}, {"whose clocks", "`\"*\"`"}),
-          required("at_most", &clock_expectation::at_most, time_span{1us}, "no farther"),
+       of(optional("of", &clock_expectation::of, scope_name{},
+                   {"motes whose clocks are checked", "`\"*\"`"}),
+          required("at_most", &clock_expectation::at_most, time_span{1us}, "largest error"),
           optional("share", &clock_expectation::share, ratio{}, "in this share of the comparisons"),
           optional("from", &clock_expectation::from, time_of_run{}, "the first comparison"),
           optional("every", &clock_expectation::every, time_span{10ms},
                    "from one comparison to the next")));
   kind("joined", of(optional("of", &joined_expectation::of, scope_name{},
-                             {"who is listed by its gateway for the first time", "`\"*\"`"}),
+                             {"motes that their gateway lists for the first time", "`\"*\"`"}),
                     required("within", &joined_expectation::within, time_of_run{},
-                             "so long after the start of the run")));
+                             "latest time after the start of the run")));
   kind("members", of(optional("of", &members_expectation::of, scope_name{},
-                              {"who is listed at the end", "`\"*\"`"}),
+                              {"motes that are listed at the end", "`\"*\"`"}),
                      optional("at_least", &members_expectation::at_least,
                               whole<std::uint64_t>{1, 1'000'000}, {"so many", "all of them"})));
   kind("battery", of(optional("of", &battery_expectation::of, scope_name{},
-                              {"whose batteries, each of them", "`\"*\"`"}),
+                              {"motes whose batteries are checked, each of them", "`\"*\"`"}),
                      required("at_least", &battery_expectation::at_least, ratio{},
-                              "share of the charge that is left at the end")));
+                              "share of the charge left at the end")));
   kind("radio", of(optional("of", &radio_expectation::of, scope_name{},
-                            {"whose radios, each of them", "`\"*\"`"}),
+                            {"motes whose radios are checked, each of them", "`\"*\"`"}),
                    required("at_most", &radio_expectation::at_most, ratio{},
                             "share of the time that it was on")));
   kind(
       "vectors",
       of(optional("node", &vectors_expectation::node, any_node_name{},
-                  {"whose programs", "`\"*\"`"}),
+                  {"nodes whose programs are checked", "`\"*\"`"}),
          optional("missed", &vectors_expectation::missed, whole<std::uint64_t>{0, INT64_MAX},
-                  "so many vectors of synaptic channels they may miss, all together"),
+                  "number of vectors of synaptic channels that they may miss, in total"),
          optional("from", &vectors_expectation::from, time_of_run{}, "not counting those before")));
   kind("events",
        of(required("at_most", &events_expectation::at_most, whole<std::uint64_t>{1, INT64_MAX},
                    "messages between actors in the whole run")));
   kind("event_log",
-       of(required("text", &event_log_expectation::text, text{}, "what they contain"),
+       of(required("text", &event_log_expectation::text, text{}, "text that they contain"),
           optional("who", &event_log_expectation::who, text{},
-                   {"what their `who` contains", "anybody"}),
+                   {"text that their `who` contains", "anybody"}),
           optional("at_least", &event_log_expectation::at_least, whole<std::uint64_t>{0, INT64_MAX},
-                   "so many lines"),
+                   "smallest number of lines"),
           optional("at_most", &event_log_expectation::at_most, whole<std::uint64_t>{0, INT64_MAX},
-                   {"no more of them", "any number", "number, not less than `at_least`"})));
-  in.one_of("kind", "what must come of the run", choices, "[[expect]]");
+                   {"largest number of lines", "any number", "number, not less than `at_least`"})));
+  in.one_of("kind", "kind of expectation", choices, "[[expect]]");
   return out;
 }
 
@@ -165,7 +168,7 @@ std::vector<located<std::string>> texts_at(const table_reader& in, std::string_v
 std::vector<expectation> read_expectations(table_reader& root) {
   constexpr std::size_t expectations_max = 1000;
   std::vector<expectation> out;
-  root.tables("expect", "[[expect]]", "what must come of a run, up to 1000", [&](table_reader& x) {
+  root.tables("expect", "[[expect]]", "requirements on a run, up to 1000", [&](table_reader& x) {
     out.push_back(read_expectation(x));
     if (out.size() == expectations_max + 1)
       x.problems().add(x.at(), "a file must not expect more than " +

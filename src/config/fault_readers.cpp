@@ -34,7 +34,7 @@ public:
     describe_peers();
     describe_either();
     describe_radio();
-    in.one_of("kind", "what goes wrong", choices_);
+    in.one_of("kind", "kind of fault", choices_);
   }
 
 private:
@@ -54,102 +54,104 @@ private:
   void describe_motes() {
     kind("battery_end", of(required("mote", &battery_end_fault::mote, mote_name{true},
                                     "it detects a low battery and notifies its sink; a second "
-                                    "later it is flat, for good")));
+                                    "later it is flat permanently")));
     kind("crash",
          of(required("mote", &crash_fault::mote, mote_name{true},
-                     "its program fails; it is off for a while and then started again"),
-            optional("for", &crash_fault::length, span, "how long it is off"),
+                     "its program fails; it is off for a while and then restarted"),
+            optional("for", &crash_fault::length, span, "time until it is on again"),
             optional("type", &crash_fault::type, mote_type_name{},
-                     {"with a single `mote`: what it is from its next start on; platform, power "
-                      "and battery stay, and the type too once it was carried to another island",
+                     {"with a single `mote`: its type from its next start on; platform, power and "
+                      "battery stay, and so does the type once it was carried to another island",
                       "the one it has"})),
-         of(required(
-                "sink", &sink_crash_fault::island, joined_sink_name{},
-                "the sink of that island instead; its end of the serial cables is dead as long"),
-            optional("for", &sink_crash_fault::length, span, "how long it is off")));
-    kind("unplug", of(optional("gateway", &unplug_fault::gateway, gateway_name{},
-                               "the one whose cable is out, and no other of its island"),
-                      optional("for", &unplug_fault::length, span, "how long")));
+         of(required("sink", &sink_crash_fault::island, joined_sink_name{},
+                     "the sink of that island instead; its serial cables are dead for that time"),
+            optional("for", &sink_crash_fault::length, span, "time until it is on again")));
+    kind("unplug",
+         of(optional("gateway", &unplug_fault::gateway, gateway_name{},
+                     "the one whose cable is unplugged; the island's other gateways keep theirs"),
+            optional("for", &unplug_fault::length, span, "length")));
   }
 
   void describe_peers() {
     kind("kill",
          of(required("peer", &kill_fault::peer, peer_name{}, "who"),
             optional("for", &kill_fault::length, span,
-                     {"after this it is started again, and knows nothing of its life before",
-                      "for good"})));
+                     {"it is restarted after this time, without any state of its previous life",
+                      "never"})));
     kind("power_off",
          of(required("peer", &power_off_fault::peer, peer_name{}, "who"),
-            optional("for", &power_off_fault::length, span,
-                     {"after this it is started again; its links of before are reset then",
-                      "for good"})));
+            optional(
+                "for", &power_off_fault::length, span,
+                {"it is restarted after this time; its former links are then reset", "never"})));
     kind("pause", of(required("peer", &pause_fault::peer, peer_name{}, "who"),
-                     optional("for", &pause_fault::length, time_span{1ms, 1h}, "how long")));
+                     optional("for", &pause_fault::length, time_span{1ms, 1h}, "length")));
     kind("partition", of(required("groups", &partition_fault::groups, peer_groups{},
                                   "the name of a table with `count` stands for all of its peers; "
-                                  "those in no group make one more"),
-                         optional("for", &partition_fault::length, span, "how long")));
-    kind("link_loss", of(required("loss", &link_loss_fault::loss, ratio{},
-                                  "chance that a package is lost, beside `loss` of `[peis]`"),
-                         optional("peers", &link_loss_fault::peers, linked_peers{},
-                                  {"on links between two of these; the name of a table with "
-                                   "`count` stands for all of its peers",
-                                   "all links"}),
-                         optional("for", &link_loss_fault::length, span, "how long")));
+                                  "peers in no group form one more group"),
+                         optional("for", &partition_fault::length, span, "length")));
+    kind("link_loss",
+         of(required("loss", &link_loss_fault::loss, ratio{},
+                     "probability that a package is lost, in addition to `loss` of `[peis]`"),
+            optional("peers", &link_loss_fault::peers, linked_peers{},
+                     {"on links between two of these; the name of a table with "
+                      "`count` stands for all of its peers",
+                      "all links"}),
+            optional("for", &link_loss_fault::length, span, "length")));
   }
 
   void describe_either() {
     kind("duplicate_id",
-         of(required("peer", &duplicate_id_fault::peer, peer_name{}, "whose id"),
+         of(required("peer", &duplicate_id_fault::peer, peer_name{}, "peer whose id is duplicated"),
             optional("for", &duplicate_id_fault::length, span,
-                     {"after this it stops without notifying anyone, its links reset",
+                     {"it stops after this time without notifying anyone; its links are reset",
                       "to the end of the run"})),
          of(required("mote", &mote_double_fault::mote, mote_name{},
-                     "the mote whose address, instead"),
-            required("position_m", &mote_double_fault::place, place{}, "where that second mote is"),
+                     "instead, the mote whose address is duplicated"),
+            required("position_m", &mote_double_fault::place, place{},
+                     "position of that second mote"),
             optional("for", &mote_double_fault::length, span,
-                     {"after this it is off", "to the end of the run"})));
+                     {"it is switched off after this time", "to the end of the run"})));
     kind("clock_step",
-         of(required("peer", &clock_step_fault::peer, peer_name{}, "whose clock is set"),
+         of(required("peer", &clock_step_fault::peer, peer_name{}, "peer whose clock is set"),
             required("by", &clock_step_fault::by, time_step{}, "forward or back")),
          of(required("mote", &crystal_step_fault::mote, mote_name{true},
-                     "the clock by which it knows the time of its island, instead; its timers go "
-                     "on"),
+                     "instead, the mote whose clock of island time is set; its timers go on"),
             required("by", &crystal_step_fault::by, time_step{}, "forward or back")),
          of(required("sink", &sink_step_fault::island, joined_sink_name{},
-                     "the clock of the island's sink, which gives its motes the time"),
+                     "the clock of the island's sink, the time source of its motes"),
             required("by", &sink_step_fault::by, time_step{}, "forward or back")));
     kind("move",
-         of(required("peer", &move_fault::peer, peer_name{}, "whose computer"),
-            required("to_m", &move_fault::to, place{}, "where to")),
+         of(required("peer", &move_fault::peer, peer_name{}, "peer whose computer is carried"),
+            required("to_m", &move_fault::to, place{}, "target position")),
          of(required("mote", &move_island_fault::mote, mote_name{},
-                     "the mote that is carried to another island, instead; only once"),
+                     "instead, the mote that is carried to another island; only once"),
             required("to_island", &move_island_fault::to, island_name{},
-                     "with `mote`: switched on there, it is a mote of this one, under its old id, "
-                     "in its next life"),
-            required("to_m", &move_island_fault::place, place{}, "where to"),
-            optional("for", &move_island_fault::length, span, "with `mote`: how long it is off")));
+                     "with `mote`: the island that it joins when switched on there, under its old "
+                     "id, in its next life"),
+            required("to_m", &move_island_fault::place, place{}, "target position"),
+            optional("for", &move_island_fault::length, span,
+                     "with `mote`: time until it is on again")));
   }
 
   void describe_radio() {
-    kind(
-        "noise",
-        of(required("island", &noise_fault::island, island_name{}, "in whose air"),
-           required("position_m", &noise_fault::place, place{}, "where"),
-           optional("power", &noise_fault::transmit_dbm, power_level{-100, 30}, "how strong"),
-           optional("channel", &noise_fault::channel, radio_channel,
-                    {"the one that it disturbs", "all"}),
-           optional("duty", &noise_fault::duty, ratio{},
-                    {"share of the time that it sends", "", "ratio above 0"}),
-           optional("burst", &noise_fault::burst, time_span{100us, 1h},
-                    "how long each time, if not always; gaps are drawn from 0 to twice their mean"),
-           optional("for", &noise_fault::length, span, "how long in all")));
+    kind("noise", of(required("island", &noise_fault::island, island_name{},
+                              "island whose radio medium is disturbed"),
+                     required("position_m", &noise_fault::place, place{}, "where"),
+                     optional("power", &noise_fault::transmit_dbm, power_level{-100, 30}, "power"),
+                     optional("channel", &noise_fault::channel, radio_channel,
+                              {"channel that it disturbs", "all"}),
+                     optional("duty", &noise_fault::duty, ratio{},
+                              {"share of the time that it transmits", "", "ratio above 0"}),
+                     optional("burst", &noise_fault::burst, time_span{100us, 1h},
+                              "length of each transmission, if not continuous; gaps are drawn from "
+                              "0 to twice their mean"),
+                     optional("for", &noise_fault::length, span, "total length")));
     kind("radio_loss", of(required("loss", &radio_loss_fault::loss, ratio{},
-                                   "chance that a copy of a frame is lost on its way to a radio, "
-                                   "beside `loss` of `[radio]` and its links"),
+                                   "probability that a copy of a frame is lost, in addition to "
+                                   "`loss` of `[radio]` and its links"),
                           optional("island", &radio_loss_fault::island, island_name{true},
-                                   {"to radios of this one only", "all islands"}),
-                          optional("for", &radio_loss_fault::length, span, "how long")));
+                                   {"only at radios of this island", "all islands"}),
+                          optional("for", &radio_loss_fault::length, span, "length")));
   }
 
   template <class Fault>
@@ -179,7 +181,8 @@ private:
     if (x.to == x.mote.island)
       refuse("it is in that island already; a `path` of the mote lets it move there");
     else if (!to->is_joined)
-      refuse("nobody joins an island with stack = \"mac\" or with a base station; name another");
+      refuse(
+          "no mote can join an island with stack = \"mac\" or with a base station; name another");
     else if (to->sink == x.mote.mote || find({x.to, x.mote.mote}) != nullptr)
       refuse("that island has a mote or sink with the id " + to_string(x.mote.mote) +
              " already; give one of them another `id`");
@@ -187,18 +190,18 @@ private:
 
   void check(table_reader& in, crystal_step_fault& x) const {
     if (const auto* of = in.names().find(x.mote.island); of != nullptr && !of->is_joined)
-      in.problems().add(in.at("mote"), "a mote of an island with stack = \"mac\" or with a base "
-                                       "station has no use for its clock");
+      in.problems().add(
+          in.at("mote"),
+          "a mote of an island with stack = \"mac\" or with a base station does not use its clock");
   }
 
   void check(table_reader& in, noise_fault& x) const {
     if (in.has("duty") && in.sound() && x.duty == 0)
-      in.problems().add(in.at("duty"), "`duty` must be above 0: leave the fault out instead");
+      in.problems().add(in.at("duty"), "`duty` must be above 0: remove the fault instead");
     if (in.has("kind") && with_.radio_is_known &&
         std::holds_alternative<radio::gain_matrix>(with_.radio.propagation))
-      in.problems().add(in.at("kind"),
-                        "with model = \"gains\" no place has a gain to anybody; choose another "
-                        "model of the radio, or kind = \"radio_loss\"");
+      in.problems().add(in.at("kind"), "with model = \"gains\" positions have no gains; choose "
+                                       "another model of the radio, or kind = \"radio_loss\"");
   }
 
   void check(table_reader& in, unplug_fault& x) const {
@@ -207,10 +210,10 @@ private:
       in.expect("island");
     else
       in.required_if(true, "island", island_name{true}, x.island,
-                     {"whose serial cables are out; `\"*\"`: one cable of any island",
+                     {"island whose serial cables are unplugged; `\"*\"`: one cable of any island",
                       "with `gateway`, none"});
     if (has_gateway && in.has("island"))
-      in.problems().add(in.at("island"), "`island` means nothing with `gateway`");
+      in.problems().add(in.at("island"), "`island` has no effect with `gateway`");
     if (x.gateway)
       x.island = in.names().island_of_gateway(*x.gateway)->id;
     if (const auto* of = in.names().find(x.island); of != nullptr && !of->has_gateway)
@@ -235,8 +238,8 @@ private:
 
   static void refuse_real(table_reader& in, std::string_view key, island_id x) {
     if (const auto* of = in.names().find(x); of != nullptr && !of->is_simulated)
-      in.problems().add(in.at(key), "that island has a real sink: of its motes and their air "
-                                    "nothing is simulated that could fail");
+      in.problems().add(in.at(key), "that island has a real sink: its motes and radio medium are "
+                                    "not simulated, so they cannot fail");
   }
 
   /// The mote of the description; nullptr if there is none, about which somebody else complains.
@@ -265,13 +268,13 @@ private:
     x.access = before.access;
     x.channel = before.channel;
     if (const auto* of = in.names().find(island); of != nullptr && !of->is_joined)
-      refuse("in an island with stack = \"mac\" or with a base station nobody is told a mote's "
+      refuse("in an island with stack = \"mac\" or with a base station a mote does not report its "
              "type");
     if (has_separate_app(before.apps) || has_separate_app(x.apps))
       refuse("a mote with programs that are actors of their own keeps its type; leave `separate` "
              "out");
     if (std::ranges::any_of(x.apps, is_flow_app))
-      refuse("a mote of that type would be an end of flows, which are the same all the time");
+      refuse("a mote of that type would be an end of flows, which cannot change");
     static_cast<void>(settle_traces(x.transducers, x.id, in.at("type"), in.shared()));
     return x;
   }
@@ -296,9 +299,9 @@ private:
 void read_repetition(table_reader& in, fault_description& out) {
   fault_times x;
   in.all(x, of(optional("every", &fault_times::every, span,
-                        {"from one time to the next, at most 100000 times", "none"}),
+                        {"interval of repetitions, at most 100000", "none"}),
                optional("random", &fault_times::count, whole<std::uint32_t>{1, fault_times_max},
-                        {"how many times, at random moments from `from` to `until`", "none"}),
+                        {"number of times, at random moments from `from` to `until`", "none"}),
                optional("from", &fault_times::from, time_of_run{},
                         "with `every` and `random`, not before this"),
                optional("until", &fault_times::until, time_of_run{},
@@ -307,12 +310,12 @@ void read_repetition(table_reader& in, fault_description& out) {
     for (const auto* key : {"from", "until"})
       if (in.has(key))
         in.problems().add(in.at(key),
-                          '`' + std::string(key) + "` means nothing without `every` or `random`");
+                          '`' + std::string(key) + "` has no effect without `every` or `random`");
     return;
   }
   const auto until = x.until.value_or(in.shared().end);
   if (in.has("every") && in.has("random"))
-    in.problems().add(in.at("random"), "`random` means nothing with `every`");
+    in.problems().add(in.at("random"), "`random` has no effect with `every`");
   if (in.sound() && until < x.from)
     in.problems().add(in.at("until"),
                       "`until` must not be before `from`, which is " + to_text(x.from));
@@ -328,13 +331,13 @@ void read_repetition(table_reader& in, fault_description& out) {
 std::vector<fault_description> read_faults(table_reader& root, const surroundings& with,
                                            const std::vector<island_description>& islands) {
   std::vector<fault_description> out;
-  root.tables("fault", "[[fault]]", "what goes wrong, and when", [&](table_reader& in) {
+  root.tables("fault", "[[fault]]", "faults and their times", [&](table_reader& in) {
     fault_description x;
     const bool repeated = in.has("every") || in.has("random");
     const bool found = in.required_if(!repeated, "at", time_of_run{}, x.at,
-                                      "when it happens; required without `every` and `random`");
+                                      "time of the fault; required without `every` and `random`");
     if (found && repeated)
-      in.problems().add(in.at("at"), "`at` means nothing with `every` or `random`");
+      in.problems().add(in.at("at"), "`at` has no effect with `every` or `random`");
     read_repetition(in, x);
     fault_reader(with, islands, x.what).read(in);
     out.push_back(std::move(x));

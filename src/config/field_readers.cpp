@@ -31,7 +31,7 @@ device::field_source read_source(table_reader& in) {
   device::field_source out;
   in.all(out);
   if (in.sound() && out.period > 0s && out.schedule.empty())
-    in.problems().add(in.at("period"), "`period` means nothing without a `schedule`");
+    in.problems().add(in.at("period"), "`period` has no effect without a `schedule`");
   else if (in.sound() && out.period > 0s && out.period < out.schedule.back().first)
     in.problems().add(in.at("period"), "`period` must not be shorter than the `schedule`, which "
                                        "ends at " +

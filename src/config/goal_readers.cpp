@@ -68,7 +68,7 @@ void read_input(table_reader& in, pursuer_names& own, goal::pursuer_config& out)
                         "`mi-" + found.name + "` would be longer than 32 characters");
   }
   in.optional("from", tuple_reference{}, found.reference,
-              {"where that points at first", "its own tuple `NAME.INPUT`"});
+              {"initial target of that meta tuple", "its own tuple `NAME.INPUT`"});
   if (const auto target = target_of(found.reference); !target.empty())
     in.shared().seen.uses.push_back(
         {"an input of " + in.shared().seen.peer + " reads", target, in.at("from")});
@@ -79,13 +79,13 @@ void read_output(table_reader& in, pursuer_names& own, goal::pursuer_config& out
   goal::output_config found;
   if (in.required("name", name_text{}, found.name, "last part of the key"))
     own.claim(in, found.name);
-  const bool has_value = in.required("value", told_value{}, found.value, "at first");
+  const bool has_value = in.required("value", told_value{}, found.value, "initial value");
   in.all(found);
   if (has_value && in.has("step") && !number_in(found.value))
     in.problems().add(in.at("step"),
                       "`step` needs a number as `value`, not " + in_quotes(found.value));
   if (in.has("until") && !in.has("step"))
-    in.problems().add(in.at("until"), "`until` means nothing without `step`");
+    in.problems().add(in.at("until"), "`until` has no effect without `step`");
   out.outputs.push_back(std::move(found));
 }
 
@@ -122,7 +122,7 @@ void read_needs(table_reader& in, const goal::pursuer_config& own, goal::state_c
     in.problems().add(in.at("equals"),
                       "a state needs either `equals`, or `above`, `below` or both");
   if (in.has("input") != (has_range || in.has("equals")))
-    in.problems().add(in.at(), "`input` and what it is to be belong together");
+    in.problems().add(in.at(), "`input` and its condition must be given together");
   if (found.above && found.below && *found.below <= *found.above)
     in.problems().add(in.at("below"),
                       "`below` must be more than `above`, which is " + shown(*found.above));
@@ -148,10 +148,11 @@ void read_sets(table_reader& in, const goal::pursuer_config& own, goal::state_co
 
 void read_state(table_reader& in, const goal::pursuer_config& own, goal::goal_config& out) {
   goal::state_config found;
-  if (in.required("state", name_text{}, found.name,
-                  "told as `NAME.state`; not `idle` or `waiting`, which it tells in between") &&
+  if (in.required(
+          "state", name_text{}, found.name,
+          "published as `NAME.state`; not `idle` or `waiting`, which it publishes in between") &&
       (found.name == "idle" || found.name == "waiting"))
-    in.problems().add(in.at("state"), '`' + found.name + "` is what it is in between");
+    in.problems().add(in.at("state"), '`' + found.name + "` is its value in between");
   in.all(found);
   read_needs(in, own, found);
   read_sets(in, own, found);
@@ -160,16 +161,16 @@ void read_state(table_reader& in, const goal::pursuer_config& own, goal::goal_co
 
 void read_goal(table_reader& in, claims<std::string>& goals, goal::pursuer_config& out) {
   goal::goal_config found;
-  if (in.required(
-          "goal", text{goal_octets_max}, found.text,
-          {"what others write, letter by letter", "", "text of 1 to 64 octets, but not `none`"})) {
+  if (in.required("goal", text{goal_octets_max}, found.text,
+                  {"text that others write, letter by letter", "",
+                   "text of 1 to 64 octets, but not `none`"})) {
     if (found.text == "none")
-      in.problems().add(in.at("goal"), "`none` is what stands for no goal");
+      in.problems().add(in.at("goal"), "`none` stands for no goal");
     goals.claim(found.text, "goal `" + found.text + '`', in.at("goal"), in.problems());
   }
   in.optional(
       "timeout", time_span{shortest, goal_timeout_max}, found.timeout,
-      "after so long it has failed; when its last state is over just then, it has succeeded");
+      "it has failed after this time; if its last state ends at that moment, it has succeeded");
   in.tables(
       "states", "states", "one after the other, see below",
       [&](table_reader& x) { read_state(x, out, found); }, 1);
@@ -187,9 +188,9 @@ goal::pursuer_config read_pursuer(table_reader& in) {
   in.tables("inputs", "inputs of a goal app",
             {"see below; also as `[[peer.apps.inputs]]`, as the next two", "none"},
             [&](table_reader& x) { read_input(x, own, out); });
-  in.tables("outputs", "outputs of a goal app", {"tuples that it tells", "none"},
+  in.tables("outputs", "outputs of a goal app", {"tuples that it publishes", "none"},
             [&](table_reader& x) { read_output(x, own, out); });
-  in.tables("goals", "goals", {"what it can be asked for; any other goal fails at once", "none"},
+  in.tables("goals", "goals", {"goals that it can pursue; any other goal fails at once", "none"},
             [&](table_reader& x) { read_goal(x, goals, out); });
   return out;
 }

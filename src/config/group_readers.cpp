@@ -31,23 +31,23 @@ void check_milliseconds(const table_reader& in, std::string_view key, duration x
 smepp::group_description read_group(table_reader& in, std::uint64_t seed, name_claims& names) {
   smepp::group_description out;
   if (in.required("name", text{smepp::group_description::name_max}, out.name,
-                  "what `group` of the app `member` refers to"))
+                  "name that `group` of the app `member` refers to"))
     names.claim(out.name, "group", in.at("name"), in.problems());
-  in.optional("closed", flag{}, out.is_closed, "only who has the master key may enter");
-  in.optional("private", flag{}, out.is_private, "only who has the master key may find it");
+  in.optional("closed", flag{}, out.is_closed, "only motes with the master key may enter");
+  in.optional("private", flag{}, out.is_private, "only motes with the master key may find it");
   std::optional<smepp::key> master;
   in.optional("master_key", secret_key{master_key_name(out.name)}, master,
-              {"what opens a closed group and shows a private one; the motes with a `member` of it "
-               "have it",
-               "drawn from the seed, which is no secret"});
+              {"key to enter a closed group and to find a private one; the motes with a `member` "
+               "of the group have it",
+               "drawn from the seed, which is not secret"});
   if (in.has("master_key") && in.sound() && !out.is_closed && !out.is_private)
     in.problems().add(in.at("master_key"),
-                      "`master_key` means nothing of a group that is neither closed nor private");
+                      "`master_key` has no effect on a group that is neither closed nor private");
   if (out.is_closed || out.is_private)
     out.master = master ? master : drawn_key(seed, "group/" + out.name);
   in.optional("period", time_span{0s, period_max}, out.management.period,
-              "from one management window to the next, in which radios of members are on for "
-              "control messages; 0: always");
+              "period of management windows, in which radios of members are on for control "
+              "messages; 0: always");
   in.optional("window", time_span{60ms, period_max}, out.management.length,
               "length of such a window");
   check_milliseconds(in, "period", out.management.period);
@@ -82,9 +82,9 @@ smepp::group_settings read_smepp(table_reader& root, std::uint64_t seed) {
       "smepp", "[smepp]", {"groups of motes, as SMEPP Light has them", "none"},
       [&](table_reader& in) {
         in.optional("network_key", secret_key{"smepp.network_key"}, out.network_key,
-                    {"encrypts all frames", "drawn from the seed, which is no secret"});
+                    {"encrypts all frames", "drawn from the seed, which is not secret"});
         in.optional("network_mac", secret_key{"smepp.network_mac"}, out.network_mac,
-                    {"authenticates them", "drawn from the seed, which is no secret"});
+                    {"authenticates them", "drawn from the seed, which is not secret"});
         in.all(out.energy);
         in.all(out);
         auto proven = authenticated::group;
@@ -92,12 +92,12 @@ smepp::group_settings read_smepp(table_reader& root, std::uint64_t seed) {
                     word<authenticated>{
                         {{"group", authenticated::group}, {"sender", authenticated::sender}}},
                     proven,
-                    "what an event proves: that a member has raised it, or which one, by "
-                    "a key that it shares with the subscriber");
+                    "proof that an event carries: that a member has raised it, or which one, by a "
+                    "key that it shares with the subscriber");
         out.authenticates_sender = proven == authenticated::sender;
         in.optional("pairwise_key", secret_key{"smepp.pairwise_key"}, out.pairwise_root,
-                    {"what keys of two motes are made from; no mote has it",
-                     "drawn from the seed, which is no secret"});
+                    {"secret from which pairwise keys of motes are derived; no mote has it",
+                     "drawn from the seed, which is not secret"});
         name_claims names;
         in.tables("group", "[[smepp.group]]",
                   "groups that motes with the app `member` create and join",
@@ -124,8 +124,7 @@ placed_app read_member(table_reader& in) {
   in.all(app);
   claims<std::string> events;
   in.tables("subscribes", "subscriptions of a member",
-            {"events that it wants; it subscribes once it is a member", "none"},
-            [&](table_reader& x) {
+            {"events that it subscribes to once it is a member", "none"}, [&](table_reader& x) {
               smepp::wanted_event wanted;
               x.all(wanted);
               if (!wanted.event.empty())
@@ -141,7 +140,7 @@ placed_app read_member(table_reader& in) {
                       "`subscribes` must not have more than 8 events: a mote's table has no room");
   claims<std::string> raised;
   in.tables("raises", "events of a member",
-            {"events that it raises while somebody subscribes to them", "none"},
+            {"events that it raises while a member subscribes to them", "none"},
             [&](table_reader& x) {
               smepp::raised_event event;
               x.all(event);

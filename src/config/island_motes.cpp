@@ -102,7 +102,7 @@ mote_profile island_motes::read_profile_of(table_reader& in) {
   mote_kind::type kind;
   const bool known =
       in.required_if(joins() && !island_.outside.has_sink(), "type", mote_kind{}, kind,
-                     {"its mote type, or the number that it reports at join; required but with "
+                     {"its mote type, or the number that it reports at join; required except with "
                       "`stack = \"mac\"`, a base station or a real sink"});
   mote_profile profile;
   profile.like.type = kind.number;
@@ -137,8 +137,9 @@ void island_motes::check_stack(const table_reader& in, const mote_profile& profi
                                          "oscilloscope, blink, count, sender, relay and receiver");
   }
   if (!joins() && !profile.like.actuators.empty())
-    in.problems().add(in.has("actuators") ? in.at("actuators") : in.at("type"),
-                      "a mote around a base station has no actuators: nothing could move them");
+    in.problems().add(
+        in.has("actuators") ? in.at("actuators") : in.at("type"),
+        "a mote around a base station has no actuators: they could not be controlled");
 }
 
 void island_motes::check_mac_profile(const table_reader& in, const mote_profile& profile) const {
@@ -174,25 +175,25 @@ void island_motes::read_mote(table_reader& in) {
   out.name = default_mote_name(out.type_name, out.id);
   if (in.optional("name", name_text{}, out.name,
                   {"unique within the island",
-                   "the mote type's, or `mote`, with the id behind: `climate-7`",
+                   "the mote type's, or `mote`, followed by the id: `climate-7`",
                    "name, but not `sink`"}) &&
       is_sink_name(out.name))
     in.problems().add(in.at("name"), "`" + out.name + "` stands for the sink of an island");
   const bool may_lack_place = !positions_matter_ || in.has("path") || island_.outside.has_sink();
   const bool has_place =
       in.required_if(!may_lack_place, "position_m", place{}, out.place,
-                     "where it is; required but with `path`, `model = \"gains\"` or a real sink");
+                     "position; required except with `path`, `model = \"gains\"` or a real sink");
   if (in.has("path") && with_.radio_is_known && !positions_matter_)
-    in.problems().add(in.at("path"), "`path` decides nothing with model = \"gains\"");
+    in.problems().add(in.at("path"), "`path` has no effect with model = \"gains\"");
   read_path(in, has_place, out.place, out.path);
   in.optional("step", time_span{10ms, 1h}, out.step,
               "how often its position is updated while it moves");
   in.optional("stays_when_flat", flag{}, out.stays_when_flat,
-              "when its battery is flat, it stays where it is then; else it is carried on");
+              "when its battery is flat, it stays at its current position; else it is carried on");
   if (in.has("stays_when_flat") && !in.has("path"))
-    in.problems().add(in.at("stays_when_flat"), "`stays_when_flat` means nothing without a `path`");
+    in.problems().add(in.at("stays_when_flat"), "`stays_when_flat` has no effect without a `path`");
   if (in.has("step") && !in.has("path"))
-    in.problems().add(in.at("step"), "`step` means nothing without a `path`");
+    in.problems().add(in.at("step"), "`step` has no effect without a `path`");
   if (has_id) {
     static_cast<void>(settle_traces(out.transducers, out.id, in.at("id"), in.shared()));
     const bool id_is_free = claim_id(out.id, in.at("id"), in.problems());
@@ -212,15 +213,15 @@ void island_motes::read_mote(table_reader& in) {
 void island_motes::read_group(table_reader& in) {
   std::uint32_t count = 0;
   std::string prefix;
-  in.required("count", whole<std::uint32_t>{1, mote_id_max}, count, "how many");
+  in.required("count", whole<std::uint32_t>{1, mote_id_max}, count, "number of motes");
   auto first = lowest_free(taken_, count);
   in.optional("first", whole<std::uint32_t>{1, mote_id_max}, first,
               {"id of the first; the others follow",
-               "the lowest from which so many in a row are free: not of the sink, of `real`, of "
-               "an `[[island.mote]]` or of a group before"});
+               "the lowest one that begins a sufficiently long row of free ids: not of the sink, "
+               "of `real`, of an `[[island.mote]]` or of an earlier group"});
   const bool has_prefix =
       in.optional("prefix", prefix_text{}, prefix,
-                  {"how their names begin: `node-7`", "the mote type's name, or `mote`"});
+                  {"first part of their names: `node-7`", "the mote type's name, or `mote`"});
   if (first + count - 1 > mote_id_max) {
     in.problems().add(in.at("count"), "mote ids from " + std::to_string(first) + " to " +
                                           std::to_string(first + count - 1) + " are more than " +
@@ -303,7 +304,7 @@ bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
     problems.add(at, "mote id " + to_string(id) + " is the sink's");
   else if (is_real)
     problems.add(at, "mote id " + to_string(id) +
-                         " is of the range of `real`, whose motes are not simulated");
+                         " is in the range of `real`, whose motes are not simulated");
   return ids_.claim(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id &&
          !is_real;
 }
@@ -326,7 +327,7 @@ void island_motes::check_reach(complaints& problems) const {
     const auto at = placed_at_.find(mote.id);
     if (mote.path.empty() && at != placed_at_.end() && told.insert(at->second).second)
       problems.add(at->second, "mote `" + mote.name +
-                                   "` is out of reach: no chain of motes at most " +
+                                   "` is unreachable: no chain of motes at most " +
                                    metres_text(*range_m_) + " apart leads to its sink");
   }
 }
@@ -405,8 +406,8 @@ void island_motes::finish(complaints& problems) {
     for (unsigned hops = 0; at != flow.to; ++hops) {
       const auto next = relays_.find(at);
       if (next == relays_.end()) {
-        problems.add(flow.via_at, "mote `" + name_of(at) + "` on the way to `" + name_of(flow.to) +
-                                      "` has no app = \"relay\"");
+        problems.add(flow.via_at, "mote `" + name_of(at) + "` on the route to `" +
+                                      name_of(flow.to) + "` has no app = \"relay\"");
         break;
       }
       if (hops == hops_max) {

@@ -28,7 +28,7 @@ std::vector<placed_app> read_sink(table_reader& in, const surroundings& with,
                "which forwards the frames that it receives, and its motes run plain programs",
                "`\"root\"`"});
   if (is_mac && in.has("role")) {
-    in.problems().add(in.at("role"), "`role` means nothing in an island with stack = \"mac\"");
+    in.problems().add(in.at("role"), "`role` has no effect in an island with stack = \"mac\"");
     island.stack = stack::mac;
   }
   in.optional("id", whole<std::uint16_t>{1, mote_id_max}, out.id,
@@ -38,11 +38,11 @@ std::vector<placed_app> read_sink(table_reader& in, const surroundings& with,
       "position_m", place{}, out.place,
       "in a unit disk, every mote of an island with the full stack must be within `range` of it");
   in.optional("power", power_level{-100, 30}, out.transmit_dbm,
-              {"at which it sends, as of a mote", "the platform's maximum", "power, as of a mote"});
+              {"transmit power, as of a mote", "the platform's maximum", "power, as of a mote"});
   check_power(*out.platform, out.transmit_dbm, in.at("power"), in.problems());
   in.optional("promiscuous", flag{}, out.promiscuous,
               "it also accepts frames of other islands and frames addressed to other motes, as a "
-              "base station does always");
+              "base station always does");
   mark access_at;
   read_access(in, out.access, access_at);
   check_access(out.access, access_at, in.problems());
@@ -92,7 +92,7 @@ mark read_duty_cycle(table_reader& island, mote::duty_config& out) {
 mark read_listening(table_reader& island, radio::listening_config& out) {
   mark interval_at = island.at("low_power_listening");
   island.table("low_power_listening", "[island.low_power_listening]",
-               {"lets radios sleep but for short checks of the air; not with `duty_cycle`",
+               {"lets radios sleep except for short checks of the channel; not with `duty_cycle`",
                 "none: radios are always on"},
                [&out, &interval_at](table_reader& in) {
                  out.interval = 512ms;
@@ -107,8 +107,8 @@ mark read_listening(table_reader& island, radio::listening_config& out) {
                });
   if (island.has("low_power_listening") && island.has("duty_cycle"))
     island.problems().add(island.at("low_power_listening"),
-                          "`low_power_listening` and `duty_cycle` are two ways to let radios "
-                          "sleep: an island has one of them");
+                          "`low_power_listening` and `duty_cycle` exclude each other: an island "
+                          "has at most one of them");
   return interval_at;
 }
 
@@ -120,9 +120,8 @@ void warn_of_keep_alive(table_reader& in, const island_description& x) {
     return;
   in.problems().doubt(in.at(says_so ? "keep_alive" : "duty_cycle"),
                       "`keep_alive` is " + to_text(x.keep_alive) +
-                          ", but motes whose radios sleep are "
-                          "heard once in a period of " +
-                          to_text(x.duty.period) + ": they are gone after three of these, " +
+                          ", but motes whose radios sleep are received once in a period of " +
+                          to_text(x.duty.period) + ": they are removed after three of these, " +
                           to_text(least));
 }
 
@@ -130,25 +129,27 @@ void warn_of_keep_alive(table_reader& in, const island_description& x) {
 void warn_of_slow_signs(table_reader& in, const island_description& x) {
   const auto least = x.listening.silence_min();
   if (in.has("keep_alive") && x.keep_alive < least)
-    in.problems().doubt(in.at("keep_alive"),
-                        "`keep_alive` is " + to_text(x.keep_alive) +
-                            ", but a mote is gone after sixty intervals of low-power listening, " +
-                            to_text(least) +
-                            ", at the earliest: else its signs of life would fill the air");
+    in.problems().doubt(
+        in.at("keep_alive"),
+        "`keep_alive` is " + to_text(x.keep_alive) +
+            ", but a mote is removed after sixty intervals of low-power listening, " +
+            to_text(least) +
+            ", at the earliest: otherwise keep-alive messages would saturate the channel");
 }
 
 void read_gateway(table_reader& in, surroundings& with, island_description& out) {
   in.optional("name", name_text{}, out.gateway_name,
-              {"its PEIS name; no peer has it", "the island's with `-gateway` behind"});
-  out.gateway_links = read_links(in, {out.gateway_name},
-                                 "whom it connects to; a link works both ways, and rings are fine");
-  in.optional(
-      "wire", word<wire_form>{{{"segment", wire_form::segment}, {"strict54", wire_form::strict54}}},
-      out.gateway_wire,
-      "what it and other gateways send each other behind the header of D1.1 5.4: who sent the "
-      "message and whether it is to be acknowledged, or the payload alone. A gateway that "
-      "announces itself on port 20 in another way than ours is spoken to in the strict form in any "
-      "case; reliable messages, streams and synaptic channels cannot be said in it");
+              {"its PEIS name, unique among peers", "the island's followed by `-gateway`"});
+  out.gateway_links = read_links(
+      in, {out.gateway_name},
+      "peers that it connects to; a link works in both directions, and rings are allowed");
+  in.optional("wire",
+              word<wire_form>{{{"segment", wire_form::segment}, {"strict54", wire_form::strict54}}},
+              out.gateway_wire,
+              "what follows the header of D1.1 5.4 in packages between gateways: the sender of the "
+              "message and whether it is to be acknowledged, or the payload alone. The strict form "
+              "is always used with a gateway whose announcement on port 20 differs from ours; it "
+              "cannot express reliable messages, streams and synaptic channels");
   out.gateway_apps = read_pc_programs(in, "apps", "apps of a gateway", with.files);
 }
 
@@ -161,18 +162,18 @@ alias_description read_alias(table_reader& in, surroundings& with, const island_
                       "an island has at most " + std::to_string(aliases_max + 1) + " gateways");
   const bool has_id = in.required(
       "id", whole<std::int32_t>{1, island_id_max}, out.id,
-      "its PEIS id, by which the island is addressed too; no peer, island or other gateway has it");
+      "its PEIS id, which also addresses the island; unique among peers, islands and gateways");
   if (has_id &&
       with.end_ids.claim(out.id.value, "PEIS id " + to_string(out.id), in.at("id"), in.problems()))
     with.island_ids.claim(static_cast<std::uint32_t>(out.id.value),
                           "island id " + to_string(out.id), in.at("id"), in.problems());
   in.optional(
       "name", name_text{}, out.name,
-      {"its PEIS name; no peer has it", "the island's with `-gateway-2` behind, or `-3`, `-4`"});
+      {"its PEIS name, unique among peers", "the island's followed by `-gateway-2`, `-3` or `-4`"});
   if (!of.name.empty() || in.has("name"))
     with.end_names.claim(out.name, "peer or gateway name", in.at(in.has("name") ? "name" : "id"),
                          in.problems());
-  out.links = read_links(in, {out.name}, "whom it connects to");
+  out.links = read_links(in, {out.name}, "peers that it connects to");
   in.table("serial", "[island.alias.serial]", "its cable",
            [&out](table_reader& x) { x.all(out.serial); });
   return out;
@@ -185,8 +186,9 @@ void check_aliases(const table_reader& in, const island_description& x) {
                       "a gateway has apps only where it is the island's only one; "
                       "a peer may have them");
   if (!x.aliases.empty() && x.real.is_there())
-    in.problems().add(in.at("real"), "`real` means nothing in an island with several gateways: it "
-                                     "is a line of one");
+    in.problems().add(
+        in.at("real"),
+        "`real` has no effect in an island with several gateways: it belongs to one gateway");
 }
 
 /// The cable and the gateway of an island, and its further ones.
@@ -210,7 +212,7 @@ real_names read_parts(table_reader& in, surroundings& with, bool name_is_free,
   read_plain(in, out);
   mark name_at = in.at("name");
   bool claims_name = name_is_free; // a default name is taken together with the island's
-  in.table("gateway", "[island.gateway]", "what joins the island to the PEIS network",
+  in.table("gateway", "[island.gateway]", "connection of the island to the PEIS network",
            [&](table_reader& x) {
              read_gateway(x, with, out);
              if (x.has("name")) {
@@ -233,7 +235,7 @@ void refuse_parts(table_reader& in) {
     in.expect(key);
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) +
-                                        "` means nothing in an island with stack = \"mac\"");
+                                        "` has no effect in an island with stack = \"mac\"");
   }
 }
 
@@ -241,9 +243,10 @@ void refuse_parts(table_reader& in) {
 void refuse_membership(table_reader& in) {
   for (const auto* key : {"duty_cycle", "alias", "real"})
     if (in.has(key))
-      in.problems().add(in.at(key), '`' + std::string(key) +
-                                        "` means nothing in an island with a base station, which "
-                                        "knows nothing of its motes");
+      in.problems().add(
+          in.at(key),
+          '`' + std::string(key) +
+              "` has no effect in an island with a base station, which does not know its motes");
 }
 
 /// The id of an island with a gateway is a PEIS id too (ADR-02).
@@ -259,19 +262,19 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
   island_description out;
   const bool has_id =
       in.required("id", whole<std::uint32_t>{1, island_id_max}, out.id,
-                  "address of the island and PEIS id of its gateway; no peer has it");
+                  "address of the island and PEIS id of its gateway; unique among peers");
   const bool name_is_free =
       in.required("name", name_text{}, out.name, "first part of the names of its motes") &&
       names.claim(out.name, "island name", in.at("name"), in.problems());
   in.optional("host", host_name{}, out.host,
-              {"where the island runs", "wherever the run is started"});
+              {"host on which the island runs", "host on which the run is started"});
   in.optional("stack", word<stack>{{{"full", stack::full}, {"mac", stack::mac}}}, out.stack,
               "`\"mac\"`: radios and medium access only, see below");
   if (has_id)
     claim_island_id(in, with, out);
   in.optional("channel", radio_channel, out.channel,
-              "of the radios of its sink and of its motes, but for those that have another one; "
-              "on one air only radios of the same channel receive and disturb each other");
+              "channel of the radios of its sink and motes, unless they have their own; in a radio "
+              "medium only radios of the same channel receive and disturb each other");
   const auto before_sink = in.problems().size();
   out.sink.platform = radio::find_platform("micaz");
   std::vector<placed_app> sink_apps;
@@ -285,9 +288,9 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
     refuse_parts(in);
   } else {
     in.optional("keep_alive", time_span{1s, 24h}, out.keep_alive,
-                "a mote that is silent for so long is gone; motes that report more rarely get "
-                "three of their periods, and where radios sleep three of the windows' periods, or "
-                "sixty intervals of low-power listening, are the least");
+                "a mote that is silent for this time is removed; motes that report less often get "
+                "three of their periods; with sleeping radios the minimum is three periods of the "
+                "windows, or sixty intervals of low-power listening");
     window_at = read_duty_cycle(in, out.duty);
     warn_of_keep_alive(in, out);
     warn_of_slow_signs(in, out);
@@ -295,16 +298,16 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
     if (out.stack == stack::plain)
       refuse_membership(in);
     if (out.stack == stack::plain && out.outside.has_sink())
-      in.problems().add(in.at("sink"), "`role` means nothing with a real sink");
+      in.problems().add(in.at("sink"), "`role` has no effect with a real sink");
   }
   in.optional(
       "crystal_ppm", real{0, 100}, out.crystal_ppm,
-      "each mote's crystal, and the sink's, runs too fast or too slow by up to so many parts per "
-      "million, drawn with the seed. Each life of a mote begins with another time on its clock");
+      "each mote's crystal, and the sink's, runs too fast or too slow by up to this many parts per "
+      "million, drawn from the seed. Each life of a mote begins with another time on its clock");
   in.optional("crystal_wander_ppm", real{0, 20}, out.crystal_wander_ppm,
-              "beside that it goes so much faster and slower as temperature rises and falls,");
+              "in addition, its rate varies by up to this much with temperature,");
   in.optional("crystal_wander_period", time_span{10min, 365 * 24h}, out.crystal_wander_period,
-              "once in such a period, each at another time");
+              "with this period, each with another phase");
   const auto before_motes = in.problems().size();
   island_motes motes(with, out, sink_is_good);
   for (const auto& [at, name] : names_of_real)

@@ -64,7 +64,8 @@ void read_ring(table_reader& in, std::vector<position>& out) {
   double radius_m = 0;
   position centre;
   in.required("radius", radius_kind, radius_m, "from the centre");
-  in.optional("centre", place{}, centre, "the first mote stands from here in the direction of x");
+  in.optional("centre", place{}, centre,
+              "position of the first mote, in the direction of x from here");
   for (std::size_t i = 0; i < out.size(); ++i)
     out[i] = around(centre, radius_m, static_cast<double>(i) / static_cast<double>(out.size()));
 }
@@ -91,7 +92,7 @@ bool is_far(const position& x) {
 std::vector<position> read_layout(table_reader& in, std::size_t count, const layout_rng& rng) {
   std::vector<position> out(count);
   const auto before = in.problems().size();
-  in.one_of("layout", "how they stand; with `model = \"gains\"` it may be left out",
+  in.one_of("layout", "arrangement of the motes; optional with `model = \"gains\"`",
             {{"grid", [&](table_reader& x) { read_grid(x, out); }},
              {"line", [&](table_reader& x) { read_line(x, out); }},
              {"ring", [&](table_reader& x) { read_ring(x, out); }},

@@ -77,12 +77,11 @@ std::string doubt_of_interval(const island_description& x, const radio::channel_
   const auto least_ms = std::ceil(seconds(x.listening.interval) * 1000 * share_max / need.share);
   return "an interval of " + to_text(x.listening.interval) +
          " is too long for its motes: " + rounded(need.hops_per_second) +
-         " hops of messages and vectors a second to motes whose radios sleep "
-         "take half of it each, and " +
-         rounded(need.broadcasts_per_second) +
-         " broadcasts a second a whole one: " + std::to_string(std::lround(need.share * 100)) +
-         " % of the time on the air; with about " + std::to_string(std::lround(least_ms)) +
-         " ms it is half";
+         " hops of messages and vectors per second to motes whose radios sleep take half of it "
+         "each, and " +
+         rounded(need.broadcasts_per_second) + " broadcasts per second take a whole one: " +
+         std::to_string(std::lround(need.share * 100)) + " % of the channel's time; with about " +
+         std::to_string(std::lround(least_ms)) + " ms it is half";
 }
 
 void check_listening(const island_description& x, const radio::channel_config& radio, duration tick,
@@ -94,14 +93,14 @@ void check_listening(const island_description& x, const radio::channel_config& r
                          to_text(gap) + " by the medium access of its motes");
   if (x.listening.interval <= x.listening.awake)
     problems.doubt(at, "motes stay awake for " + to_text(x.listening.awake) +
-                           " after each frame, but check the air every " +
+                           " after each frame, but check the channel every " +
                            to_text(x.listening.interval) + ": a shorter `awake` saves more");
   for (const auto& mote : x.motes)
     if (std::ranges::any_of(
             mote.apps, [](const auto& app) { return std::holds_alternative<member_app>(app); })) {
       problems.add(at, "mote `" + mote.name +
-                           "` is a member of a group, by which its radio sleeps: "
-                           "low-power listening is not for it");
+                           "` is a member of a group, which controls its radio: it cannot use "
+                           "low-power listening");
       break;
     }
   if (const auto text = doubt_of_interval(x, radio, tick); !text.empty())

@@ -33,7 +33,7 @@ void doubt_messages(const ecology_description& x, const file_places& seen, doubt
       out.emplace_back(place == seen.motes.end() ? mark() : place->second.at,
                        from.name + '/' + sender.name + " sends messages of AM type " +
                            std::to_string(messages.am_type) + " to " + island.name + '/' +
-                           to->name + ", where no program takes them");
+                           to->name + ", where no program accepts them");
     }
   };
   for (const auto& island : x.islands)

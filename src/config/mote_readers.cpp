@@ -182,14 +182,13 @@ void read_profile(table_reader& in, mote_profile& out) {
               {"currents, receive slots and speed; a mote's is that of its type, if it has one",
                "`\"micaz\"`"});
   in.optional("battery", charge{}, out.like.battery_mah,
-              {"what is in the battery at the start", "the mote type's, or the platform's"});
-  if (in.optional(
-          "power", power_level{-100, 30}, out.like.transmit_dbm,
-          {"at which it sends: -25 to 0 dBm on a MicaZ or a TelosB, -17 to 3 dBm on an IRIS",
-           "the mote type's, or the platform's maximum", "power, as the platform has it"}))
+              {"charge of the battery at the start", "the mote type's, or the platform's"});
+  if (in.optional("power", power_level{-100, 30}, out.like.transmit_dbm,
+                  {"transmit power: -25 to 0 dBm on a MicaZ or a TelosB, -17 to 3 dBm on an IRIS",
+                   "the mote type's, or the platform's maximum", "power, as the platform has it"}))
     out.transmit_at = in.at("power");
   in.optional("channel", radio_channel, out.like.channel,
-              {"of its radio, which exchanges frames with radios of the same channel only",
+              {"channel of its radio, which exchanges frames only with radios of the same channel",
                "the mote type's, or the island's"});
   read_access(in, out.like.access, out.access_at);
   read_transducers(in, out.like.transducers.edit());
@@ -221,8 +220,8 @@ void check_profile(const mote_profile& x, reading& shared) {
 
 void read_access(table_reader& in, radio::access_parameters& out, mark& at) {
   in.table("csma", "csma",
-           {"parameters of its medium access; each that is not there is its type's, or that of "
-            "the medium access",
+           {"parameters of its medium access; each absent one is its type's, or that of the medium "
+            "access",
             "those of the medium access"},
            [&](table_reader& x) {
              x.all(out);
@@ -246,7 +245,7 @@ void check_rules(const radio::channel_config& radio, const radio::platform& plat
   if (rules != nullptr && !radio::has_exponents(*rules))
     problems.add(at, "with the medium access \"" + named->second + "\" of a " +
                          std::string(platform.name) +
-                         " `min_be`, `max_be` and `backoffs` mean nothing: `retries` alone does");
+                         " `min_be`, `max_be` and `backoffs` have no effect: only `retries` does");
 }
 
 void check_power(const radio::platform& platform, const std::optional<double>& dbm, mark at,
@@ -300,7 +299,7 @@ mote_types read_mote_types(table_reader& root) {
                                          " must have a name of 1 to 32 letters, digits, - and _");
         mote_profile profile;
         in.required("type", whole<std::uint32_t>{1}, profile.like.type,
-                    "the signature that the mote reports at join and by which its proxy is chosen");
+                    "the signature that the mote reports at join, which selects its proxy");
         read_profile(in, profile);
         profile.like.type_name = name.value;
         out.emplace(name.value, std::move(profile));

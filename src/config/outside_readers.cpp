@@ -20,9 +20,10 @@ namespace {
 
 void need_wall_time(table_reader& in, const surroundings& with, const char* key) {
   if (in.has(key) && with.mode != run_mode::wall)
-    in.problems().add(in.at(key), '`' + std::string(key) +
-                                      "` needs mode = \"wall\": in virtual time nobody outside can "
-                                      "keep pace");
+    in.problems().add(
+        in.at(key),
+        '`' + std::string(key) +
+            "` needs mode = \"wall\": in virtual time external programs cannot keep pace");
 }
 
 /// What the sink of an island has once said.
@@ -45,7 +46,7 @@ void read_replay(table_reader& in, const std::string& island, serial::outside_co
   auto& frames = std::get<0>(found);
   if (frames.empty())
     in.problems().add(in.at("replay"),
-                      in_quotes(path) + " has nothing of an island with the name `" + island + '`');
+                      in_quotes(path) + " has no recording of an island named `" + island + '`');
   out.recorded = std::make_shared<const std::vector<serial::recorded_frame>>(std::move(frames));
 }
 
@@ -57,7 +58,7 @@ void check_outside(table_reader& in, const surroundings& with, const std::string
     if (!in.has(key))
       continue;
     if (!first.empty())
-      in.problems().add(in.at(key), '`' + std::string(key) + "` means nothing with `" + first +
+      in.problems().add(in.at(key), '`' + std::string(key) + "` has no effect with `" + first +
                                         "`: a cable has one sink and one gateway");
     first = first.empty() ? key : first;
   }
@@ -69,11 +70,11 @@ void check_outside(table_reader& in, const surroundings& with, const std::string
                       "expected HOST:PORT with a port from 1 to 65535, as in \"localhost:9002\"");
   read_replay(in, island, out);
   if (in.has("speed") && !in.has("replay"))
-    in.problems().add(in.at("speed"), "`speed` means nothing without `replay`");
+    in.problems().add(in.at("speed"), "`speed` has no effect without `replay`");
   if (in.has("payload") && !out.has_sink())
-    in.problems().add(in.at("payload"), "`payload` means nothing without a real sink");
+    in.problems().add(in.at("payload"), "`payload` has no effect without a real sink");
   if (in.has("octet_error") && out.has_sink())
-    in.problems().add(in.at("octet_error"), "`octet_error` means nothing with `" + first +
+    in.problems().add(in.at("octet_error"), "`octet_error` has no effect with `" + first +
                                                 "`: a real cable makes errors of its own");
 }
 
@@ -86,25 +87,26 @@ void read_outside(table_reader& in, const surroundings& with, const std::string&
 }
 
 void read_export(table_reader& island, const surroundings& with, island_description& out) {
-  island.table("export", "[island.export]",
-               {"TinyOS's programs find the sink here, too", "they do not"}, [&](table_reader& in) {
-                 in.all(out.exported);
-                 need_wall_time(in, with, "forwarder");
-                 const auto& where = out.exported.forwarder;
-                 const auto found = parse_host_port(where);
-                 if (!where.empty() && (!found || !parse_ipv4_address(found->host)))
-                   in.problems().add(in.at("forwarder"),
-                                     "expected ADDRESS:PORT with an IPv4 address of this computer, "
-                                     "as in \"127.0.0.1:9002\"");
-                 in.optional(
-                     "networks", list_of<network_text>{{}, 0, networks_max}, out.exported.networks,
-                     {"from where programs may connect; others are closed at once", "anywhere"});
-                 const auto address = found ? parse_ipv4_address(found->host) : errc::bad_value;
-                 if (address && address->at(0) != 127 && out.exported.networks.empty())
-                   in.problems().doubt(in.at("forwarder"),
-                                       where + " is not of this computer alone: whoever reaches it "
-                                               "commands the motes; `networks` says who may");
-               });
+  island.table(
+      "export", "[island.export]", {"TinyOS's programs also reach the sink here", "they do not"},
+      [&](table_reader& in) {
+        in.all(out.exported);
+        need_wall_time(in, with, "forwarder");
+        const auto& where = out.exported.forwarder;
+        const auto found = parse_host_port(where);
+        if (!where.empty() && (!found || !parse_ipv4_address(found->host)))
+          in.problems().add(in.at("forwarder"),
+                            "expected ADDRESS:PORT with an IPv4 address of this computer, "
+                            "as in \"127.0.0.1:9002\"");
+        in.optional(
+            "networks", list_of<network_text>{{}, 0, networks_max}, out.exported.networks,
+            {"networks that programs may connect from; others are closed at once", "anywhere"});
+        const auto address = found ? parse_ipv4_address(found->host) : errc::bad_value;
+        if (address && address->at(0) != 127 && out.exported.networks.empty())
+          in.problems().doubt(in.at("forwarder"),
+                              where + " is reachable from other computers: anyone who can connect "
+                                      "controls the motes; restrict it with `networks`");
+      });
 }
 
 namespace {
@@ -128,13 +130,13 @@ gateway::plain_rule read_rule(table_reader& in, const island_description& island
   for (const auto& [key, id] : {std::pair("first", x.first), std::pair("last", x.last)})
     if (island.real.is_there() && in.has(key) && in.sound() && !range.has(mote_id(id)))
       in.problems().add(in.at(key),
-                        "mote " + std::to_string(id) + " is not of the range of `real`, which is " +
+                        "mote " + std::to_string(id) + " is not in the range of `real`, which is " +
                             std::to_string(range.first) + " to " + std::to_string(range.last));
   if (!in.has("input_am_type"))
     x.input_am_type = x.am_type;
   for (const auto* key : {"input_am_type", "input_form"})
     if (in.has(key) && !in.has("input"))
-      in.problems().add(in.at(key), '`' + std::string(key) + "` means nothing without `input`");
+      in.problems().add(in.at(key), '`' + std::string(key) + "` has no effect without `input`");
   return x;
 }
 
@@ -163,40 +165,41 @@ real_names read_real(table_reader& island, const surroundings& with, island_desc
                 mote.required("name", name_text{}, name, "unique within the island");
                 if (mote.sound() && !real.motes.has(id))
                   mote.problems().add(mote.at("id"),
-                                      "mote " + to_string(id) + " is not of the range of `real`");
+                                      "mote " + to_string(id) + " is not in the range of `real`");
                 real.names.emplace_back(id, name);
                 names.emplace_back(mote.at("name"), name);
               });
   };
   island.table("real", "[island.real]",
-               {"a line to a real base station beside the simulated sink: motes behind it with "
-                "plain programs of TinyOS are devices of the island as simulated ones are",
+               {"a line to a real base station in addition to the simulated sink: motes behind it "
+                "with plain programs of TinyOS are devices of the island like simulated ones",
                 "none"},
                read);
   if (real.is_there() && out.outside.has_sink())
-    island.problems().add(island.at("real"), "`real` means nothing in an island with a real sink");
+    island.problems().add(island.at("real"), "`real` has no effect in an island with a real sink");
   return names;
 }
 
 void read_plain(table_reader& island, island_description& out) {
   island.tables("plain", "[[island.plain]]",
-                {"which motes run plain programs of TinyOS, and are devices all the same", "none"},
+                {"motes that run plain programs of TinyOS but are devices of the island", "none"},
                 [&out](table_reader& in) { out.plain.push_back(read_rule(in, out)); });
   if (!out.plain.empty() && !has_plain_sink(out) && !island.has("real"))
     island.problems().add(island.at("plain"),
-                          "`plain` means nothing without a real sink, a base station or `real`");
+                          "`plain` has no effect without a real sink, a base station or `real`");
   if (out.plain.empty() && out.real.is_there())
-    island.problems().add(island.at("real"), "`real` means nothing without `plain`, which says "
-                                             "what its motes send");
+    island.problems().add(
+        island.at("real"),
+        "`real` has no effect without `plain`, which describes what its motes send");
 }
 
 void refuse_gateway(table_reader& in) {
   for (const auto* key : {"gateway", "alias", "export", "plain", "real"}) {
     in.expect(key);
     if (in.has(key))
-      in.problems().add(in.at(key), '`' + std::string(key) +
-                                        "` means nothing with `pty`: the gateway is the program's "
-                                        "that opens it");
+      in.problems().add(in.at(key),
+                        '`' + std::string(key) +
+                            "` has no effect with `pty`: the program that opens it is the gateway");
   }
 }
 
@@ -204,7 +207,7 @@ void refuse_simulated(table_reader& in) {
   for (const auto* key : {"alias", "duty_cycle", "low_power_listening"})
     if (in.has(key))
       in.problems().add(in.at(key),
-                        '`' + std::string(key) + "` means nothing in an island with a real sink");
+                        '`' + std::string(key) + "` has no effect in an island with a real sink");
 }
 
 } // namespace rubicon::config

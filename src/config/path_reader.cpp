@@ -7,10 +7,10 @@ void read_path(table_reader& in, bool has_place, position& place,
                std::vector<device::waypoint>& out) {
   way::type points;
   if (!in.optional("path", way{}, points,
-                   {"times since the start, each later than the one before, and positions; in "
-                    "between it moves in straight lines, after the last it stays. It begins at "
-                    "`\"0s\"`, or at `position_m` if there is one",
-                    "it stays where it is"}))
+                   {"times since the start, in increasing order, and positions; in between it "
+                    "moves in straight lines, after the last one it stays. It begins at `\"0s\"`, "
+                    "or at `position_m` if given",
+                    "it does not move"}))
     return;
   if (has_place && points.front().first == 0s)
     in.problems().add(in.at("path"),

@@ -30,12 +30,12 @@ proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
   std::vector<located<island_id>> found;
   if (in.optional("objects", flag{}, out.objects,
                   "it also starts the proxies of [tagged objects](#tag), whichever reader "
-                  "perceives them; one manager of a file may") &&
+                  "perceives them; at most one manager of a file") &&
       out.objects)
     with.object_managers.claim("objects", "the proxy manager of tagged objects", in.at("objects"),
                                in.problems());
   in.optional("islands", list_of<island_name>{{}, out.objects || in.walks() ? 0U : 1U}, found,
-              {"whose gateways it listens to; an island has one proxy manager",
+              {"islands whose gateways it listens to; an island has one proxy manager",
                "all islands with the full stack"});
   if (!in.has("islands")) {
     for (const auto& each : with.islands)
@@ -66,9 +66,9 @@ collector_app read_collector(table_reader& in) {
   in.required("keys", list_of<tuple_key>{{true}, 1}, app.keys,
               "a part may be `*`, which stands for any one part");
   const bool asks = in.optional("every", time_span{10ms, 24h * 10}, app.every,
-                                {"how far apart the messages of motes are to be whose output "
+                                {"requested period of the messages of those motes whose output "
                                  "channels the keys name (`devices.*.output.1`)",
-                                 "as the motes like"});
+                                 "the motes' own periods"});
   if (asks && std::ranges::none_of(app.keys, names_output_channel))
     in.problems().add(in.at("every"), "`every` needs a key that names an output channel of motes, "
                                       "such as `devices.*.output.1`");
@@ -96,12 +96,12 @@ struct peer_table {
 void read_identity(table_reader& in, surroundings& with, peer_table& out) {
   const bool has_id =
       in.required("id", whole<std::int32_t>{1, peer_id_max}, out.like.id,
-                  "PEIS id; no other peer and no island has it. Motes can address ids up to 254");
+                  "PEIS id, unique among peers and islands. Motes can address ids up to 254");
   const bool has_name =
-      in.required("name", name_text{}, out.like.name, "no other peer and no gateway has it");
+      in.required("name", name_text{}, out.like.name, "unique among peers and gateways");
   out.counted = in.optional("count", whole<std::uint32_t>{1, peer_count_max}, out.count,
-                            {"so many peers, with the ids from `id` on and the names `NAME-1`, "
-                             "`NAME-2`, ...; they have everything else in common",
+                            {"number of peers, with the ids from `id` on and the names `NAME-1`, "
+                             "`NAME-2`, ...; all else is the same",
                              "one peer"});
   if (out.id(out.count - 1).value > peer_id_max) {
     in.problems().add(in.at("count"), "PEIS ids from " + to_string(out.like.id) + " to " +
@@ -139,17 +139,16 @@ void read_tcp(table_reader& in, const peer_table& peers, peer_surroundings& all,
   }
   in.table(
       "tcp", "[peer.tcp]",
-      {"takes links from the real network, on this computer's loopback address unless `address` or "
-       "`lan` says otherwise; needs `mode = \"wall\"`",
+      {"accepts links from the real network, on this computer's loopback address unless `address` "
+       "or `lan` sets another; needs `mode = \"wall\"`",
        "`false`"},
       [&](table_reader& x) {
         std::uint16_t port = 0;
         out.emplace();
         x.optional("address", interface_address{}, out->address,
-                   {"at which address of this computer; `\"0.0.0.0\"`: at all",
-                    "loopback, with `lan` all"});
+                   {"address of this computer; `\"0.0.0.0\"`: all", "loopback, with `lan` all"});
         x.optional("networks", list_of<network_text>{{}, 0, networks_max}, out->networks,
-                   {"from where links may come; others are closed at once", "anywhere"});
+                   {"networks that links may come from; others are closed at once", "anywhere"});
         if (!x.optional("port", whole<std::uint16_t>{1, 65535}, port,
                         {"with `count`, the first peer's; the others have the next ones",
                          "the first free one from 8000 on"}))
@@ -194,20 +193,21 @@ void read_connections(table_reader& in, surroundings& with, const peer_table& pe
   std::vector<std::string> own;
   for (std::uint32_t i = 0; i < peers.count; ++i)
     own.push_back(peers.name(i));
-  out.links = read_links(in, own, "whom it always keeps a link to, over the simulated network");
+  out.links =
+      read_links(in, own, "peers to which it always keeps a link, over the simulated network");
   in.optional(
       "connect", list_of<peer_url>{{}, 0, links_max}, out.connect,
-      {"whom it always keeps a link to, over the real network; needs `mode = \"wall\"`", "none"});
+      {"addresses to which it always keeps a link, over the real network; needs `mode = \"wall\"`",
+       "none"});
   read_tcp(in, peers, all, out.tcp);
-  in.optional(
-      "lan", flag{}, out.lan,
-      "meets the peers of the real local network: it listens at all addresses of this computer, "
-      "and announces itself to the multicast group 227.1.3.5, port 10001; needs `mode = \"wall\"`");
-  in.optional(
-      "udp", flag{}, out.udp,
-      "has links over UDP too, with peers that have this as well, on a port of the same number "
-      "as that of `tcp` if it is free; for networks that lose more than TCP bears; needs "
-      "`mode = \"wall\"`");
+  in.optional("lan", flag{}, out.lan,
+              "connects to the peers of the real local network: it listens at all addresses of "
+              "this computer, and announces itself to the multicast group 227.1.3.5, port 10001; "
+              "needs `mode = \"wall\"`");
+  in.optional("udp", flag{}, out.udp,
+              "also has links over UDP, with peers that have this as well, on a port of the same "
+              "number as that of `tcp` if it is free; for networks that lose more than TCP "
+              "tolerates; needs `mode = \"wall\"`");
   if (with.mode == run_mode::virtual_time) {
     refuse_in_virtual_time(in, "udp", out.udp);
     refuse_in_virtual_time(in, "connect", !out.connect.empty());
@@ -217,10 +217,10 @@ void read_connections(table_reader& in, surroundings& with, const peer_table& pe
     check_udp(in, out);
   }
   in.optional("leaf", flag{}, out.leaf,
-              "it has no other links than those to `links`, to `connect`, and within its host");
+              "its only links are those to `links`, to `connect`, and within its host");
   in.optional("manager", flag{}, out.manager,
-              "it makes and closes links as traffic and distances ask for it; `false`: only links "
-              "that somebody has configured");
+              "it opens and closes links according to traffic and distances; `false`: only "
+              "configured links");
   out.discovery = out.links.empty() && out.connect.empty();
   in.optional(
       "discovery", flag{}, out.discovery,
@@ -228,18 +228,17 @@ void read_connections(table_reader& in, surroundings& with, const peer_table& pe
        "other",
        "`true` if neither `links` nor `connect` is given, else `false`"});
   in.optional("time_master", flag{}, out.time_master,
-              "its clock is everybody's, forwards and backwards; without one, clocks follow the "
-              "one that is ahead");
-  in.optional(
-      "clock_offset", time_step{}, out.clock_offset,
-      {"its own clock is so much ahead of the true time; peers agree on one time within seconds",
-       "none"});
+              "all clocks follow its clock, forwards and backwards; without a master, clocks "
+              "follow the one that is ahead");
+  in.optional("clock_offset", time_step{}, out.clock_offset,
+              {"offset of its own clock from the true time; peers agree on one time within seconds",
+               "none"});
   in.optional("clock_ppm", real{-200, 200}, out.clock_ppm,
-              "its own clock runs too fast by so many parts per million");
-  in.optional(
-      "managers", list_of<whole<std::int32_t>>{{1, peer_id_max}}, out.managers,
-      {"who may stop it by writing its tuple `kernel.do-quit`, besides the peers of its host",
-       "none", "array of PEIS ids"});
+              "its own clock runs too fast by this many parts per million");
+  in.optional("managers", list_of<whole<std::int32_t>>{{1, peer_id_max}}, out.managers,
+              {"peers that may stop it by writing its tuple `kernel.do-quit`, in addition to those "
+               "of its host",
+               "none", "array of PEIS ids"});
 }
 
 /// Readers have names of their own, by default that of their peer.
@@ -269,10 +268,10 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
   peer_table peers;
   read_identity(in, with, peers);
   auto& like = peers.like;
-  in.optional(
-      "host", host_name{}, like.host,
-      {"peers of one host are neighbours at no cost; without it, each has a computer of its own",
-       "wherever the run is started"});
+  in.optional("host", host_name{}, like.host,
+              {"computer of the peer; links between peers of one host cost nothing; without it, "
+               "each peer has a computer of its own",
+               "wherever the run is started"});
   read_connections(in, with, peers, apps, like);
   read_adapters(in, apps.places, like);
   end_claims ends;
@@ -352,12 +351,12 @@ std::vector<std::string> read_links(table_reader& in, const std::vector<std::str
 peis_description read_peis(table_reader& root) {
   peis_description out;
   root.table("peis", "[peis]", "the network between the hosts of peers", [&out](table_reader& in) {
-    in.optional("delay", time_span{0s, 10s}, out.delay, "of whatever is sent, each way");
+    in.optional("delay", time_span{0s, 10s}, out.delay, "delay of each package, per direction");
     in.optional("loss", ratio{}, out.loss,
-                "chance that a package, or an announcement at one of those who hear it, is "
-                "lost; a link's first octets, by which peers tell who they are, never are");
+                "probability that a package, or an announcement at one of its receivers, is lost; "
+                "the first octets of a link, which identify the peers, are never lost");
     in.optional("bandwidth", bit_rate{}, out.bandwidth_bps,
-                "of each link, each way; no limit by default");
+                "of each link, per direction; no limit by default");
     read_bluetooth(in, out.bluetooth);
   });
   return out;

@@ -135,7 +135,7 @@ void check_peers(const ecology_description& all, const places& where,
   if (with_bluetooth.size() > 1)
     out.push_back("peers with `bluetooth` are on different hosts, " +
                   listed(where.in_order(with_bluetooth)) +
-                  ": simulated Bluetooth is within one host");
+                  ": simulated Bluetooth works within one host only");
   for (const auto& host : used_hosts(all))
     for (const auto port : {host.control_port, host.peis_port})
       if (const auto found = ports.find({host.name, port}); found != ports.end())
@@ -148,9 +148,8 @@ void check_hosts(const ecology_description& all, std::vector<std::string>& out) 
   std::map<std::pair<std::string, std::uint16_t>, std::string> ports;
   for (const auto& host : used_hosts(all)) {
     if (host.listen.empty())
-      out.push_back("host " + ticked(host.name) + " has an address that is a name, " +
-                    ticked(host.address) +
-                    ": say with `listen` at which IPv4 address of that computer it listens");
+      out.push_back("host " + ticked(host.name) + " has a name as address, " +
+                    ticked(host.address) + ": set `listen` to the IPv4 address of that computer");
     for (const auto port : {host.control_port, host.peis_port}) {
       const auto [first, fresh] = ports.try_emplace({host.address, port}, host.name);
       if (!fresh)
@@ -166,8 +165,8 @@ void check_faults(const ecology_description& all, const places& where,
   for (const auto& each : all.faults) {
     const auto hosts = hosts_of(where, each.what);
     if (hosts.size() > 1 && !may_be_divided(each.what))
-      out.push_back("the fault at " + to_text(each.at) + " is about things of several hosts, " +
-                    listed(hosts) + ": it can happen within one only");
+      out.push_back("the fault at " + to_text(each.at) + " affects several hosts, " +
+                    listed(hosts) + ": a fault can affect only one");
   }
 }
 

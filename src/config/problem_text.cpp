@@ -15,7 +15,7 @@ std::string text_of(const std::vector<problem>& problems, const std::string& fil
   if (problems.size() > 1)
     text += printable(file) + ": " + std::to_string(problems.size()) + " problems";
   if (problems.size() > told_max)
-    text += ", of which the first " + std::to_string(told_max) + " are above";
+    text += ", the first " + std::to_string(told_max) + " are above";
   return problems.size() > 1 ? text + '\n' : text;
 }
 

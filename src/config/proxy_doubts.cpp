@@ -234,9 +234,9 @@ private:
       doubt(at == seen_.classes.end() ? mark() : at->second.prefix,
             "the proxies of " + sharers[0].name() + " and " + sharers[1].name() +
                 (others > 0 ? " and of " + std::to_string(others) + " more" : "") +
-                " have one key, `" + prefix_of(*what, *island, *mote) +
-                "`: what is written to one reaches all, and nobody knows whose value it tells; "
-                "`prefix` can have {island} and {name}");
+                " have the same key, `" + prefix_of(*what, *island, *mote) +
+                "`: a write to it reaches all of them, and its value may be from any of them; "
+                "`prefix` can contain {island} and {name}");
     }
   }
 

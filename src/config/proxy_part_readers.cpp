@@ -156,8 +156,8 @@ placed_template read_tuple_template(table_reader& in) {
               "`{room}`, the property of that name, else the island's name; any property of the "
               "class. With `ids` `{channel}` instead of `{island}` and `{room}`");
   in.optional("value", template_text{}, out.what.text,
-              {"the same names; properties of [objects](#proxyobject), of others without text; "
-               "fields, and their units as `{FIELD.unit}`; `{{` and `}}` are braces",
+              {"the same names; properties of [objects](#proxyobject), empty if an object lacks "
+               "them; fields, and their units as `{FIELD.unit}`; `{{` and `}}` are braces",
                "either this"});
   in.optional(
       "json", list_of<name_text>{{}, 1, json_fields_max}, out.what.json,
@@ -213,18 +213,17 @@ void check_tuple_template(const placed_template& x, const proxy::proxy_class& of
 void read_program(table_reader& in, const proxy::program_registry& programs, tuple_names& names,
                   proxy::proxy_class& out) {
   named_values<double> found;
-  const bool named =
-      in.optional("program", name_text{}, out.program,
-                  {"of motes: code that completes the table; a file that names one which the "
-                   "binary does not have is refused. There is `occupancy`, see below; "
-                   "[others](architecture.md#proxies-with-code) are written in C++",
-                   "none"});
+  const bool named = in.optional("program", name_text{}, out.program,
+                                 {"of motes: code that completes the table; a file is rejected if "
+                                  "the binary lacks the program. There is `occupancy`, see below; "
+                                  "[others](architecture.md#proxies-with-code) are written in C++",
+                                  "none"});
   const bool set = in.optional("settings", pairs_of<real>{}, found, {"of the `program`", "none"});
   if (set && !in.has("program"))
     in.problems().add(in.at("settings"), "`settings` are those of a `program`");
   const auto* const make = named ? programs.find(out.program) : nullptr;
   if (named && make == nullptr)
-    in.problems().add(in.at("program"), "no program is called `" + out.program + '`' +
+    in.problems().add(in.at("program"), "no program is named `" + out.program + '`' +
                                             suggestion(out.program, programs.names()));
   if (make == nullptr)
     return;
@@ -297,7 +296,7 @@ void place_computations(const std::vector<placed_computation>& all,
       if (sampler == nullptr || field->layout != proxy::encoding::i16 || field->offset % 2 != 0 ||
           index >= sampler->transducers.size()) {
         problems.add(x.at, "mote `" + name +
-                               "` has no sampler that sends a count there which it could average");
+                               "` has no sampler that sends a count there that it could average");
         return;
       }
       auto& apps = mote.apps.edit();
@@ -370,7 +369,8 @@ void place_transducers(const std::vector<placed_transducer>& all,
         problems.add(x.at, "mote `" + name + "` has no sampler that sends `" + what + "` " + from);
       else if (good && agreed && *agreed != *found)
         problems.add(x.at, "motes `" + first + "` and `" + name + "` send `" + what +
-                               "` in different ways: a class of its own, or `offset` and `scale`");
+                               "` with different units or scales: make one class for each, or set "
+                               "`offset` and `scale`");
       good = good && found && (!agreed || *agreed == *found);
       if (!agreed) {
         agreed = found;

@@ -111,26 +111,26 @@ struct placed_fields {
 void read_source(table_reader& in, const proxy::field& field, const std::string& of,
                  placed_fields& placed) {
   device::quantity kind{};
-  if (in.optional(
-          "transducer", quantity_name{true}, kind,
-          {"whose counts the [samplers](#app--sampler) of the class send on the channel: it "
-           "gives `offset`, its resolution as `scale` and its unit, where the field has none",
-           "none", "quantity"}) &&
+  if (in.optional("transducer", quantity_name{true}, kind,
+                  {"transducer whose counts the [samplers](#app--sampler) of the class send on the "
+                   "channel: it gives `offset`, its resolution as `scale` and its unit, where the "
+                   "field has none",
+                   "none", "quantity"}) &&
       !field.name.empty())
     placed.transducers.push_back({of, field.name, kind, in.at("transducer"), in.has("offset"),
                                   in.has("scale"), in.has("unit")});
   if (in.has("transducer") && in.has("encoding"))
-    in.problems().add(in.at("encoding"), "`encoding` means nothing with `transducer`");
+    in.problems().add(in.at("encoding"), "`encoding` has no effect with `transducer`");
 }
 
 /// mean_of and computed_by, of fields of motes.
 void read_computation(table_reader& in, proxy::field& field, const std::string& of,
                       std::vector<placed_computation>& computations) {
   in.optional("mean_of", whole<std::size_t>{1, proxy::mean_of_max}, field.mean_of,
-              "of motes: the value is the mean of so many counts, rounded to a whole count");
+              "of motes: the value is the mean of this many counts, rounded to a whole count");
   in.optional("computed_by", word<bool>{{{"proxy", false}, {"mote", true}}}, field.computed_by_mote,
-              "who computes that mean. With `\"mote\"` the [sampler](#app--sampler) of each mote "
-              "of the class that sends on the channel does; the tuples are the same");
+              "node that computes that mean. With `\"mote\"` it is the [sampler](#app--sampler) of "
+              "each mote of the class that sends on the channel; the tuples are the same");
   if (in.has("computed_by") && !in.has("mean_of"))
     in.problems().add(in.at("computed_by"), "`computed_by` needs `mean_of`: what is computed");
   if (field.mean_of > 1 && !field.words.empty())
@@ -143,16 +143,16 @@ void read_computation(table_reader& in, proxy::field& field, const std::string& 
 void read_stream(table_reader& in, proxy::field& field, const std::string& of,
                  placed_fields& placed) {
   proxy::stream_input stream;
-  const bool named = in.optional(
-      "stream", whole<std::uint16_t>{}, stream.number,
-      {"instead of `channel`: the proxy itself reads this stream of sensor records, which a "
-       "[`stream_writer`](#app--stream_writer) of a mote in any island writes `to` the peer of the "
-       "proxy manager; of a class that one mote is of",
-       "none"});
+  const bool named =
+      in.optional("stream", whole<std::uint16_t>{}, stream.number,
+                  {"instead of `channel`: the proxy itself reads this stream of sensor records, "
+                   "which a [`stream_writer`](#app--stream_writer) of a mote in any island writes "
+                   "`to` the peer of the proxy manager; only for a class with a single mote",
+                   "none"});
   in.optional("every", time_span{10ms, 24h}, stream.every, "of a stream: as its writer's");
   if (!named) {
     if (in.has("every"))
-      in.problems().add(in.at("every"), "`every` is of a `stream`");
+      in.problems().add(in.at("every"), "`every` needs a `stream`");
     return;
   }
   field.stream = stream;
@@ -160,7 +160,7 @@ void read_stream(table_reader& in, proxy::field& field, const std::string& of,
   for (const auto* key : {"channel", "offset", "encoding", "transducer", "computed_by"})
     if (in.has(key))
       in.problems().add(in.at(key), '`' + std::string(key) +
-                                        "` means nothing with `stream`: it is of messages");
+                                        "` has no effect with `stream`: it applies to messages");
 }
 
 void read_field(table_reader& in, tuple_names& names, placed_fields& placed,
@@ -170,17 +170,17 @@ void read_field(table_reader& in, tuple_names& names, placed_fields& placed,
     names.claim(field.name, in.at("name"), in.problems());
   if (out.ids.empty()) {
     in.required_if(!in.has("stream"), "channel", message_channel, field.channel,
-                   "of the message it is read from; with `ids` there is none: it is read from the "
-                   "tag's memory");
+                   "channel of the message it is read from; with `ids` there is none: it is read "
+                   "from the tag's memory");
     read_stream(in, field, out.name, placed);
   }
   in.optional("offset", whole<std::size_t>{0, payload_octets_max - 1}, field.offset,
               "its first octet in the message, which has up to 100");
   const bool sized =
       in.optional("encoding", encoding_words(true), field.layout,
-                  "how its octets are read, in network byte order; `\"stamp\"`: four are "
-                  "the time of a sampler with `stamped = true`, and the count is the "
-                  "whole [network time](gateway.md#time) since 1970 in milliseconds") ||
+                  "encoding of its octets, in network byte order; `\"stamp\"`: four octets are the "
+                  "time of a sampler with `stamped = true`, and the count is the whole [network "
+                  "time](gateway.md#time) since 1970 in milliseconds") ||
       !in.has("encoding");
   in.all(field);
   read_field_words(in, sized, field);
@@ -199,16 +199,18 @@ void read_field(table_reader& in, tuple_names& names, placed_fields& placed,
 void read_numbers(table_reader& in, proxy::input& out) {
   proxy::number_form form;
   const bool sized = in.optional("encoding", encoding_words(false), form.layout,
-                                 {"a number that is no word becomes a count so, rounded: the "
-                                  "number less `add`, divided by `scale`",
-                                  "it takes no numbers"});
+                                 {"encoding of a number that is not a word: its count is the "
+                                  "number less `add`, divided by `scale`, rounded",
+                                  "it accepts no numbers"});
   in.optional("scale", real{}, form.scale, {"value of one count, not 0", "", "number, not 0"});
   in.optional("add", real{}, form.add, "value of the count 0");
-  in.optional("unit", text{16}, out.unit, {"of the numbers, published beside the range", "none"});
+  in.optional("unit", text{16}, out.unit,
+              {"unit of the numbers, published with the range", "none"});
   for (const auto* key : {"scale", "add", "unit", "min", "max"})
     if (in.has(key) && !in.has("encoding"))
-      in.problems().add(in.at(key), '`' + std::string(key) +
-                                        "` is of numbers, which the input takes with `encoding`");
+      in.problems().add(in.at(key),
+                        '`' + std::string(key) +
+                            "` applies to numbers, which the input accepts with `encoding` only");
   if (form.scale == 0) {
     in.problems().add(in.at("scale"), "`scale` must not be 0");
     form.scale = 1;
@@ -219,9 +221,9 @@ void read_numbers(table_reader& in, proxy::input& out) {
   form.min = low;
   form.max = high;
   in.optional("min", in.walks() ? real{} : real{low, high}, form.min,
-              {"smaller numbers are refused", "what the encoding can hold"});
+              {"smaller numbers are refused", "limit of the encoding"});
   in.optional("max", in.walks() ? real{} : real{form.min, high}, form.max,
-              {"larger ones are", "what the encoding can hold", "number, at least `min`"});
+              {"larger ones are", "limit of the encoding", "number, at least `min`"});
   if (sized)
     out.numbers = form;
 }
@@ -231,11 +233,11 @@ void read_input(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
   named_values<bytes> words;
   if (in.required("name", name_text{}, input.name, "last part of the key"))
     names.claim(input.name, in.at("name"), in.problems());
-  in.required("channel", message_channel, input.channel, "where the mote receives them");
+  in.required("channel", message_channel, input.channel, "channel on which the mote receives it");
   if (in.optional("meta", flag{}, input.meta,
-                  "the input is the tuple that `PREFIX.mi-INPUT` points at, at first "
-                  "`PREFIX.INPUT`: whoever rewrites that [meta tuple](peis.md#meta-tuples) decides "
-                  "what the actuator follows") &&
+                  "the input is the tuple that `PREFIX.mi-INPUT` points at, initially "
+                  "`PREFIX.INPUT`: rewriting that [meta tuple](peis.md#meta-tuples) selects the "
+                  "tuple that the actuator follows") &&
       input.meta && !input.name.empty())
     names.claim("mi-" + input.name, in.at("meta"), in.problems());
   read_numbers(in, input);
@@ -259,7 +261,7 @@ std::vector<std::pair<std::string, std::string>> read_properties(table_reader& i
   std::vector<std::pair<std::string, std::string>> out;
   named_values<std::string> found;
   in.optional("properties", pairs_of<text>{{200}}, found,
-              {"published as they are, under their names", "none"});
+              {"published unchanged, under their names", "none"});
   for (auto& [key, value] : found) {
     if (!is_name(key.value))
       in.problems().add(key.at, "a property's name must have 1 to 32 letters, digits, - and _, "
@@ -296,7 +298,7 @@ void read_known_mote(table_reader& in, name_claims& ids, proxy::known_object& fo
     ids.claim(found.id, "mote", in.at("mote"), in.problems());
   }
   in.optional("position_m", place{}, found.place,
-              {"of a mote: where it was put, for a class with `indirect`", "not known"});
+              {"of a mote: its position, for a class with `indirect`", "not known"});
 }
 
 /// [[proxy.object]]
@@ -329,7 +331,7 @@ claimed read_claims(table_reader& in) {
               {"the motes' types it claims; of a mask, those that have this value under it",
                "either these"});
   in.optional("ids", list_of<id_pattern>{{}, 1}, out.ids,
-              {"the ids of tags it claims: those that begin so; `\"rfid/\"`: all", "or these"});
+              {"the ids of tags it claims, by their first part; `\"rfid/\"`: all", "or these"});
   if (in.has("types") == in.has("ids"))
     in.problems().add(in.at(),
                       "a proxy needs either `types`, of motes, or `ids`, of tagged objects");
@@ -345,10 +347,10 @@ void check_kind(const table_reader& in, bool of_objects, const std::string& pref
     refuse("input", "tagged objects have no inputs");
   for (const auto* key : {"qos", "indirect", "program"})
     if (of_objects && in.has(key))
-      refuse(key, "only motes have it, and the proxy has `ids` of tagged objects");
+      refuse(key, "only for motes, and the proxy has `ids` of tagged objects");
   if (prefix.find(of_objects ? "{island}" : "{channel}") != std::string::npos)
-    refuse("prefix", of_objects ? "tagged objects are of no {island}; there is {channel}"
-                                : "motes are of an {island}, not of a {channel}");
+    refuse("prefix", of_objects ? "tagged objects have no {island}; use {channel}"
+                                : "motes have an {island}, not a {channel}");
 }
 
 /// A range of types, where it stands, and whose it is.
@@ -411,7 +413,7 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root,
   name_claims objects;
   placed_fields placed;
   root.tables(
-      "proxy", "[[proxy]]", "what gives a mote's octets, or a tag, a meaning",
+      "proxy", "[[proxy]]", "decodes the octets of motes, or represents tagged objects",
       [&](table_reader& in) {
         proxy::proxy_class found;
         tuple_names names;
@@ -427,30 +429,30 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root,
         if (in.has("ids"))
           found.prefix = "{channel}.{name}";
         in.optional("prefix", key_prefix{}, found.prefix,
-                    {"how the keys begin; `{island}`, `{id}` and `{name}` stand for the island's "
-                     "name, the mote's id and the mote's name; `{channel}` for `rfid`, `{id}` for "
-                     "the tag's id, `{name}` for the object's name",
+                    {"first part of the keys; `{island}`, `{id}` and `{name}` stand for the "
+                     "island's name, the mote's id and the mote's name; `{channel}` for `rfid`, "
+                     "`{id}` for the tag's id, `{name}` for the object's name",
                      "`\"{island}.{name}\"`, with `ids` `\"{channel}.{name}\"`"});
         check_kind(in, in.has("ids"), found.prefix);
         duration known_from{};
         in.optional("known_from", time_span{0s, 24h * 10}, known_from,
-                    "when proxy managers learn of the class; what it claims and no other does is "
-                    "without a proxy until then");
+                    "time at which proxy managers receive the class; motes and tags that only it "
+                    "claims have no proxy until then");
         found.known_from = instant(known_from);
         found.properties = read_properties(in, names);
         in.optional("indirect", flag{}, found.indirect,
-                    "of motes: tell the [interface and the position](gateway.md#of-a-proxy) too, "
-                    "as those of tagged things always do");
+                    "of motes: publish the [interface and the position](gateway.md#of-a-proxy) "
+                    "too, as proxies of tagged objects always do");
         in.table("qos", "[proxy.qos]", "of motes", [&](table_reader& x) { x.all(found.settings); });
         in.tables("field", "[[proxy.field]]", {"values that it publishes", "none"},
                   [&](table_reader& x) { read_field(x, names, placed, found); });
         in.tables("input", "[[proxy.input]]", {"motes alone have inputs", "none"},
                   [&](table_reader& x) { read_input(x, names, found); });
         in.tables("object", "[[proxy.object]]",
-                  {"what is known of single motes or tagged things", "none"},
+                  {"properties of single motes or tagged objects", "none"},
                   [&](table_reader& x) { read_object(x, names, objects, found); });
         std::vector<placed_template> templates;
-        in.tables("tuple", "[[proxy.tuple]]", {"tuples of other keys and forms", "none"},
+        in.tables("tuple", "[[proxy.tuple]]", {"tuples with other keys and forms", "none"},
                   [&](table_reader& x) { templates.push_back(read_tuple_template(x)); });
         claims<std::string> keys;
         for (auto& each : templates) {
@@ -485,7 +487,7 @@ void check_object_manager(const table_reader& root, const std::vector<peer_descr
       peers, [&](const auto& x) { return std::ranges::any_of(x.apps, starts_objects); });
   const bool wanted = std::ranges::any_of(classes, [](const auto& x) { return !x.ids.empty(); });
   if (wanted && !managed)
-    root.problems().add(root.at("proxy"), "nobody starts proxies of tagged objects: a "
+    root.problems().add(root.at("proxy"), "no component starts proxies of tagged objects: a "
                                           "\"proxy_manager\" needs `objects = true`");
 }
 

@@ -34,15 +34,15 @@ void read_quantities(table_reader& root) {
   for (const auto& each : out.all())
     static_cast<void>(names.claim(each.name, "quantity", {}, root.problems()));
   root.tables(
-      "quantity", "[[quantity]]", "what motes measure besides the usual", [&](table_reader& in) {
+      "quantity", "[[quantity]]", "further quantities that motes measure", [&](table_reader& in) {
         std::string name;
         std::string unit;
-        const bool named =
-            in.required("name", name_text{}, name,
-                        "as the usual ones in `transducers` and wherever they are named");
+        const bool named = in.required(
+            "name", name_text{}, name,
+            "name, used like the predefined ones in `transducers` and wherever they are named");
         in.optional("unit", text{16}, unit,
-                    {"of its values, in which models and bounds are written; fields that "
-                     "name the quantity as their `transducer` tell it",
+                    {"unit of its values, of models and of bounds; fields that name the quantity "
+                     "as their `transducer` publish it",
                      "none"});
         if (!named || !names.claim(name, "quantity", in.at("name"), in.problems()))
           return;

@@ -277,8 +277,8 @@ private:
     }
     const auto whom =
         nearest == 0 ? std::string("the sink") : "`" + island.motes[nearest - 1].name + '`';
-    out_.emplace_back(at, who + ": of all that have a way to the sink it is heard best by " + whom +
-                              ", " + shown_m(nearest_m(all[i], all[nearest])) +
+    out_.emplace_back(at, who + ": of all radios with a route to the sink it is received best by " +
+                              whom + ", " + shown_m(nearest_m(all[i], all[nearest])) +
                               " away, where its frames arrive with " + shown(std::round(best_dbm)) +
                               " dBm at most, and " + shown(all[nearest].sensitivity_dbm) +
                               " are needed");
@@ -303,9 +303,9 @@ private:
     const auto ms = std::max(std::floor(share_max * range / fastest_m_s * 100) * 10, 10.0);
     const auto place = seen_.motes.find({island.id, mote.id});
     out_.emplace_back(place == seen_.motes.end() ? mark() : place->second.walk,
-                      "mote `" + mote.name + "` walks up to " + shown_m(way_m) +
-                          " between two updates of its place, every " + to_text(mote.step) +
-                          ", and a radio reaches " + shown_m(range) + ": a `step` of " +
+                      "mote `" + mote.name + "` moves up to " + shown_m(way_m) +
+                          " between two updates of its position, every " + to_text(mote.step) +
+                          ", and the range of a radio is " + shown_m(range) + ": a `step` of " +
                           to_text(std::chrono::milliseconds(static_cast<std::int64_t>(ms))) +
                           " would be a tenth of that");
   }

@@ -108,7 +108,7 @@ bool is_noisy(const radio::channel_config& x) {
 
 void read_propagation(table_reader& in, const named_files& files, radio::propagation& out) {
   const std::string within = in.title();
-  in.one_of("model", "how strongly frames arrive",
+  in.one_of("model", "propagation: signal strength of arriving frames",
             {{"unit_disk", model_of<radio::unit_disk>(out)},
              {"log_distance", model_of<radio::log_distance>(out)},
              {"friis", model_of<radio::friis>(out)},
@@ -118,7 +118,7 @@ void read_propagation(table_reader& in, const named_files& files, radio::propaga
 
 void read_noise(table_reader& in, const named_files& files, radio::noise_model& out) {
   const std::string within = in.title();
-  in.one_of("model", "what disturbs frames",
+  in.one_of("model", "kind of noise",
             {{"none", [&](table_reader&) { out = radio::no_noise{}; }},
              {"constant", model_of<radio::constant_noise>(out)},
              {"table", [&](table_reader&) { out = radio::table_noise{}; }},
@@ -160,25 +160,27 @@ void read_macs(table_reader& in, radio::channel_config& out) {
 
 void read_radio_links(table_reader& in, radio::channel_config& out, std::vector<mark>& places) {
   claims<std::pair<mote_address, mote_address>> pairs;
-  in.tables("link", "[[radio.link]]", {"links unlike the others", "none"}, [&](table_reader& x) {
-    radio::link_override link;
-    const bool ends =
-        static_cast<int>(x.required("from", radio_name{}, link.from, "who sends")) +
-            static_cast<int>(x.required("to", radio_name{}, link.to, "who receives")) ==
-        2;
-    x.optional("loss", ratio{}, link.loss,
-               {"chance that a copy is lost on this way", "as in `[radio]`"});
-    x.optional("gain", decibels{-200, 20}, link.gain_db,
-               {"received dBm at 0 dBm sent", "the model's"});
-    if (!x.has("loss") && !x.has("gain"))
-      x.problems().add(x.at(), "a link needs `loss`, `gain` or both");
-    if (ends && link.from == link.to)
-      x.problems().add(x.at("to"), "a link leads from one mote to another");
-    else if (ends)
-      pairs.claim({link.from, link.to}, "the link", x.at("to"), x.problems(), "is already listed");
-    places.push_back(x.at());
-    out.links.push_back(link);
-  });
+  in.tables("link", "[[radio.link]]", {"links with their own loss or gain", "none"},
+            [&](table_reader& x) {
+              radio::link_override link;
+              const bool ends =
+                  static_cast<int>(x.required("from", radio_name{}, link.from, "sender")) +
+                      static_cast<int>(x.required("to", radio_name{}, link.to, "receiver")) ==
+                  2;
+              x.optional("loss", ratio{}, link.loss,
+                         {"probability that a copy is lost on this link", "as in `[radio]`"});
+              x.optional("gain", decibels{-200, 20}, link.gain_db,
+                         {"received dBm at 0 dBm sent", "the model's"});
+              if (!x.has("loss") && !x.has("gain"))
+                x.problems().add(x.at(), "a link needs `loss`, `gain` or both");
+              if (ends && link.from == link.to)
+                x.problems().add(x.at("to"), "a link leads from one mote to another");
+              else if (ends)
+                pairs.claim({link.from, link.to}, "the link", x.at("to"), x.problems(),
+                            "is already listed");
+              places.push_back(x.at());
+              out.links.push_back(link);
+            });
 }
 
 /// What a file says and what then has no effect.
@@ -192,7 +194,8 @@ struct idle_key {
 void check_effects(const table_reader& in, const radio::channel_config& x) {
   const bool disk = is_disk(x);
   const bool strict = x.collisions == radio::collision_rule::strict;
-  constexpr std::string_view all_hear = "with model = \"unit_disk\": all within range hear";
+  constexpr std::string_view all_hear =
+      "with model = \"unit_disk\": all radios within range receive";
   constexpr std::string_view only_overlaps =
       "with model = \"unit_disk\" and collisions = \"strict\": only overlaps lose frames";
   constexpr std::string_view no_capture =
@@ -211,7 +214,7 @@ void check_effects(const table_reader& in, const radio::channel_config& x) {
   for (const auto& each : keys)
     if (each.idle && in.has(each.key))
       in.problems().add(in.at(each.key),
-                        '`' + std::string(each.key) + "` decides nothing " + std::string(each.why));
+                        '`' + std::string(each.key) + "` has no effect " + std::string(each.why));
 }
 
 void check_table_noise(const table_reader& in, const radio::channel_config& x) {
@@ -241,9 +244,10 @@ void check_overrides(const named_files& files, const radio::channel_config& x,
 placed_links read_radio(table_reader& root, const named_files& files, radio::channel_config& out) {
   placed_links links;
   const auto before = root.problems().size();
-  root.table("radio", "[radio]", "what all radios have in common", [&](table_reader& in) {
+  root.table("radio", "[radio]", "properties of all radios", [&](table_reader& in) {
     in.all(out, radio::medium_keys());
-    in.table("propagation", "[radio.propagation]", {"how strongly frames arrive", "a unit disk"},
+    in.table("propagation", "[radio.propagation]",
+             {"propagation: signal strength of arriving frames", "a unit disk"},
              [&](table_reader& x) { read_propagation(x, files, out.propagation); });
     const bool propagation_is_good = in.sound();
     if (propagation_is_good || in.walks())
@@ -252,8 +256,7 @@ placed_links read_radio(table_reader& root, const named_files& files, radio::cha
       in.expect("range");
     if (!is_disk(out))
       out.noise = radio::constant_noise{};
-    in.table("noise", "[radio.noise]",
-             {"what disturbs them besides other frames", "none for a unit disk, else -98 dBm"},
+    in.table("noise", "[radio.noise]", {"noise", "none for a unit disk, else -98 dBm"},
              [&](table_reader& x) { read_noise(x, files, out.noise); });
     read_reception(in, out);
     read_macs(in, out);
@@ -281,7 +284,7 @@ void check_links(const placed_links& links, const radio::channel_config& config,
     const auto to = air_of(config.links[i].to.island);
     if (from != airs.end() && to != airs.end() && from != to)
       problems.add(links.at[i], "a link leads from air `" + from->name + "` to air `" + to->name +
-                                    "`, which hear nothing of each other");
+                                    "`, which are isolated from each other");
   }
 }
 

@@ -30,8 +30,7 @@ std::vector<std::string> keys_of(const Names& names) {
 
 std::nullopt_t unknown(const node& x, const asker& who, const std::string& what,
                        std::string_view name, const std::vector<std::string>& known) {
-  who.complain(x,
-               "no " + what + " is called `" + std::string(name) + '`' + suggestion(name, known));
+  who.complain(x, "no " + what + " is named `" + std::string(name) + '`' + suggestion(name, known));
   return std::nullopt;
 }
 
@@ -143,7 +142,7 @@ std::optional<island_id> joined_sink_name::read(const node& x, const asker& who)
     who.complain(x, "the sink of an island with stack = \"mac\" only measures; name another");
   if (found == any_island &&
       std::ranges::none_of(islands, [](const auto& each) { return each.second.has_gateway; }))
-    who.complain(x, "no island has a gateway, so that there is no sink to draw");
+    who.complain(x, "no island has a gateway, so there is no sink to choose from");
   return found;
 }
 

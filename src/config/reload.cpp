@@ -110,7 +110,7 @@ private:
     for (const auto key : path_)
       keys += (keys.empty() ? "" : ".") + std::string(key);
     const auto why = why_fixed(path_.size() > 1 && path_[0] == "ecology" ? path_.back() : path_[0]);
-    out_.add(at, '`' + keys + "` " + how + ", and does not change while an ecology runs" +
+    out_.add(at, '`' + keys + "` " + how + ", and cannot change while an ecology runs" +
                      (why.empty() ? std::string() : ": it " + std::string(why)));
   }
 
@@ -172,13 +172,13 @@ void compare_links(const ecology_description& before, const ecology_description&
     if (is_new || old->loss != x.loss || old->gain_db != x.gain_db)
       out.emplace_back(link_change{x.from, x.to, x.loss, x.gain_db});
     if (!is_new && ((old->loss && !x.loss) || (old->gain_db && !x.gain_db)))
-      refused.add(at, "`radio.link` has a link without the loss or the gain that it had: say the "
-                      "value that it is to have now");
+      refused.add(at,
+                  "`radio.link` has a link without its former loss or gain: give its new value");
   }
   for (const auto& x : before.radio.links)
     if (std::ranges::none_of(now.radio.links, same(x)))
-      refused.add(at, "`radio.link` lacks a link that is another since the run began: say the loss "
-                      "and the gain that it is to have now");
+      refused.add(at, "`radio.link` lacks a link that has changed since the run began: give its "
+                      "new loss and gain");
 }
 
 template <class T>
@@ -287,7 +287,7 @@ public:
       if (time_of(gone) > at_)
         refused_.add(all == nullptr ? now_.at : all->at,
                      "a [[" + std::string(key) + "]] at " + to_text(time_of(gone)) +
-                         " is gone from the file: what is planned stays planned");
+                         " was removed from the file: planned actions remain planned");
   }
 
 private:
@@ -297,7 +297,7 @@ private:
                                  to_text(at_) + " already");
     else if (needs_preparation(x.what))
       refused_.add(table.at,
-                   "that one needs what is there from the start: a radio, or a second type");
+                   "it needs something that exists from the start: a radio, or a second type");
     else
       out_.plan.push_back(std::move(x));
   }

@@ -18,7 +18,7 @@ namespace {
 void refuse(const table_reader& in, std::initializer_list<const char*> keys, const char* why) {
   for (const auto* key : keys)
     if (in.has(key))
-      in.problems().add(in.at(key), '`' + std::string(key) + "` means nothing " + why);
+      in.problems().add(in.at(key), '`' + std::string(key) + "` has no effect " + why);
 }
 
 /// The key of what `x` points at; empty: nothing.
@@ -86,8 +86,8 @@ proxy::rule_write read_rule_write(table_reader& in) {
     in.optional("otherwise", text{}, out.otherwise, or_else);
   }
   in.optional("from", tuple_key{}, out.from,
-              {"with `write`, instead of `then`: what this tuple, of any owner, tells at that "
-               "moment is written; nothing, if nobody has it",
+              {"with `write`, instead of `then`: the value of this tuple, of any owner, at that "
+               "moment is written; nothing if no peer has it",
                "none"});
   if (in.has("from"))
     refuse(in, {"then", "point"}, "with `from`");
@@ -102,9 +102,9 @@ void read_time(table_reader& in, duration day_begins, proxy::rule& out) {
   duration at{};
   if (in.optional(
           "at", time_of_day{}, at,
-          {"every day at this time, which `start` of [`[ecology]`](#ecology) sets, `then` is "
-           "written; with `when` only if its condition holds then, else `otherwise`",
-           "whenever the condition comes to hold or ends"}))
+          {"every day at this time of day (see `start` of [`[ecology]`](#ecology)) `then` is "
+           "written; with `when` only if its condition holds at that time, else `otherwise`",
+           "whenever the condition becomes true or false"}))
     out.daily = (at - day_begins + 24h) % 24h;
   if (!in.has("at"))
     return;

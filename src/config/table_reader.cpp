@@ -174,7 +174,7 @@ void table_reader::either(const std::vector<alternative>& choices) {
   for (const auto& [keys, read] : choices)
     for (const auto key : keys) {
       if (std::ranges::find(asked_, key) == asked_.end() && has(key))
-        complain(at(key), '`' + std::string(key) + "` means nothing with `" +
+        complain(at(key), '`' + std::string(key) + "` has no effect with `" +
                               std::string(chosen.first.front()) + '`');
       expect(key);
     }

@@ -16,7 +16,7 @@ rfid::reader_config read_rfid_reader(table_reader& in, std::string_view peer_nam
 std::vector<tag_description> read_tags(table_reader& root) {
   std::vector<tag_description> out;
   name_claims ids;
-  root.tables("tag", "[[tag]]", "things with a tag, which readers perceive", [&](table_reader& in) {
+  root.tables("tag", "[[tag]]", "tagged objects, which readers perceive", [&](table_reader& in) {
     tag_description found;
     if (in.required("id", name_text{}, found.id, "unique among tags"))
       ids.claim(found.id, "tag", in.at("id"), in.problems());
@@ -24,7 +24,7 @@ std::vector<tag_description> read_tags(table_reader& root) {
     in.optional("memory", hex_octets{}, found.memory,
                 {"its user memory, which readers read", "none"});
     const bool has_place = in.required_if(!in.has("path"), "position_m", place{}, found.place,
-                                          {"where it lies", "the first of `path`"});
+                                          {"position", "the first of `path`"});
     read_path(in, has_place, found.place, found.path);
     out.push_back(std::move(found));
   });

@@ -44,7 +44,7 @@ std::string ends_text(const device::trace_time& start, const device::time_series
   return "they are from " + time_text(start, series.front().first) + " to " +
          time_text(start, series.back().first) + ", the run is from " +
          time_text(start, duration(0)) + " to " + time_text(start, run) +
-         "; `start` says which time of the trace that begins at";
+         "; `start` sets the time of the trace at which that begins";
 }
 
 /// What is to be said of a series; empty: nothing.
@@ -66,9 +66,9 @@ std::string doubt_of(const device::trace_model& trace, std::uint32_t mote,
   if (!repeats && series.size() > 1 && 2 * covered < run)
     return "its readings" + of + " cover " + to_text(covered) + " of a run of " + to_text(run) +
            (last < run ? ": the last one, of " + time_text(start, last) +
-                             ", stands until the end; `repeat = true` begins again"
+                             ", applies until the end; `repeat = true` begins again"
                        : ": the first one, of " + time_text(start, series.front().first) +
-                             ", stands before");
+                             ", applies before");
   if (x.skipped > 0) {
     std::size_t readings = 0;
     for (const auto& [each, all] : x.of_mote)

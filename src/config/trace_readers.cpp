@@ -47,20 +47,20 @@ device::trace_model read_trace(table_reader& in, device::quantity kind) {
   in.all(format.times);
   const auto& word = in.shared().quantities.word_of(kind);
   if (format.name_column.empty() && in.has("name"))
-    in.problems().add(in.at("name"), "`name` means nothing without a `name_column`");
+    in.problems().add(in.at("name"), "`name` has no effect without a `name_column`");
   if (format.name.empty())
     format.name = word;
   if (format.value_column.empty())
     format.value_column = format.name_column.empty() ? word : "value";
   in.optional(
       "start", start_text{format.times}, format.start,
-      {"the time that is the start of the run", "`\"0\"`, or the earliest date in the file"});
+      {"time in the trace at which the run starts", "`\"0\"`, or the earliest date in the file"});
   in.all(out);
   if (in.shared().traces == nullptr || !in.sound())
     return out;
   if (format.mote_column.empty()) {
     if (out.mote)
-      in.problems().add(in.at("mote"), "`mote` means nothing without a `mote_column`");
+      in.problems().add(in.at("mote"), "`mote` has no effect without a `mote_column`");
     out.mote = 0;
   }
   const auto table = in.shared().traces->read(in, "file", file, format);
@@ -86,7 +86,7 @@ bool settle_traces(shared_list<device::transducer_config>& transducers, mote_id 
     good = false;
     shared.problems.add(at, "the trace of `" + shared.quantities.word_of(each.kind) +
                                 "` has no readings of mote " + to_string(mote) +
-                                ": name one that it has with `mote`");
+                                ": choose one of its motes with `mote`");
   }
   return good;
 }

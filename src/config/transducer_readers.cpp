@@ -74,7 +74,7 @@ void read_transducer(table_reader& in, device::transducer_config& out) {
   constexpr double count_max = 32767;
   in.all(out);
   in.one_of(
-      "model", "how the value behaves",
+      "model", "model of the value",
       {{"constant", [&](table_reader& x) { read_model<device::constant_model>(x, out.model); }},
        {"sine", [&](table_reader& x) { read_model<device::sine_model>(x, out.model); }},
        {"points", [&](table_reader& x) { read_model<device::points_model>(x, out.model); }},
@@ -97,7 +97,7 @@ void read_transducers(table_reader& in, std::vector<device::transducer_config>& 
   const auto& known = in.shared().quantities.all();
   in.table(
       "transducers", "transducers",
-      {"what it measures, by quantity; a mote's replace its type's of the same quantity, or "
+      {"measured quantities; those of a mote replace those of its type of the same quantity, or "
        "are added",
        "none"},
       [&](table_reader& all) {

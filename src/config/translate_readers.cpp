@@ -54,21 +54,21 @@ translate::translation read_translation(table_reader& in) {
   in.required("from", tuple_key{true}, out.from,
               "of any owner; a part may be `*`, which stands for any one part");
   in.optional("to", target_key{translate::stars_in(out.from)}, out.to,
-              {"what is told; `{1}` is the part that the first `*` stands for", "none"});
+              {"the published tuple; `{1}` is the part that the first `*` stands for", "none"});
   if (in.optional(
           "value", arithmetic{}, value,
-          {"arithmetic on the number `x` that the tuple holds: `+`, `-`, `*`, `/`, parentheses, "
-           "`abs(a)`, `floor(a)`, `ceil(a)`, `round(a)`, `sqrt(a)`, `min(a, b)`, `max(a, b)`. What "
-           "is no number is dropped and counted, as is a result that is not finite",
-           "the text as it is"}))
+          {"arithmetic on the number `x` in the tuple: `+`, `-`, `*`, `/`, parentheses, `abs(a)`, "
+           "`floor(a)`, `ceil(a)`, `round(a)`, `sqrt(a)`, `min(a, b)`, `max(a, b)`. Values that "
+           "are not numbers are dropped and counted, as are results that are not finite",
+           "the text, unchanged"}))
     out.value = std::move(value);
   in.all(out);
   if (!in.has("to") && !in.has("history"))
     in.problems().add(in.at(), "a translation needs `to`, `history` or both");
   if (in.has("decimals") && !in.has("value"))
-    in.problems().add(in.at("decimals"), "`decimals` are those of a `value`");
+    in.problems().add(in.at("decimals"), "`decimals` need a `value`");
   if (in.has("unit") && !in.has("to"))
-    in.problems().add(in.at("unit"), "`unit` is that of the tuple `to`");
+    in.problems().add(in.at("unit"), "`unit` needs `to`");
   auto& seen = in.shared().seen;
   if (!out.from.empty())
     seen.uses.push_back({"a translation of " + seen.peer + " reads", out.from, in.at("from")});

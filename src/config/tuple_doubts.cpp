@@ -69,7 +69,7 @@ public:
     for (const auto& [text, at] : x.equals)
       if (std::ranges::none_of(found, [&](const auto& each) { return each.told.may_be(text); }))
         out_.emplace_back(at, x.who + " waits until `" + x.key + "` is `" + text +
-                                  "`, but it tells " + found.front().told.text() +
+                                  "`, but its values are " + found.front().told.text() +
                                   meant(text, found.front().told.words));
     look_at_bounds(x, found);
   }
@@ -90,10 +90,10 @@ private:
     const auto& bound = x.above ? x.above : x.below;
     if (!bound)
       return;
-    const auto but = ", but it tells " + found.front().told.text();
+    const auto but = ", but its values are " + found.front().told.text();
     if (!range) {
       out_.emplace_back(bound->at, x.who + " compares `" + x.key + "` with " + shown(bound->value) +
-                                       but + ", which are no numbers");
+                                       but + ", which are not numbers");
       return;
     }
     if (x.above && range->second < x.above->value)

@@ -196,7 +196,7 @@ std::string taken_words::instead_of(std::string_view word) const {
     return ", which has no such goal" + suggestion(word, goals);
   }
   if (input == nullptr)
-    return ", which its owner alone tells: nobody follows what others write there";
+    return ", which only its owner publishes: values written by others have no effect";
   std::vector<std::string> words;
   for (const auto& each : input->words)
     words.push_back(each.first);
@@ -205,7 +205,7 @@ std::string taken_words::instead_of(std::string_view word) const {
     out += (out.empty() ? "" : ", or ") + std::string("numbers from ") +
            shown(input->numbers->min) + " to " + shown(input->numbers->max) +
            (input->unit.empty() ? "" : ' ' + input->unit);
-  return ", which takes " + out;
+  return ", which accepts " + out;
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -153,10 +153,9 @@ std::string doubt_of_window(const island_description& x, const radio::channel_co
   auto text = "a window of " + to_text(x.duty.window) + " has room for " + std::to_string(room) +
               " beacons, but ";
   text += crowd > room
-              ? std::to_string(crowd) +
-                    " motes share it within reach of each other: after a restart "
-                    "of the sink they are gone for long"
-              : "in each of them come " + std::to_string(messages) + " messages: many are lost";
+              ? std::to_string(crowd) + " motes in range of each other share it: after a restart "
+                                        "of the sink they are missing for a long time"
+              : "each of them has " + std::to_string(messages) + " messages: many are lost";
   text += "; " + to_text(needed) + " would do";
   if (2 * needed > x.duty.period)
     text += ", with a period of " + to_text(2 * needed) + " at least";
@@ -169,9 +168,9 @@ std::string doubt_of_traffic(const island_description& x) {
     return {};
   const auto times = static_cast<int>(std::ceil(rate / sink_carries));
   return "its motes send " + std::to_string(static_cast<int>(rate)) +
-         " messages a second, but the radio of a sink carries about " +
+         " messages per second, but the radio of a sink carries about " +
          std::to_string(static_cast<int>(sink_carries)) +
-         ": many are lost, and motes are taken for gone; periods " + std::to_string(times) +
+         ": many are lost, and motes are considered lost; periods " + std::to_string(times) +
          " times as long would do";
 }
 

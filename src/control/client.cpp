@@ -53,7 +53,7 @@ struct client::state {
     asked = {static_cast<std::uint8_t>(x.index()), ++number, octets_of(x)};
     answer_kind = control::answer_kind(asked.kind);
     if (asked.content.size() > question_limits()[asked.kind])
-      return patience.start({}, [this] { fail("is asked more than a question may hold"); });
+      return patience.start({}, [this] { fail("cannot be asked: the request is too long"); });
     patience.start(timeout, [this] { fail(why_late()); });
     static_cast<void>(own.look()); // who cannot be believed any more is told so by the other side
     if (now == phase::open)
@@ -106,12 +106,12 @@ struct client::state {
 
   void on_octets(byte_view octets) {
     if (!own.identity() && !has_answered && !octets.empty() && octets.front() == tls_alert)
-      return fail("does not answer as a host of ours, or only to certificates: it speaks TLS");
+      return fail("does not answer as a rubicon host without certificates: it speaks TLS");
     while (!octets.empty() && reader.now() != frame_reader::state::complete &&
            reader.now() != frame_reader::state::refused)
       octets = octets.subspan(reader.feed(octets));
     if (reader.now() == frame_reader::state::refused)
-      return fail("does not answer as a host of ours: " + reader.problem());
+      return fail("does not answer as a rubicon host: " + reader.problem());
     if (reader.now() == frame_reader::state::complete)
       on_answer(reader.take(), !octets.empty());
   }
@@ -119,15 +119,15 @@ struct client::state {
   void on_answer(const frame& x, bool is_followed) {
     if (tells_list) { // what the host makes of it is told by its log, and by its facts
       if (is_followed || x.number != 0)
-        return fail("answers what was not asked");
+        return fail("sent an answer to no request");
       tells_list = false;
       return send();
     }
     if (!done || is_followed || x.number != number || x.kind != answer_kind)
-      return fail("answers what was not asked");
+      return fail("sent an answer to no request");
     auto found = answer_of(x.kind, x.content);
     if (!found)
-      return fail("answers what cannot be read");
+      return fail("sent an invalid answer");
     has_answered = true;
     patience.stop();
     std::exchange(done, nullptr)(*std::move(found));
@@ -137,16 +137,15 @@ struct client::state {
     if (now == phase::shaking)
       return fail(why);
     if (has_answered)
-      return fail("cannot be reached any more");
-    fail(own.identity() ? why
-                        : "does not answer as a host of ours, or only to certificates: " + why);
+      return fail("cannot be reached any longer");
+    fail(own.identity() ? why : "does not answer as a rubicon host without certificates: " + why);
   }
 
   [[nodiscard]] std::string why_late() const {
     if (now == phase::open && has_answered)
       return "does not answer";
-    return own.identity() ? "does not answer as a host with certificates"
-                          : "does not answer as a host of ours, or only to certificates";
+    return own.identity() ? "does not answer as a rubicon host with certificates"
+                          : "does not answer as a rubicon host without certificates";
   }
 
   /// The connection is of no use any more.

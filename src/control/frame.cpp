@@ -86,19 +86,19 @@ std::size_t frame_reader::feed(byte_view octets) {
 void frame_reader::read_header() {
   byte_reader in(header_);
   if (in.big<std::uint16_t>() != mark)
-    return refuse("it does not speak as rubicon does");
+    return refuse("it does not use rubicon's protocol");
   if (const auto theirs = in.octet(); theirs != layout)
-    return refuse("its messages have layout " + std::to_string(theirs) + ", ours " +
+    return refuse("its protocol has version " + std::to_string(theirs) + ", ours " +
                   std::to_string(layout) + ": install the same version on both");
   frame_.kind = in.octet();
   frame_.number = in.big<std::uint32_t>();
   const std::size_t size = in.big<std::uint32_t>();
   if (frame_.kind >= limits_.size())
-    return refuse("a message of kind " + std::to_string(frame_.kind) + ", which there is not");
+    return refuse("a message of kind " + std::to_string(frame_.kind) + ", which is unknown");
   if (size > limits_[frame_.kind])
     return refuse("a message of kind " + std::to_string(frame_.kind) + " of " +
-                  std::to_string(size) + " octets, which has " +
-                  std::to_string(limits_[frame_.kind]) + " at most");
+                  std::to_string(size) + " octets, which has at most " +
+                  std::to_string(limits_[frame_.kind]));
   announced_ = size;
   state_ = state::content;
 }

@@ -11,7 +11,7 @@ std::optional<std::string> refusal_log::note(const std::string& who, const std::
     lines_ = 0;
   }
   std::erase_if(told_, [now](const auto& x) { return now - x.second >= period; });
-  auto line = who + " is refused: it " + why;
+  auto line = who + " was rejected: it " + why;
   if (told_.contains(line) || told_.size() >= known_max || lines_ >= lines_max) {
     ++left_out_;
     return std::nullopt;
@@ -32,7 +32,7 @@ std::optional<std::string> refusal_log::on_time(instant now) {
   const auto count = std::exchange(left_out_, 0);
   begun_ = now;
   lines_ = 0;
-  return std::to_string(count) + (count == 1 ? " more was refused" : " more were refused") +
+  return std::to_string(count) + (count == 1 ? " more was rejected" : " more were rejected") +
          " in a minute";
 }
 

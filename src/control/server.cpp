@@ -114,11 +114,10 @@ struct server::state {
     if (!entry.enters) {
       if (++too_often % refusals_at_once == 0)
         listener->rest(refusals_rest);
-      return refuse(text_of(address), "connects too often");
+      return refuse(text_of(address), "connected too often");
     }
     if (entry.leaves) {
-      refuse(all.at(*entry.leaves).from,
-             "holds more connections than it may without saying who it is");
+      refuse(all.at(*entry.leaves).from, "has too many unauthenticated connections");
       end(*entry.leaves);
     }
     look_for_certificate();
@@ -127,7 +126,7 @@ struct server::state {
                   .first->second;
     x.identity = own.changes();
     x.patience.start(unknown_max, [this, who] {
-      close(who, "does not say who it is within " + to_text(unknown_max));
+      close(who, "did not authenticate within " + to_text(unknown_max));
     });
     x.stream.emplace(
         std::move(stream), own.identity(), io::tls_session::side::server, "",
@@ -176,7 +175,7 @@ struct server::state {
     const auto found = own.take(x.list);
     say(found.told.empty() || found.is_taken
             ? found.told
-            : "is told a list of revoked certificates that " + found.told);
+            : "rejected a list of revoked certificates: it " + found.told);
     return found.is_taken || found.told.empty() ? deploy::verdict{}
                                                 : deploy::verdict{{found.told}, true};
   }
@@ -185,7 +184,7 @@ struct server::state {
     auto& x = all.at(who);
     doors.leave(who);
     if (!make_room())
-      return close(who, "comes when " + std::to_string(known_max) + " others ask");
+      return close(who, "connected while " + std::to_string(known_max) + " others were connected");
     x.at = phase::idle;
     if (const auto why = why_revoked(x); !why.empty()) // a list has come since it began
       return close(who, why);
@@ -216,17 +215,17 @@ struct server::state {
   void on_octets(id who, byte_view octets) {
     auto& x = all.at(who);
     if (x.at == phase::answering)
-      return close(who, "asks before it is answered");
+      return close(who, "sent a request before the answer to the previous one");
     while (!octets.empty() && x.reader.now() != frame_reader::state::complete &&
            x.reader.now() != frame_reader::state::refused)
       octets = octets.subspan(x.reader.feed(octets));
     if (x.reader.now() == frame_reader::state::refused) {
       if (!own.identity())
         x.stream->send(plain_words());
-      return close(who, "sends what is no question: " + x.reader.problem());
+      return close(who, "sent an invalid request: " + x.reader.problem());
     }
     if (!octets.empty())
-      return close(who, "asks before it is answered");
+      return close(who, "sent a request before the answer to the previous one");
     if (x.reader.now() == frame_reader::state::header)
       return; // a part of it, which makes nobody known
     if (x.at == phase::unknown) {
@@ -262,7 +261,7 @@ struct server::state {
       if (waits)
         be_patient(who, all.at(who));
       else
-        close(who, "does not finish its question");
+        close(who, "did not complete its request");
     });
   }
 
@@ -272,8 +271,8 @@ struct server::state {
     x.at = phase::answering;
     auto question = question_of(asked.kind, asked.content);
     if (!question)
-      return close(who, "sends a question of kind " + std::to_string(asked.kind) +
-                            " that cannot be read");
+      return close(who,
+                   "sent a request of kind " + std::to_string(asked.kind) + " that is invalid");
     const auto* list = std::get_if<deploy::tell_revoked>(&*question);
     const auto found = list != nullptr ? learn(*list) : answer(*std::move(question));
     next_with_files(who);
@@ -287,8 +286,8 @@ struct server::state {
     auto& x = all.at(who);
     frame out{answer_kind(to.kind), to.number, octets_of(found)};
     if (out.kind != found.index() || out.content.size() > answer_limits()[out.kind])
-      return close(who, "asks for more than an answer may hold");
-    x.patience.start(unread_max, [this, who] { close(who, "does not read its answer"); });
+      return close(who, "requested more than fits into an answer");
+    x.patience.start(unread_max, [this, who] { close(who, "did not read its answer"); });
     x.stream->send(encode_header(out));
     x.stream->send(std::move(out.content));
   }

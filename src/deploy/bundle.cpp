@@ -82,10 +82,10 @@ packed pack(const std::string& path, const config::overrides& instead,
     out.loaded.problems.push_back({path, 0, 0,
                                    "it names files of more than " +
                                        std::to_string(bundle_octets_max >> 20) +
-                                       " MiB together, which is too much to send to hosts"});
+                                       " MiB in total, too much to send to hosts"});
   if (out.loaded.ecology && !config::without(out.loaded.seen.secrets, out.what.toml))
     out.loaded.problems.push_back(
-        {path, 0, 0, "its keys cannot be told from the rest: write them as plain texts"});
+        {path, 0, 0, "its keys cannot be separated from the rest: write them as plain texts"});
   if (!out.loaded.problems.empty() || !out.loaded.ecology)
     return out;
   auto& ecology = *out.loaded.ecology;
@@ -141,8 +141,8 @@ std::string lacks(const bundle& part, const config::ecology_description& all,
                   const config::fault& x) {
   for (const auto& each : config::secrets_of(all, x))
     if (std::ranges::binary_search(part.withheld, each))
-      return "it takes `" + each + "`, which was not sent to this host: no mote of it had needed " +
-             "it; plan the fault in the file";
+      return "it needs `" + each + "`, which was not sent to this host because none of its motes " +
+             "needed it; plan the fault in the file";
   return {};
 }
 

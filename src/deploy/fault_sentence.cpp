@@ -55,16 +55,16 @@ std::variant<std::string, std::string> parsed(std::string_view sentence, const s
     return refuse("a fault has at most " + std::to_string(sentence_octets_max) + " characters");
   auto words = words_of(sentence);
   if (words.empty())
-    return refuse("which fault? Say for instance `kill peer NAME for 10s`");
+    return refuse("which fault? For example `kill peer NAME for 10s`");
   if (words.size() % 2 == 0)
-    return refuse("a fault is its kind, then keys and values, as `kill peer NAME for 10s`");
+    return refuse("a fault is a kind followed by keys and values, as in `kill peer NAME for 10s`");
   if (words[0] == "kill" && words.size() > 1 && (words[1] == "mote" || words[1] == "sink"))
     words[0] = "crash";
   std::string table = std::string("\n[[") + (says_change(words[0]) ? "change" : "fault") +
                       "]]\nat = " + toml_value(at) + "\nkind = " + toml_value(words[0]) + '\n';
   for (std::size_t i = 1; i < words.size(); i += 2) {
     if (!is_key(words[i]))
-      return refuse('`' + words[i] + "` is no key of a fault");
+      return refuse('`' + words[i] + "` is not a key of a fault");
     table += words[i] + " = " + toml_value(words[i + 1]) + '\n';
   }
   return std::variant<std::string, std::string>(std::in_place_index<0>, std::move(table));
@@ -130,16 +130,15 @@ std::variant<config::fault, std::string> fault_of(const bundle& x, std::string_v
                                  ? ", or of a change " + change_words()
                                  : "");
   if (!loaded.ecology)
-    return std::string("it does not fit to the file");
+    return std::string("it does not fit the file");
   const auto* last = last_of(loaded.ecology->faults, is_change_sentence(sentence));
   if (last == nullptr)
-    return std::string("it does not fit to the file");
+    return std::string("it does not fit the file");
   if (holds_keys(last->what))
-    return std::string(
-        "logs show what is done by hand, and keys are secret: write them in the file, "
-        "as a [[change]] or as those of [smepp] with `run --reload`");
+    return std::string("logs show manual actions, but keys are secret: write them in the file, as "
+                       "a [[change]] or in [smepp] with `run --reload`");
   if (needs_radio_from_the_start(last->what))
-    return std::string("that one needs a radio that is there from the start: plan it in the file");
+    return std::string("it needs a radio that exists from the start: plan it in the file");
   return last->what;
 }
 

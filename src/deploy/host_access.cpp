@@ -55,9 +55,9 @@ bool starts_commands(const config::init_app& x) {
 
 std::string how_to_allow(const std::string& device) {
   return device +
-         " is none of the devices that this host allows: start `rubicon host` with "
+         " is not among the devices that this host allows: start `rubicon host` with "
          "--allow-devices '" +
-         device + "' if you trust whoever deploys";
+         device + "' if you trust the coordinators";
 }
 
 void judge_island(const config::island_description& x, const host_access& access,
@@ -108,7 +108,7 @@ std::vector<std::string> refusals(const config::ecology_description& part,
   for (const auto& path : files_written(part))
     if (!is_inside(path))
       out.push_back('`' + path +
-                    "` would be written outside of the part's folder: give a path within it");
+                    "` would be written outside the part's folder: give a path within it");
   for (const auto& island : part.islands)
     judge_island(island, access, out);
   const bool has_commands = std::ranges::any_of(part.peers, [](const auto& peer) {
@@ -119,7 +119,7 @@ std::vector<std::string> refusals(const config::ecology_description& part,
   });
   if (has_commands && !access.commands)
     out.emplace_back("the file starts commands here, which this host does not allow: start "
-                     "`rubicon host` with --allow-commands if you trust whoever deploys");
+                     "`rubicon host` with --allow-commands if you trust the coordinators");
   return out;
 }
 

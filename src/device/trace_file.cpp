@@ -86,7 +86,7 @@ public:
       const bool is_quoted = line.starts_with('"');
       const auto field = is_quoted ? take_quoted(line) : take_plain(line);
       if (!field)
-        return "a quotation mark is open, or has text behind it";
+        return "a quotation mark is not closed, or is followed by text";
       fields.push_back(*field);
       more = !line.empty();
       line.remove_prefix(more ? 1 : 0);
@@ -186,7 +186,7 @@ public:
   std::variant<std::shared_ptr<const dated_trace>, trace_problem> read() {
     bool more = lines_.next();
     if (!more)
-      return trace_problem{0, "there is no line in it"};
+      return trace_problem{0, "it has no lines"};
     const auto separator = format_.separator.value_or(separator_in(lines_.line()));
     const splitter columns(separator);
     times_ = format_.times;
@@ -205,14 +205,12 @@ public:
     }
     if (readings_ == 0 && table_.others > 0)
       return trace_problem{0, "no line has " + quoted(format_.name) + " in the column " +
-                                  quoted(format_.name_column) +
-                                  ": which one is wanted, `name` "
-                                  "says"};
+                                  quoted(format_.name_column) + ": choose one with `name`"};
     if (readings_ == 0)
-      return trace_problem{0, "there is no reading in it"};
+      return trace_problem{0, "it has no readings"};
     if (format_.start && format_.start->is_date != *dates_)
-      return trace_problem{0, *dates_ ? "its times are dates, and so must `start` be"
-                                      : "its times are seconds, and so must `start` be"};
+      return trace_problem{0, *dates_ ? "its times are dates, so `start` must be one too"
+                                      : "its times are seconds, so `start` must be too"};
     finish();
     return std::make_shared<const dated_trace>(std::move(table_));
   }
@@ -256,7 +254,7 @@ private:
   /// @returns what is wrong, or nothing
   std::string take_line() {
     if (fields_.size() > names_.size())
-      return "a line of " + std::to_string(fields_.size()) + " fields, where there are " +
+      return "a line of " + std::to_string(fields_.size()) + " fields, but there are " +
              std::to_string(names_.size()) + " columns";
     if (places_.name && !same_letters(field(*places_.name).value_or(""), format_.name)) {
       ++table_.others;

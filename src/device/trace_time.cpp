@@ -280,7 +280,7 @@ std::optional<trace_time> parse_trace_time(std::string_view text, const time_for
 std::string why_no_trace_time(std::string_view text) {
   const bool is_date = begins_as_date(text);
   if (is_date && parse_date(text, day_order::day_first) && parse_date(text, day_order::month_first))
-    return "whose first number may be the day or the month: say `date_order` = \"dmy\" or \"mdy\"";
+    return "whose first number may be the day or the month: set `date_order` = \"dmy\" or \"mdy\"";
   if (is_date)
     return "as in 2016-03-01 00:20:00, 2016/03/01 00:20, 01.03.2016 00:20:00.5 or "
            "2016-03-01T00:20:00+01:00, of the years 1940 to 2060";

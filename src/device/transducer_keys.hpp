@@ -20,9 +20,8 @@ inline auto keys_of(const sine_model*) {
 }
 
 inline auto keys_of(const points_model*) {
-  return keys::of(
-      keys::required("points", &points_model::points, keys::time_points{},
-                     "times since the start, each later than the one before, and values"));
+  return keys::of(keys::required("points", &points_model::points, keys::time_points{},
+                                 "times since the start, in increasing order, and values"));
 }
 
 inline auto keys_of(const random_walk_model*) {
@@ -32,18 +31,18 @@ inline auto keys_of(const random_walk_model*) {
       keys::required("step", &random_walk_model::step, keys::real{0, 1e9},
                      "standard deviation of the change within a second; within t seconds it is "
                      "sqrt(t) times this"),
-      keys::required("min", &random_walk_model::min, keys::real{}, "it does not go below"),
+      keys::required("min", &random_walk_model::min, keys::real{}, "lower limit"),
       keys::required("max", &random_walk_model::max, keys::real{},
-                     {"it does not go above", "", "number, more than `min`"}));
+                     {"upper limit", "", "number, more than `min`"}));
 }
 
 inline auto keys_of(const field_source*) {
   return keys::of(
       keys::required("position_m", &field_source::place, keys::place{}, "where it is"),
       keys::required("strength", &field_source::strength, keys::real{},
-                     "what it adds at its own place"),
+                     "value that it adds at its own position"),
       keys::optional("radius", &field_source::radius_m, keys::metres{0.01, 100'000},
-                     "how far it reaches, as `falloff` has it"),
+                     "range, as defined by `falloff`"),
       keys::optional("falloff", &field_source::shape,
                      keys::word<falloff>{{{"inverse_square", falloff::inverse_square},
                                           {"gaussian", falloff::gaussian},
@@ -62,11 +61,12 @@ inline auto keys_of(const field_source*) {
 
 inline auto keys_of(const trace_model*) {
   return keys::of(
-      keys::optional("mote", &trace_model::mote, keys::whole<std::uint32_t>{},
-                     {"whose readings are replayed; only with `mote_column`", "the mote's own id"}),
+      keys::optional(
+          "mote", &trace_model::mote, keys::whole<std::uint32_t>{},
+          {"mote whose readings are replayed; only with `mote_column`", "the mote's own id"}),
       keys::optional("repeat", &trace_model::repeats, keys::flag{},
-                     "begin again from the start after the last reading of all motes, which "
-                     "lasts as long as the one before it"),
+                     "repeat from the start after the last reading of all motes, which lasts as "
+                     "long as the one before it"),
       keys::optional("interpolation", &trace_model::straight,
                      keys::word<bool>{{{"hold", false}, {"linear", true}}},
                      "between two readings: the earlier one, or a straight line"),

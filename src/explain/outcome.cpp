@@ -15,7 +15,7 @@ constexpr duration patience = 60s;
 /// As people say it.
 std::string words_of(const std::string& outcome) {
   if (outcome == "loss")
-    return "lost in the air";
+    return "lost on the radio link";
   if (outcome == "weak")
     return "too weak";
   if (outcome == "off")
@@ -33,7 +33,7 @@ std::string words_of(const std::string& outcome) {
   if (outcome == "nobody")
     return "received by no radio";
   if (outcome == "channel_access_failure")
-    return "the channel was busy too often";
+    return "the channel was busy at every attempt";
   if (outcome == "no_ack")
     return "no acknowledgement";
   if (outcome == "queue_full")
@@ -90,8 +90,9 @@ std::string stuck_at(const traces& all, const node& hop) {
   if (hop.over == medium::peis)
     return place + " received it but did not forward it: no route, or no receiver there";
   if (all.known.place_of(hop.to) != hop.to)
-    return place + " has it and passes nothing on: the receiver is not listed there, or it gave up";
-  return place + " has it and passes nothing on: a queue was full, or it knows no route";
+    return place +
+           " received it but did not forward it: the receiver is not listed there, or it gave up";
+  return place + " received it but did not forward it: a queue was full, or it has no route";
 }
 
 /// The cause in words, as part of a line.
@@ -205,10 +206,10 @@ void explain_end(const traces& all, const message& x, const node* last, outcome&
   if (last == nullptr) {
     y.why = "it never left the sender";
   } else if (last->of == cargo::greeting_answer && last->arrived) {
-    y.why = "it never left the sender, though the receiver answered its greeting";
+    y.why = "it never left the sender, though the receiver answered the greeting";
   } else if (x.turned_away) {
     y.why = all.known.of(x.destination) +
-            " did not take it: it was busy, or one of the two has started again";
+            " did not accept it: it was busy, or one of the two restarted";
   } else if (last->of == cargo::greeting && last->arrived &&
              all.known.address_of(last->to) == x.destination) {
     y.why = all.known.of(x.destination) + " did not answer the greeting";
@@ -237,7 +238,8 @@ outcome outcome_of(const traces& all, const message& x) {
   }
   if (x.refused) {
     y.status = message_status::refused;
-    y.why = y.obstacle = "its mote did not take it: no island joined, or too much waits already";
+    y.why = y.obstacle =
+        "its mote did not accept it: it had joined no island, or its queue was full";
     return y;
   }
   const auto* last = last_hop_of(all, x);

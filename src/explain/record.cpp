@@ -150,7 +150,7 @@ void read(const json& from, std::string_view name, Number& x) {
                            : is_negative ? std::in_range<Number>(from.get<std::int64_t>())
                                          : false;
   if (!is_possible)
-    refuse(name, "no number that fits");
+    refuse(name, "not a number in range");
   x = static_cast<Number>(from.get<most>());
 }
 void read(const json& from, std::string_view name, bool& x) {
@@ -181,7 +181,7 @@ void read(const json& from, std::string_view name, kind& x) {
   read(from, name, word);
   const auto known = parse_kind(word);
   if (!known)
-    refuse(name, '"' + word.substr(0, 40) + "\", which is no kind of record");
+    refuse(name, '"' + word.substr(0, 40) + "\", which is not a kind of record");
   x = *known;
 }
 template <class First, class Second>
@@ -222,7 +222,7 @@ void read(const json& from, std::string_view name, Struct& x) {
 void check_version(const json& x) {
   const auto version = x.find(version_key);
   if (version == x.end())
-    throw refusal{"this is no record: the first line must say `rubicon_record`"};
+    throw refusal{"this is not a record: the first line must contain `rubicon_record`"};
   if (!version->is_number_integer() || *version != record_version)
     throw refusal{"a record of version " + version->dump() + ", this program reads version " +
                   std::to_string(record_version) + ": record the run again"};
@@ -262,8 +262,8 @@ std::optional<bad_line> decoder::take(std::string_view text) {
   try {
     const auto x = json::parse(text, nullptr, false);
     if (x.is_discarded() || !x.is_object())
-      throw refusal{lines_ == 1 ? "this is no record: the first line is no JSON object"
-                                : "this is no JSON object"};
+      throw refusal{lines_ == 1 ? "this is not a record: the first line is not a JSON object"
+                                : "this is not a JSON object"};
     if (lines_ == 1) {
       check_version(x);
       read(x, "header", result_.about);
@@ -287,7 +287,8 @@ std::optional<bad_line> decoder::finish(std::string_view rest) {
   }
   if (!rest.empty())
     return take(rest);
-  return lines_ == 0 ? std::optional(bad_line{1, "this is no record: it is empty"}) : std::nullopt;
+  return lines_ == 0 ? std::optional(bad_line{1, "this is not a record: it is empty"})
+                     : std::nullopt;
 }
 
 read_result read(std::string_view text) {

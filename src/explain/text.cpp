@@ -158,8 +158,7 @@ std::string around(const traces& all, instant from, instant to, const paper& on,
 }
 
 std::string cut_note(const traces& all) {
-  return all.cut_off ? "The record ends in the middle of a line: the run did not end by itself.\n"
-                     : "";
+  return all.cut_off ? "The record ends in the middle of a line: the run was killed.\n" : "";
 }
 
 /// The name by which a value can be asked for: with its owner if others have such a tuple.

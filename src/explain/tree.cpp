@@ -242,10 +242,10 @@ tree::block tree::failed_attempt(node_index n, std::size_t number, std::size_t o
     out.what += "LOST, " + obstacle(at(last));
     out.look = report::look::bad;
   } else if (m.delivered && *m.delivered <= at(n).begin) {
-    out.what += "there again";
+    out.what += "received again";
     out.look = report::look::faint;
   } else {
-    out.what += "came no further than this";
+    out.what += "went no further";
     out.look = report::look::bad;
   }
   return out;

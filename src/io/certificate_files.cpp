@@ -106,8 +106,8 @@ std::optional<std::string> create_file(const std::string& path, mode_t mode,
                                        std::string_view octets) {
   const descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
   if (file.get() == -1 && errno == EEXIST)
-    return path + ": it is there already and never overwritten; choose another name or folder, "
-                  "or move it away first";
+    return path + ": it exists already and is never overwritten; choose another name or folder, or "
+                  "move it first";
   if (file.get() == -1)
     return failed(path);
   auto why_not = fill(file.get(), octets, path);

@@ -238,17 +238,19 @@ std::string refusal(const renewal& x, const std::string& path, const X509& forme
                     const std::optional<revocation_list>& revoked) {
   if (X509_verify(const_cast<X509*>(&former), authority.key.get()) != 1 ||
       X509_get0_pubkey(&former) == nullptr)
-    return path + ": of another authority, so it is not renewed here";
+    return path + ": signed by another authority, so it cannot be renewed here";
   if (common_name_of(former) != x.host)
     return path + ": the certificate of `" + common_name_of(former) + '`';
   if (revoked && revoked_at(*revoked, former) && !x.new_key)
-    return path + ": it was revoked, so its key may be in other hands: --new-key makes another one";
+    return path + ": it was revoked, so its key may be compromised: use --new-key";
   const auto use = use_of(former);
   if (use == certificate_use::any && x.use == certificate_use::any)
-    return path + ": it is for a host and for who deploys: say --host or --coordinator";
+    return path +
+           ": it is valid both for a host and for a coordinator: choose --host or --coordinator";
   if (use != certificate_use::any && x.use != certificate_use::any && x.use != use)
     return path + ": its use is " + std::string(to_string(use)) +
-           ", and stays so; `rubicon certs add` makes one for another use under another name";
+           ", which cannot change; `rubicon certs add` makes one for another use under another "
+           "name";
   return {};
 }
 
@@ -257,7 +259,7 @@ std::string refusal(const new_certificate& x) {
   if (!is_name(x.host))
     return '`' + x.host + "`: the name of a host is 1 to 32 letters, digits, - and _";
   if (x.host == authority_name)
-    return '`' + x.host + "`: the authority's own files have this name";
+    return '`' + x.host + "`: the files of the authority have this name";
   if (x.addresses.size() > certificate_addresses_max)
     return "more than " + std::to_string(certificate_addresses_max) + " addresses";
   for (const auto& address : x.addresses) {
@@ -299,7 +301,7 @@ std::variant<certificate_pair, std::string> read_authority(const std::string& fo
     return key_path + ": not the key of " + path;
   const auto until = end_of(*x.certificate);
   if (!until || *until <= now)
-    return path + ": the authority has expired; make another one in a new folder";
+    return path + ": the authority has expired; create another one in a new folder";
   return x;
 }
 

@@ -23,7 +23,7 @@ std::variant<kept_number, std::string> kept_number::open(const std::string& path
   const auto* const end = text.data() + text.size();
   const auto [stop, wrong] = std::from_chars(text.data(), end, x.value_);
   if (!in || wrong != std::errc{} || stop != end)
-    return path + " holds no number: remove it if nothing of its ecology runs any more";
+    return path + " contains no number: remove it if its ecology is no longer running";
   return x;
 }
 

@@ -63,8 +63,8 @@ std::string make_link(const fs::path& link, const std::string& target) {
   if (fs::is_symlink(before) && fs::read_symlink(link, error).string().starts_with("/dev/pts/"))
     fs::remove(link, error);
   else if (fs::exists(before))
-    return link.string() + ": is there already, and no link to a pseudo-terminal; take it away, or "
-                           "give another name";
+    return link.string() + ": exists already and is not a link to a pseudo-terminal; remove it, or "
+                           "use another name";
   fs::create_symlink(target, link, error);
   return error ? link.string() + ": " + error.message() : std::string();
 }
@@ -137,10 +137,10 @@ pseudo_terminal::open(loop& where, const std::string& link, std::size_t room) {
   const auto lock_path = lock_of(link);
   auto lock = file_lock::take(lock_path);
   if (auto* why = std::get_if<std::string>(&lock))
-    return link + ": another program offers it: " + *why;
+    return link + ": another program provides it: " + *why;
   const int master = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
   if (master < 0)
-    return link + ": no pseudo-terminal is left: " + reason();
+    return link + ": no pseudo-terminal is free: " + reason();
   auto x = std::make_shared<state>(where, master, room, std::get<file_lock>(std::move(lock)));
   std::array<char, 64> name{};
   if (::grantpt(master) != 0 || ::unlockpt(master) != 0 ||

@@ -63,17 +63,17 @@ std::variant<revocation_list, std::string> revocation_list::read(std::string_vie
                                                                  sys_seconds now,
                                                                  bool may_be_over) {
   if (pem.size() > revocations_octets_max)
-    return "is longer than a list of revoked certificates may be";
+    return "is too long for a list of revoked certificates";
   auto authority = read_certificate(authority_path);
   if (auto* why = std::get_if<std::string>(&authority))
-    return "cannot be judged: " + *why;
+    return "cannot be checked: " + *why;
   auto made = std::make_shared<content>();
   const owned<BIO> in(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
   ERR_clear_error();
   if (in)
     made->list.reset(PEM_read_bio_X509_CRL(in.get(), nullptr, nullptr, nullptr));
   if (!made->list)
-    return "is no list of revoked certificates in PEM (" + openssl_reason() + ')';
+    return "is not a list of revoked certificates in PEM (" + openssl_reason() + ')';
   auto& list = *made->list;
   if (!is_signed_by(list, *std::get<owned<X509>>(authority))) {
     ERR_clear_error();

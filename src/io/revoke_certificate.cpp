@@ -108,7 +108,7 @@ not_listed(const std::vector<std::string>& paths, const certificate_pair& author
       return std::move(*why);
     auto& x = std::get<owned<X509>>(found);
     if (X509_verify(x.get(), authority.key.get()) != 1)
-      return path + ": of another authority: its own folder can revoke it";
+      return path + ": signed by another authority: revoke it in that authority's folder";
     if (!before || !revoked_at(*before, *x))
       out.push_back(std::move(x));
   }
@@ -120,8 +120,8 @@ not_listed(const std::vector<std::string>& paths, const certificate_pair& author
 std::variant<made_revocation, std::string>
 revoke_certificate(const std::string& folder, const std::string& host, sys_seconds now) {
   if (host == authority_name)
-    return "the authority is not revoked: make another one in a new folder, and certificates of it "
-           "for all hosts";
+    return "an authority cannot be revoked: create another one in a new folder, and new "
+           "certificates for all hosts";
   if (!is_name(host))
     return '`' + host + "`: the name of a host is 1 to 32 letters, digits, - and _";
   const auto authority = read_authority(folder, now);
@@ -142,7 +142,7 @@ revoke_certificate(const std::string& folder, const std::string& host, sys_secon
     return *why;
   const auto& added = std::get<0>(more);
   if (added.empty())
-    return host + " is revoked already, in " + made.file;
+    return host + " is already revoked, in " + made.file;
   made.number = before ? before->number() + 1 : 1;
   made.added = added.size();
   const auto octets = build_list(signer, before, added, made.number, now);

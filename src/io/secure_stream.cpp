@@ -68,7 +68,7 @@ struct secure_stream::state : std::enable_shared_from_this<state> {
 
   void on_closed(const std::string& why) {
     const bool is_shaking = session && session->now() == tls_session::phase::shaking;
-    finish(std::string("closes the connection") + (is_shaking ? " before it says who it is" : "") +
+    finish(std::string("closed the connection") + (is_shaking ? " before it authenticated" : "") +
            " (" + why + ')');
   }
 

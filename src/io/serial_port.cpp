@@ -24,14 +24,14 @@ namespace {
 std::string advice(const error_code& error) {
   namespace errc = boost::system::errc;
   if (error == errc::permission_denied)
-    return ": you may not use it; `sudo adduser $USER dialout`, then log in again";
+    return ": permission denied; run `sudo adduser $USER dialout`, then log in again";
   if (error == errc::no_such_file_or_directory || error == errc::no_such_device ||
       error == errc::no_such_device_or_address)
     return ": is the mote plugged in? `rubicon doctor` lists the ports";
   if (error == errc::device_or_resource_busy)
-    return ": another program has it; end that one";
+    return ": another program uses it; end that program";
   if (error == errc::inappropriate_io_control_operation)
-    return ": it is no serial port";
+    return ": it is not a serial port";
   return {};
 }
 
@@ -61,7 +61,7 @@ std::variant<serial_port, std::string> serial_port::open(loop& where, const std:
                                                          std::uint32_t baud, std::size_t room) {
   if (const auto holder = holder_of_terminal(path); !holder.empty())
     return path + ": " + holder +
-           " has it, and each would get a part of what comes; end that program";
+           " uses it, and each would receive only part of the data; end that program";
   asio::serial_port port(context_of(where));
   if (auto why = prepare(port, path, baud); !why.empty())
     return why;
@@ -95,7 +95,7 @@ serial_port& serial_port::operator=(serial_port&& other) noexcept {
 void serial_port::start(callbacks x) {
   assert(channel_ && x.on_octets && x.on_closed);
   channel_->start(std::move(x.on_octets), [tell = std::move(x.on_closed)](const error_code& error) {
-    tell(error == asio::error::eof ? "the other end has gone" : error.message());
+    tell(error == asio::error::eof ? "the other end was closed" : error.message());
   });
 }
 

@@ -28,8 +28,8 @@ std::string why_exposed(const std::string& path) {
   std::array<char, 8> mode{};
   static_cast<void>(std::snprintf(mode.data(), mode.size(), "%04o",
                                   static_cast<unsigned>(about.st_mode & 07777U)));
-  return path + ": others may read or change this key (mode " + mode.data() +
-         "): chmod 600, and make another certificate if somebody has read it";
+  return path + ": other users may read or change this key (mode " + mode.data() +
+         "): run chmod 600, and make a new certificate if it may have been read";
 }
 
 std::string why_not_now(const std::string& path, const X509& x, sys_seconds now) {
@@ -37,12 +37,12 @@ std::string why_not_now(const std::string& path, const X509& x, sys_seconds now)
   const auto until = end_of(x);
   if (!from || !until)
     return path + ": no valid times";
-  const auto clock = ", and the clock of this computer says " + time_text(now);
+  const auto clock = ", and the clock of this computer shows " + time_text(now);
   if (now < *from)
     return path + ": valid from " + time_text(*from) + " only" + clock;
   if (now >= *until)
     return path + ": expired on " + time_text(*until) + clock +
-           "; `rubicon certs renew` makes another";
+           "; `rubicon certs renew` makes a new one";
   return {};
 }
 
@@ -78,7 +78,7 @@ std::string read(tls_parts& to, const tls_files& files, sys_seconds now, const s
   if (X509_check_private_key(to.certificate.get(), to.key.get()) != 1)
     return files.key + ": not the key of " + files.certificate;
   if (X509_check_ca(to.authority.get()) != 1)
-    return files.authority + ": no certificate of an authority";
+    return files.authority + ": not the certificate of an authority";
   if (auto why = why_not_now(files.authority, *to.authority, now); !why.empty())
     return why;
   if (auto why = why_not_now(files.certificate, *to.certificate, now); !why.empty())

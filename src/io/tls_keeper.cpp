@@ -14,7 +14,7 @@ namespace rubicon::io {
 
 namespace {
 
-constexpr const char* no_good = "keeps its certificate, for the new one is no good: ";
+constexpr const char* no_good = "keeps its certificate, since the new one is invalid: ";
 
 template <class T>
 T need(std::variant<T, std::string> x) {
@@ -33,7 +33,7 @@ std::string why_revoked(const std::string& path, const tls_identity& own,
                         const std::optional<revocation_list>& list) {
   const auto at = list ? own.revoked_by(*list) : std::nullopt;
   return at ? path + ": revoked on " + time_text(*at) +
-                  "; `rubicon certs renew --new-key` makes another"
+                  "; `rubicon certs renew --new-key` makes a new one"
             : "";
 }
 
@@ -51,9 +51,9 @@ tls_keeper::tls_keeper(tls_files files, std::string name, std::string kept)
   if (const auto why = why_revoked(files_.certificate, *identity_, revoked_); !why.empty())
     throw std::runtime_error(why);
   if (identity_->use() == certificate_use::any)
-    doubts_.push_back(files_.certificate + " is good for a host and for who deploys: `rubicon "
-                                           "certs renew --host` or `--coordinator` makes one for "
-                                           "one of them");
+    doubts_.push_back(files_.certificate +
+                      " is valid both for a host and for a coordinator: `rubicon certs renew "
+                      "--host` or `--coordinator` restricts it to one use");
 }
 
 tls_keeper::stamp tls_keeper::stamp_of(const std::string& path) {
@@ -121,7 +121,7 @@ void tls_keeper::begin_with_list() {
 
 tls_keeper::outcome tls_keeper::take(const std::string& pem) {
   if (files_.empty())
-    return {false, "means nothing without certificates"};
+    return {false, "has no effect without certificates"};
   auto read = revocation_list::read(pem, files_.authority, system_time());
   if (auto* why = std::get_if<std::string>(&read))
     return {false, std::move(*why)};
@@ -131,7 +131,7 @@ tls_keeper::outcome tls_keeper::take(const std::string& pem) {
 tls_keeper::outcome tls_keeper::take(revocation_list x) {
   if (revoked_ && x.number() == revoked_->number())
     return {false, is_same(x, *revoked_) ? ""
-                                         : "is another one with the number of " +
+                                         : "differs from but has the number of " +
                                                list_text(*revoked_) + ", which is in force"};
   if (revoked_ && x.number() < revoked_->number())
     return {false, "has number " + std::to_string(x.number()) + ", and " + list_text(*revoked_) +
@@ -141,9 +141,9 @@ tls_keeper::outcome tls_keeper::take(revocation_list x) {
     return {false, std::move(*why)};
   identity_ = std::get<tls_identity>(std::move(own));
   revoked_ = std::move(x);
-  std::string told = "takes " + list_text(*revoked_);
+  std::string told = "accepts " + list_text(*revoked_);
   if (identity_->revoked_by(*revoked_))
-    told += "; the own one is among them";
+    told += "; its own certificate is among them";
   if (const auto path = kept_path(*identity_); !path.empty())
     if (const auto why = replace_file(path, revoked_->text(), durability::of_power); !why.empty())
       told += "; it is lost when this process ends: " + why;
@@ -174,14 +174,14 @@ std::string tls_keeper::look_at_certificate() {
   if (auto why = adopt(std::move(found)); !why.empty())
     return no_good + why;
   ++changes_;
-  return "takes the certificate that " + files_.certificate + " holds now, valid until " +
+  return "uses the certificate that " + files_.certificate + " contains now, valid until " +
          time_text(identity_->valid_until());
 }
 
 std::string tls_keeper::look_at_list() {
   auto found = read_revocations(list_path(), files_.authority, system_time());
   if (const auto* why = std::get_if<std::string>(&found))
-    return "does not take a list of revoked certificates: " + *why;
+    return "does not accept a list of revoked certificates: " + *why;
   auto& list = std::get<0>(found);
   if (!list)
     return {};

@@ -27,7 +27,7 @@ std::string words_of_revoked(const std::string& name) {
 }
 
 std::string clock_here() {
-  return "the clock here says " + time_text(system_time());
+  return "the clock here shows " + time_text(system_time());
 }
 
 std::string date_of(const ASN1_TIME& x) {
@@ -99,11 +99,11 @@ struct tls_session::state {
       break;
     case X509_V_ERR_CERT_NOT_YET_VALID:
       doubt = "has a certificate" + name + " that is valid from " +
-              date_of(*X509_get0_notBefore(x)) + " only, and " + clock_here() +
+              date_of(*X509_get0_notBefore(x)) + ", but " + clock_here() +
               ": one of the two clocks is wrong";
       break;
     case X509_V_ERR_HOSTNAME_MISMATCH:
-      doubt = "shows the certificate of" + name + ", not of `" + wanted_name + '`';
+      doubt = "presented the certificate of" + name + ", not of `" + wanted_name + '`';
       break;
     case X509_V_ERR_INVALID_PURPOSE:
       doubt =
@@ -116,12 +116,12 @@ struct tls_session::state {
     default: // it ends at an authority that is not ours
       doubt = "has a certificate" + name + " of another authority";
       if (!is_server)
-        doubt += ", and does not take our certificate";
+        doubt += ", and rejected our certificate";
     }
   }
 
   [[nodiscard]] std::string why_not_taken(int alert) const {
-    const std::string begin = "does not take our certificate";
+    const std::string begin = "rejected our certificate";
     const auto now_here = system_time();
     switch (alert) {
     case SSL_AD_CERTIFICATE_EXPIRED:
@@ -129,21 +129,22 @@ struct tls_session::state {
              (now_here < own.valid_until() ? ", and " + clock_here() + ": the clock there is wrong"
                                            : "");
     case SSL_AD_BAD_CERTIFICATE:
-      return is_server ? "does not take our certificate `" + own.name() + "`: it wants another host"
-                       : begin + " `" + own.name() + "`: there it is not valid yet; it is from " +
-                             time_text(own.valid_from()) + ", and " + clock_here() +
-                             (now_here < own.valid_from() ? "" : ": the clock there is wrong");
+      return is_server
+                 ? "rejected our certificate `" + own.name() + "`: it expects another host"
+                 : begin + " `" + own.name() + "`: it is not yet valid there; it is valid from " +
+                       time_text(own.valid_from()) + ", and " + clock_here() +
+                       (now_here < own.valid_from() ? "" : ": the clock there is wrong");
     case SSL_AD_UNKNOWN_CA:
-      return begin + " `" + own.name() + "`: it is of another authority than its own";
+      return begin + " `" + own.name() + "`: it was signed by another authority";
     case SSL_AD_UNSUPPORTED_CERTIFICATE:
       return begin + " `" + own.name() + "`: it is not " +
              (is_server ? "a host's" : "a coordinator's");
     case SSL_AD_CERTIFICATE_REVOKED:
       return begin + " `" + own.name() + "`: it was revoked";
     case SSL_AD_PROTOCOL_VERSION:
-      return "speaks no version of TLS that we do";
+      return "has no version of TLS in common with us";
     default:
-      return "ends the handshake with alert " + std::to_string(alert);
+      return "ended the handshake with alert " + std::to_string(alert);
     }
   }
 
@@ -156,7 +157,7 @@ struct tls_session::state {
       return why_not_taken(reason - SSL_AD_REASON_OFFSET);
     switch (reason) {
     case SSL_R_PEER_DID_NOT_RETURN_A_CERTIFICATE:
-      return "shows no certificate";
+      return "presented no certificate";
     case SSL_R_WRONG_VERSION_NUMBER:
     case SSL_R_HTTP_REQUEST:
     case SSL_R_HTTPS_PROXY_REQUEST:
@@ -166,9 +167,9 @@ struct tls_session::state {
     case SSL_R_UNSUPPORTED_PROTOCOL:
     case SSL_R_VERSION_TOO_LOW:
     case SSL_R_NO_SHARED_CIPHER:
-      return "speaks no version of TLS that we do";
+      return "has no version of TLS in common with us";
     default:
-      return "breaks TLS (" + openssl_reason() + ')';
+      return "violated TLS (" + openssl_reason() + ')';
     }
   }
 
@@ -186,7 +187,7 @@ struct tls_session::state {
     case SSL_ERROR_WANT_WRITE:
       break;
     case SSL_ERROR_ZERO_RETURN:
-      end("has closed the connection");
+      end("closed the connection");
       break;
     default:
       end(why_failed());
@@ -204,7 +205,7 @@ struct tls_session::state {
     if (shown)
       peer_name = common_name_of(*shown);
     else
-      end("shows no certificate"); // cannot be: OpenSSL was told to refuse it
+      end("presented no certificate"); // cannot be: OpenSSL was told to refuse it
   }
 
   void read_all(bytes& to) {
@@ -245,7 +246,7 @@ bytes tls_session::take(byte_view from_network) {
     x.handshake_octets += from_network.size();
     x.shake();
     if (x.now == phase::shaking && x.handshake_octets > handshake_octets_max)
-      x.end("says too much before it says who it is");
+      x.end("sent too much before it authenticated");
   }
   x.read_all(said);
   return said;
@@ -271,7 +272,7 @@ void tls_session::close() {
     static_cast<void>(SSL_shutdown(x.ssl.get()));
     ERR_clear_error();
   }
-  x.end("was closed here");
+  x.end("was closed on this side");
 }
 
 bytes tls_session::outgoing() {

@@ -223,30 +223,29 @@ private:
     const auto& request = parser_->get();
     const auto host = view_of(request[http::field::host]);
     if (!is_own_host(host))
-      return refuse(http::status::forbidden, "this host is not served here\n");
+      return refuse(http::status::forbidden, "this host name is not served here\n");
     const auto target = view_of(request.target());
     const auto slash = target.find('/', 1);
     if (!target.starts_with('/') || slash == std::string_view::npos ||
         !is_same(target.substr(1, slash - 1), all_.site.token))
-      return refuse(http::status::not_found,
-                    "nothing here: open the address that rubicon prints\n");
+      return refuse(http::status::not_found, "not found: open the address that rubicon prints\n");
     all_.strangers.remove(this);
     const auto name = target.substr(slash + 1, target.find('?') - slash - 1);
     if (websocket::is_upgrade(request)) {
       if (name != all_.site.socket_name)
-        return refuse(http::status::not_found, "nothing here\n");
+        return refuse(http::status::not_found, "not found\n");
       if (!is_own_origin(view_of(request[http::field::origin]), host))
-        return refuse(http::status::forbidden, "only the page from here may ask\n");
+        return refuse(http::status::forbidden, "only the page served here may connect\n");
       stream_.expires_never();
       std::make_shared<live_socket>(stream_.release_socket(), all_, std::move(place_))
           ->start(request);
       return;
     }
     if (request.method() != http::verb::get && request.method() != http::verb::head)
-      return refuse(http::status::method_not_allowed, "only GET and HEAD\n");
+      return refuse(http::status::method_not_allowed, "only GET and HEAD are supported\n");
     const auto found = all_.site.files.find(std::string(name));
     if (found == all_.site.files.end())
-      return refuse(http::status::not_found, "nothing here\n");
+      return refuse(http::status::not_found, "not found\n");
     send(http::status::ok, found->second);
   }
 

@@ -136,8 +136,8 @@ std::string energy_legend(const run_page& x, const std::vector<mote_curve>& all,
     entry(curve_class(i),
           name_of(x, all[i].mote) + ", " + report::fixed(all[i].used->back(), 3) + " mAh");
   if (shown < all.size())
-    entry(curve_class(7),
-          "median of all " + report::counted(all.size(), "mote") + "; the band holds all of them");
+    entry(curve_class(7), "median of all " + report::counted(all.size(), "mote") +
+                              "; the band contains all of them");
   return out + "</div>\n";
 }
 
@@ -201,11 +201,12 @@ std::string energy_of(const run_page& x) {
   const auto shown = few ? all.size() : std::size_t{5};
   for (auto i = shown; i-- > 0;) // the first is the uppermost
     on.out().polyline(points_of(on, x, *all[i].used), curve_class(i));
-  return section(
-      "energy", "Energy",
-      element("p", few ? "Charge used, in mAh." : "Charge used, in mAh; the hungriest by name.",
-              "class='soft'") +
-          wide(on.out().finish()) + energy_legend(x, all, shown));
+  return section("energy", "Energy",
+                 element("p",
+                         few ? "Charge used, in mAh."
+                             : "Charge used, in mAh; motes with the highest consumption are named.",
+                         "class='soft'") +
+                     wide(on.out().finish()) + energy_legend(x, all, shown));
 }
 
 std::string losses_over_time(const run_page& x, std::string_view layer) {

@@ -14,7 +14,7 @@ std::string fact(std::string_view name, std::string_view value) {
 
 std::string verdict(const report::run_report& x) {
   if (!x.complete)
-    return "not complete: " + (x.reason.empty() ? "it broke off" : x.reason);
+    return "not complete: " + (x.reason.empty() ? "the run was aborted" : x.reason);
   if (!x.violations.empty())
     return report::counted(x.violations.size(), "violation");
   return x.interrupted ? "no violations until it was interrupted" : "no violations";
@@ -54,7 +54,7 @@ std::string head_of(const run_page& x) {
               report::counted(run.events, "event") +
               (run.trace_hash.empty() ? "" : " · trace " + run.trace_hash) +
               (x.digest.empty() ? "" : " · file " + x.digest) +
-              (run.interrupted ? " · interrupted before its time" : "");
+              (run.interrupted ? " · interrupted early" : "");
   auto out = "<header>\n" + element("h1", run.ecology) + '\n' +
              element("span", (good ? "✓ " : "✗ ") + verdict(run),
                      good ? "class='verdict'" : "class='verdict no'") +

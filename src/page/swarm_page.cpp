@@ -92,7 +92,7 @@ std::string violations_of(const swarm_page& x) {
   for (const auto& [invariant, count] : x.violations)
     rows += row({{invariant, false, "long bad"}, {report::with_thousands(count), true}});
   auto out = wide("<table>" + rows + "</table>");
-  rows = head_row({{"seed", true}, {"invariant"}, {"observed"}, {"the command that repeats it"}});
+  rows = head_row({{"seed", true}, {"invariant"}, {"observed"}, {"command to replay it"}});
   std::size_t shown = 0;
   for (const auto& seed : x.failed)
     for (const auto& each : seed.violations) {

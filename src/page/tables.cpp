@@ -45,7 +45,7 @@ std::vector<layer> layers_of(const report::run_report& x) {
           {"Packets of streams and synaptic channels", channels, "channels"},
           {"Packets and channels of the network, hop by hop", network, "network"},
           {"Frames that the radio gave up", x.radio().mac_failed, "mac"},
-          {"Copies of frames on the air", really_lost(x.radio()), "radio"},
+          {"Copies of frames on the radio medium", really_lost(x.radio()), "radio"},
           {"Flows", flows},
           {"Serial lines", x.serial().lost, "serial"},
           {"PEIS packages", x.peis().lost, "peis"}};
@@ -321,7 +321,7 @@ std::string peers_of(const run_page& x) {
                         {"tuples", true},
                         {"packages", true},
                         {"lost"},
-                        {"limits have refused"}});
+                        {"refused by limits"}});
   const auto shown = std::min(x.report.peers.size(), peers_shown);
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& peer = x.report.peers[i];

@@ -143,9 +143,9 @@ std::string marks_legend() {
     out += "<span>" + sample.finish() + escaped(text) + "</span>\n";
   };
   entry("event good", "joined, came back");
-  entry("event bad", "left, failed, went out");
-  entry("event", "anything else");
-  entry("fault", "fault of the plan");
+  entry("event bad", "left, failed, went off");
+  entry("event", "other events");
+  entry("fault", "planned fault");
   entry("violated", "violation");
   return out + "</div>\n";
 }
@@ -158,7 +158,7 @@ std::string log_of(const run_page& x) {
   out += element("summary", "Event log, " + report::counted(log.size(), "line") +
                                 (x.report.event_log_left_out > 0
                                      ? "; " + report::with_thousands(x.report.event_log_left_out) +
-                                           " between them are left out"
+                                           " between them are omitted"
                                      : ""));
   std::string rows = head_row({{"time", true}, {"who"}, {"what"}});
   for (const auto& each : log)

@@ -193,12 +193,12 @@ void tcp_links::carry_out(const peis::connect_to& x) {
   const auto url = peis::parse_link_url(x.url);
   const bool over_udp = url && url->medium == scheme::udp;
   if (over_udp && !udp_) {
-    fail_soon(x.attempt, x.url + ": links over UDP are off");
+    fail_soon(x.attempt, x.url + ": links over UDP are disabled");
   } else if (!url || (url->medium != scheme::tcp && !over_udp)) {
     fail_soon(x.attempt, x.url + ": not an address of TCP or UDP");
   } else if ((over_udp ? udp_->attempts() : attempts_.size()) >= attempts_max) {
     ++counters_.too_many;
-    fail_soon(x.attempt, x.url + ": too many attempts at a time");
+    fail_soon(x.attempt, x.url + ": too many simultaneous attempts");
   } else if (over_udp) {
     udp_->connect(x.attempt, *url);
   } else {

@@ -13,7 +13,7 @@ constexpr std::uint16_t room_min = 8;
 constexpr std::string_view no_answer = "no answer";
 constexpr std::string_view refused = "refused";
 constexpr std::string_view ended_there = "closed by the other side";
-constexpr std::string_view silent = "the other side is silent";
+constexpr std::string_view silent = "no data from the other side";
 
 } // namespace
 

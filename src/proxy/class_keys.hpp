@@ -12,31 +12,32 @@ inline auto keys_of(const field*) {
       keys::optional("add", &field::add, keys::real{}, "added to the scaled count"),
       keys::optional("decimals", &field::decimals, keys::whole<int>{0, 6},
                      "digits after the point"),
-      keys::optional("unit", &field::unit, keys::text{16}, {"published beside the value", "none"}));
+      keys::optional("unit", &field::unit, keys::text{16}, {"published with the value", "none"}));
 }
 
 inline auto keys_of(const proxy_settings*) {
   return keys::of(
       keys::optional("answer_timeout", &proxy_settings::answer_timeout, keys::time_span{1s, 1h},
-                     "how long one write may wait for its outcome from the gateway"),
+                     "longest time that a write waits for its outcome from the gateway"),
       keys::optional("retry_for", &proxy_settings::retry_for, keys::time_span{0s, 24h},
-                     "what has failed, is unreachable or got no answer is written again, until "
-                     "so long after the first time, and has its one outcome then; a newer word "
-                     "for the same input takes its place"),
+                     "a write that failed, was unreachable or got no answer is repeated until this "
+                     "time after the first attempt, and then has its only outcome; a newer word "
+                     "for the same input replaces it"),
       keys::optional("period", &proxy_settings::period, keys::time_span{10ms, 24h * 10},
-                     {"how far apart the messages on the channels that its fields read are to "
-                      "be; asked of the gateway whenever it lists the mote",
+                     {"period of the messages on the channels of its fields; requested from the "
+                      "gateway whenever it lists the mote",
                       "the period of the mote"}),
       keys::optional("stale_after", &proxy_settings::stale_after, keys::time_span{10ms, 24h * 10},
-                     {"[`FIELD.freshness`](gateway.md#of-a-proxy) becomes `stale` so long after "
+                     {"[`FIELD.freshness`](gateway.md#of-a-proxy) becomes `stale` this long after "
                       "the newest message",
                       "never"}),
       keys::optional(
           "inactive_after", &proxy_settings::inactive_after, keys::time_span{1s, 24h * 10},
-          {"the proxy is `inactive` so long after the last message of its mote", "never"}),
-      keys::optional("retire_after", &proxy_settings::retire_after, keys::time_span{1s, 24h * 10},
-                     {"the proxy ends so long after its mote was lost; its tuples stay as they are",
-                      "never"}));
+          {"the proxy is `inactive` this long after the last message of its mote", "never"}),
+      keys::optional(
+          "retire_after", &proxy_settings::retire_after, keys::time_span{1s, 24h * 10},
+          {"the proxy ends this long after its mote was lost; its tuples remain unchanged",
+           "never"}));
 }
 
 } // namespace rubicon::proxy

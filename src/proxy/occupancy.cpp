@@ -77,7 +77,7 @@ std::variant<program_factory, program_problem> make_occupancy(const proxy_class&
     if (of == what.fields.end())
       return program_problem{name, "is neither \"hold_s\" nor a field of the proxy"};
     if (!of->words.empty())
-      return program_problem{name, "is a field with words, which no number is compared with"};
+      return program_problem{name, "is a field with words, which cannot be compared with a number"};
     thresholds.emplace(name, value);
   }
   if (thresholds.empty())

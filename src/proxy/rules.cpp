@@ -300,7 +300,7 @@ void rules::on_owner_gone(std::string_view key, instant now) {
   if (x->is != stage::accepted || now - x->accepted_at > unsure)
     return;
   --ended_[x->rule].accepted;
-  lose(std::string(key), *x, "its owner has gone, and may not have acted");
+  lose(std::string(key), *x, "its owner ended, and may not have acted");
 }
 
 void rules::on_unowned(std::string_view key, instant now) {

@@ -278,7 +278,7 @@ struct expectations::judge_one {
     });
     out.explain = {"--lost"};
     if (found == run.streams.end() || !found->delivery())
-      return decide(false, found == run.streams.end() ? "no component has written it"
+      return decide(false, found == run.streams.end() ? "no component wrote it"
                                                       : "no record was produced");
     if (!found->from.empty())
       out.explain.insert(out.explain.end(), {"--from", found->from});
@@ -317,7 +317,7 @@ struct expectations::judge_one {
                      just_after(x.when ? *watch.missed : due)};
       return decide(false,
                     (x.when ? "due since " + seconds_text(watch.missed->time_since_epoch()) : "") +
-                        (x.when ? ": " : "") + "not so until " +
+                        (x.when ? ": " : "") + "not met until " +
                         seconds_text(due.time_since_epoch()) + "; " + with_thousands(watch.met) +
                         " of " + counted(watch.times, "time"),
                     due);
@@ -325,7 +325,7 @@ struct expectations::judge_one {
     if (watch.met == 0 && !watch.waiting.empty())
       return leave_open();
     if (watch.met == 0)
-      return decide(false, "the condition has never come true");
+      return decide(false, "the condition never became true");
     decide(true, counted(watch.met, "time") + ", the slowest " + seconds_text(watch.slowest));
   }
 
@@ -486,7 +486,7 @@ std::vector<expectation_report> expectations::judge(const run_report& x) const {
     if (x.complete && !x.interrupted) {
       std::visit(judge_one{*this, each, x, one}, each.what);
     } else {
-      one.measured = "the run broke off";
+      one.measured = "the run was aborted";
       one.at = instant{} + x.simulated;
     }
   }

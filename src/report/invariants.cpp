@@ -274,9 +274,9 @@ violations check_channels(const run_report& x, std::span<const channel_entry> al
   for (const auto& each : all)
     if (!begun.contains({each.source, each.number}))
       found.push_back(at_end(x, "no channel is leaked",
-                             "mote " + to_string(each.at) + " keeps channel " +
+                             "mote " + to_string(each.at) + " has channel " +
                                  std::to_string(each.number) + " of mote " +
-                                 to_string(each.source) + ", which has none of that number"));
+                                 to_string(each.source) + ", which has no channel of that number"));
   return found;
 }
 
@@ -308,7 +308,7 @@ violations check_clocks(const run_report& x, std::span<const steady_island> isla
       found.push_back(at_end(x, clocks_keep_their_bound,
                              island.name + ": a mote's island time is " +
                                  rubicon::to_text(network.clock_excess_max.value) +
-                                 " farther off than it allows for"));
+                                 " farther off than its error bound"));
   }
   return found;
 }
@@ -326,7 +326,7 @@ violations check_ticks(const run_report& x, std::span<const steady_island> islan
       found.push_back(at_end(x, invariant,
                              island.name + ": a mote's network time is " +
                                  rubicon::to_text(island.network.time_excess_max.value) +
-                                 " farther off its gateway's than it allows for"));
+                                 " farther off its gateway's than its error bound"));
   }
   std::map<peer_id, const peer_view*> by_id;
   for (const auto& peer : peers)

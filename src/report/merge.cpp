@@ -116,10 +116,10 @@ public:
     std::ranges::stable_sort(out_.violations, {}, &violation::at);
     for (const auto& host : missing_)
       out_.violations.push_back({instant{} + out_.simulated, run_is_complete,
-                                 "host " + host + ": there is no report of its part's end"});
+                                 "host " + host + ": its part sent no final report"});
     out_.complete = out_.complete && missing_.empty();
     if (!missing_.empty() && out_.reason.empty())
-      out_.reason = "no report of the end from host " + missing_.front();
+      out_.reason = "no final report from host " + missing_.front();
     judge();
   }
 
@@ -176,12 +176,12 @@ private:
     const auto until_text = clock_text(std::chrono::floor<std::chrono::seconds>(until));
     out_.event_log.push_back(
         {instant{} + last, host,
-         "last contact: what its part counted until " + until_text + " is not known"});
+         "last contact: its part's counts until " + until_text + " are unknown"});
     if (until - last <= 2 * part_report_every)
       return;
-    const auto what = "host " + host + ": what its part counted from " +
+    const auto what = "host " + host + ": its part's counts from " +
                       clock_text(std::chrono::floor<std::chrono::seconds>(last)) + " to " +
-                      until_text + " is not known";
+                      until_text + " are unknown";
     out_.complete = false;
     if (out_.reason.empty())
       out_.reason = what;
@@ -216,7 +216,7 @@ private:
         x = worst(parts);
       else if (is_watched(description_.expectations[i])) {
         x.outcome = verdict::unjudged;
-        x.measured = "not watched: it is about tuples of several hosts";
+        x.measured = "not checked: it concerns tuples of several hosts";
         x.explain.clear();
       }
       if (x.outcome == verdict::unmet)

@@ -1,4 +1,4 @@
-// What a run tells at its end. Actors fill the parts they know; nothing here knows an actor.
+// The report at the end of a run. Actors fill the parts they know; nothing here knows an actor.
 #pragma once
 
 #include <cstdint>
@@ -49,8 +49,8 @@ struct radio_report {
   std::uint64_t delivered = 0; ///< [copies] handed to a mote or sink
   /// `weak` (below the receiver's sensitivity, or spoiled by noise alone), `loss` on the way,
   /// `collision`, `captured` (the receiver was busy with another frame, or left this one for a
-  /// stronger), `half_duplex` (the receiver was sending), `off`, `filtered` (heard well, addressed
-  /// to another), `overflow` (no receive slot free), `duplicate` (repeated because an
+  /// stronger), `half_duplex` (the receiver was sending), `off`, `filtered` (received, but
+  /// addressed to another), `overflow` (no receive slot free), `duplicate` (repeated because an
   /// acknowledgement was missed)
   cause_counts lost;
   std::uint64_t requests = 0; ///< frames that motes and sinks asked to have sent
@@ -105,7 +105,7 @@ struct peis_report {
 };
 RUBICON_FIELDS(peis_report, peers, packages, tuples, lost);
 
-/// What became of what was sent, each counted once: sent = arrived + sum of lost + in_transit.
+/// Outcomes of the messages sent, each counted once: sent = arrived + sum of lost + in_transit.
 struct carried_report {
   std::uint64_t sent = 0;
   std::uint64_t arrived = 0;
@@ -132,7 +132,7 @@ struct message_report {
   cause_counts refused = {};
   std::uint64_t reliable_sent = 0;   ///< sent with an end-to-end acknowledgement asked for
   std::uint64_t reliable_acked = 0;  ///< acknowledged
-  std::uint64_t reliable_failed = 0; ///< given up, and told to the sender
+  std::uint64_t reliable_failed = 0; ///< given up; the sender is notified
   std::uint64_t reliable_open = 0;   ///< still waiting when the run ended
   std::uint64_t unreliable_sent = 0; ///< sent without an acknowledgement
   /// messages of both kinds that have arrived, each once; one for everybody at its first receiver.
@@ -170,7 +170,7 @@ struct network_report {
   /// (all repeats failed), `no_route`, `too_far` and `malformed` for packets; `channel_lost`,
   /// `channel_full` and `paced_out` (a newer one took its turn) for packets of channels;
   /// `channel_no_room`, `unclaimed` for channels; `channel_strays`,
-  /// `unknown_channel`, `unowned` and `misdirected` for what arrived and was nobody's; `id_taken`
+  /// `unknown_channel`, `unowned` and `misdirected` for arrivals without a receiver; `id_taken`
   /// for requests to join of a second mote with a member's id
   cause_counts lost;
   /// [by name] all that the modules of motes and sink have counted, `router.sequence_requests`,
@@ -393,7 +393,7 @@ struct peer_report {
   /// `claims_refused` (said by others in the name of a neighbour that is
   /// alive), `rivals_refused` (claimed its id); of the tuple space `tuples_full` (tuples of others,
   /// or written by others, without room), `tuples_malformed`, `subscriptions_full`, `strangers`
-  /// (messages of hosts that nobody knows), `appends_refused`, `orphans` (own tuples removed
+  /// (messages of unknown hosts), `appends_refused`, `orphans` (own tuples removed
   /// because their writers are gone), `stale_removed`, `resyncs` (a host missed too many values:
   /// all it wants was looked at again), `values_overtaken` (a newer one took their place while they
   /// waited for room on their way to a subscriber), `pushes_given_up`, `absent_forgotten` (hosts
@@ -434,7 +434,7 @@ struct flow_report {
   /// [number] transmissions, repeats and those of relays included, / `sent`
   double tx_per_packet = 0;
   /// packets lost, on whichever hop: how the MAC failed (`no_ack`, `channel_access_failure`,
-  /// `queue_full`, `aborted`); without acknowledgement what became of the copy (the causes of
+  /// `queue_full`, `aborted`); without acknowledgement the outcome of the copy (the causes of
   /// `radio`, or `out_of_reach`); or what a mote could not do with it (`no_relay`, `no_receiver`,
   /// `loop`)
   cause_counts lost;
@@ -456,7 +456,7 @@ RUBICON_FIELDS(program_report, who, kind, figures);
 /// lives and however often it was opened. produced = read + open + missing.
 struct stream_report {
   std::uint16_t stream = 0;   ///< [number] its number
-  std::string from;           ///< the writer's node; empty if nobody of this run writes it
+  std::string from;           ///< the writer's node; empty if no node of this run writes it
   std::string to;             ///< the reader's node
   std::uint64_t produced = 0; ///< [records] that the writer's program had, written or not
   std::uint64_t written = 0;  ///< [records] of those, taken by the writer's Stream System

@@ -28,7 +28,7 @@ void add_title(report_page& page, const run_report& x) {
                  " (" + speed_factor(x.simulated, x.wall_s) + " real time)",
              "seed " + std::to_string(x.seed), counted(x.events, "event"),
              x.trace_hash.empty() ? "" : "trace " + x.trace_hash,
-             x.interrupted ? "interrupted before its time" : "",
+             x.interrupted ? "interrupted early" : "",
              x.reason.empty() ? "" : "not complete: " + x.reason});
 }
 
@@ -77,10 +77,10 @@ void add_event_log(report_page& page, const run_report& x) {
     rows.add({{run_time(line.at), look::faint}, line.who, line.what});
   if (thinned > 0)
     rows.add_note("… " + counted(thinned, "line") +
-                  " left out where most happened; --full shows all");
+                  " omitted where most events happened; --full shows all");
   if (x.event_log_left_out > 0)
     rows.add_note("… and " + with_thousands(x.event_log_left_out) +
-                  " more, of which the report has none; --csv writes all");
+                  " more are not in the report; --csv writes all");
   page.add(rows);
 }
 
@@ -140,7 +140,7 @@ void add_loss_notes(table& rows, const island_report& island) {
   add(in_range.c_str(), causes(really_lost(island.radio)));
   add("  radio gave up: ", causes(island.radio.mac_failed));
   add("  lost on the cable: ", causes(island.serial.lost));
-  add("  not taken from real motes: ", causes(island.real.dropped));
+  add("  not accepted from real motes: ", causes(island.real.dropped));
   add("  not sent to real motes: ", causes(island.real.inputs_failed));
   auto messages = island.messages.lost;
   messages["in_transit"] = island.messages.in_transit;
@@ -254,9 +254,9 @@ void add_clock_note(table& rows, const clock_report& x) {
               percent(static_cast<double>(x.below_1ms), static_cast<double>(x.judged)) + " of " +
               counted(x.judged, "judgement") + " below 1 ms, ";
   if (x.outside == 0)
-    text += "none outside what motes say";
+    text += "none outside the motes' own error bounds";
   else
-    text += with_thousands(x.outside) + " outside what motes say, for " +
+    text += with_thousands(x.outside) + " outside the motes' own error bounds, for " +
             real_time(seconds(x.outside_longest)) + " at most";
   rows.add_note(text, x.outside > 0 ? look::bad : look::faint);
 }
@@ -380,7 +380,7 @@ std::pair<std::string, std::string> number_and_unit(const std::string& value) {
 void add_proxies(report_page& page, const run_report& x) {
   if (x.proxies.empty())
     return;
-  page.heading("What the proxies say");
+  page.heading("Proxy values");
   table rows({{"proxy"}, {"name"}, {"value", align::point}, {"unit"}, {"status"}});
   std::size_t row_count = 0;
   std::size_t rows_shown = 0;
@@ -475,7 +475,7 @@ void add_peers(report_page& page, const run_report& x) {
   }
   page.add_rest(rows, x.peers.size(), shown);
   page.add(rows);
-  table limits({{"peer"}, {"its limits have refused or put off"}});
+  table limits({{"peer"}, {"refused or delayed by its limits"}});
   for (std::size_t i = 0; i < shown; ++i) {
     if (!x.peers[i].limits.empty())
       limits.add({x.peers[i].name, causes(x.peers[i].limits)});

@@ -175,20 +175,20 @@ void time_watch::end_silence(const watched_island& of, watched_mote& who, troubl
 violation time_watch::silence_violation(const watched_island& of, const watched_mote& who,
                                         const trouble& x, instant now) {
   const auto why = &x == &who.unheard
-                       ? std::string(": it is listed, but nothing that it sends arrives")
+                       ? std::string(": it is listed, but none of its messages arrives")
                        : std::string(": its gateway does not list it");
   return {*x.too_long, nobody_is_silent,
-          who.name + " was silent for " + span_text(now - *x.since, *x.since) + why + "; within " +
-              real_time(seconds(of.rules.bound(who.hops) + of.rules.departure)) +
-              " it is to be back"};
+          who.name + " was silent for " + span_text(now - *x.since, *x.since) + why +
+              "; the limit is " +
+              real_time(seconds(of.rules.bound(who.hops) + of.rules.departure))};
 }
 
 violation time_watch::clock_violation(const watched_island& of, const watched_mote& who,
                                       instant now) {
   return {*who.wrong.too_long, clocks_keep_their_bound,
           who.name + " had the wrong time for " +
-              span_text(now - *who.wrong.since, *who.wrong.since) + "; within " +
-              real_time(seconds(of.rules.bound(who.hops))) + " it is to be right"};
+              span_text(now - *who.wrong.since, *who.wrong.since) + "; the limit is " +
+              real_time(seconds(of.rules.bound(who.hops)))};
 }
 
 void time_watch::keep(violation x) {

@@ -12,13 +12,14 @@ inline auto keys_of(const reader_config*) {
                      {"of the interface; no two readers have the same", "that of the peer"}),
       keys::required("position_m", &reader_config::place, keys::place{}, "of its antenna"),
       keys::optional("range", &reader_config::range_m, keys::metres{0.05, 100},
-                     "tags that are farther away are not perceived"),
+                     "tags farther away are not perceived"),
       keys::optional("period", &reader_config::period, keys::time_span{10ms, 1h},
                      "between two inventories"),
       keys::optional("miss_rate", &reader_config::miss_rate, keys::ratio{},
-                     "chance that an inventory misses a tag in range"),
-      keys::optional("missed_max", &reader_config::missed_max, keys::whole<unsigned>{1, 1000},
-                     "inventories in a row that miss a tag until it is taken for gone"));
+                     "probability that an inventory misses a tag in range"),
+      keys::optional(
+          "missed_max", &reader_config::missed_max, keys::whole<unsigned>{1, 1000},
+          "number of consecutive inventories without a tag until it is considered gone"));
 }
 
 } // namespace rubicon::rfid

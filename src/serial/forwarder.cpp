@@ -33,9 +33,9 @@ std::string_view to_string(refusal x) {
   case refusal::none:
     return "none";
   case refusal::other_protocol:
-    return "it does not speak the serial forwarder's protocol";
+    return "it does not use the serial forwarder's protocol";
   case refusal::old_version:
-    return "it speaks the serial forwarder's protocol of TinyOS 1.x";
+    return "it uses the serial forwarder's protocol of TinyOS 1.x";
   case refusal::empty_packet:
     return "it sent a packet of no octets";
   }

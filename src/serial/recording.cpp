@@ -112,7 +112,7 @@ read_recording(std::string_view text, std::string_view island) {
     text.remove_prefix(std::min(end + 1, text.size()));
     ++number;
     if (number == 1 && without_line_end(line) != recording_title)
-      return recording_problem{1, "is no serial recording: its first line is not `" +
+      return recording_problem{1, "is not a serial recording: its first line is not `" +
                                       std::string(recording_title) + '`'};
     auto found = read_recorded(line);
     if (auto* problem = std::get_if<recording_problem>(&found))

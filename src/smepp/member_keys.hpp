@@ -13,24 +13,23 @@ inline constexpr keys::real event_rate{0, 50};
 inline auto keys_of(const wanted_event*) {
   return keys::of(
       keys::required("event", &wanted_event::event, keys::text{event_name_max}, "its name"),
-      keys::optional("rate", &wanted_event::rate, event_rate,
-                     {"in 1/s: how often its producers sample, all at the same moments; 0: as they "
-                      "like",
-                      "", "number from 0 to 50"}),
-      keys::optional("from", &wanted_event::from, keys::time_span{},
-                     "when of the run, at the earliest"),
+      keys::optional(
+          "rate", &wanted_event::rate, event_rate,
+          {"sampling rate of its producers in 1/s, all at the same moments; 0: their own rates", "",
+           "number from 0 to 50"}),
+      keys::optional("from", &wanted_event::from, keys::time_span{}, "earliest time of the run"),
       keys::optional("expires", &wanted_event::expires, keys::time_span{1s},
-                     {"so long after that the subscription is over", "never"}),
+                     {"length of the subscription", "never"}),
       keys::optional("until", &wanted_event::until, keys::time_span{},
-                     {"when of the run it is withdrawn", "never"}),
-      keys::optional("frequency", &wanted_event::frequency, event_rate,
-                     {"in 1/s: how often the own radio wakes for it; 0: as often as producers "
-                      "sample",
-                      "", "number from 0 to 50"}),
-      keys::optional("channel", &wanted_event::channel, keys::whole<std::uint8_t>{},
-                     {"each value goes on to the gateway, on this output channel, as a reliable "
-                      "message",
-                      "values stay here"}));
+                     {"time of the run at which it is withdrawn", "never"}),
+      keys::optional(
+          "frequency", &wanted_event::frequency, event_rate,
+          {"rate at which the own radio wakes for it, in 1/s; 0: the producers' sampling rate", "",
+           "number from 0 to 50"}),
+      keys::optional(
+          "channel", &wanted_event::channel, keys::whole<std::uint8_t>{},
+          {"each value is forwarded to the gateway, on this output channel, as a reliable message",
+           "values are not forwarded"}));
 }
 
 inline auto keys_of(const raised_event*) {
@@ -40,7 +39,7 @@ inline auto keys_of(const raised_event*) {
                      {"its value is the transducer's count, as of a sampler",
                       "a running number of 4 octets", "quantity of the mote"}),
       keys::optional("every", &raised_event::every, event_period,
-                     "from one to the next, for subscriptions without a rate"));
+                     "period for subscriptions without a rate"));
 }
 
 inline auto keys_of(const member_config*) {
@@ -48,15 +47,15 @@ inline auto keys_of(const member_config*) {
       keys::optional("creates", &member_config::creates, keys::flag{},
                      "it creates the group; others look for it until they find it, and join"),
       keys::optional("leaves", &member_config::leaves, keys::time_span{},
-                     {"when of the run it leaves the group", "never"}));
+                     {"time of the run at which it leaves the group", "never"}));
 }
 
 inline auto keys_of(const energy_config*) {
   return keys::of(
       keys::optional("tolerance", &energy_config::tolerance, keys::time_span{0s, 10s},
-                     "the radio stays on between windows that are less apart"),
+                     "the radio stays on between windows that are closer than this"),
       keys::optional("radio_delay", &energy_config::radio_delay, keys::time_span{0s, 1s},
-                     "it is switched on so long before a window, and off so long after it"));
+                     "it is switched on this long before a window, and off this long after it"));
 }
 
 inline auto keys_of(const group_settings*) {
@@ -67,7 +66,7 @@ inline auto keys_of(const group_settings*) {
                      "length of a subscription's windows"),
       keys::optional("memory", &group_settings::memory_max, keys::whole<std::size_t>{1},
                      "octets that the protocols of a mote may need with all tables full; a mote "
-                     "that needs more says so in the event log"));
+                     "that needs more is reported in the event log"));
 }
 
 } // namespace rubicon::smepp

@@ -147,7 +147,8 @@ mote_id read_id(reader& from) {
       break;
   }
   if (id < 1 || id > mote_id_max)
-    from.fail_at(at, quoted(text) + " is no mote's id (1.." + std::to_string(mote_id_max) + ")");
+    from.fail_at(at, quoted(text) + " is not the id of a mote (1.." + std::to_string(mote_id_max) +
+                         ")");
   return mote_id{static_cast<std::uint16_t>(id)};
 }
 
@@ -164,10 +165,10 @@ void read_transducer(reader& from, transducer_mask& mask) {
   }
   const auto found = std::ranges::find(transducer_names, type);
   if (found == transducer_names.end())
-    return from.fail_at(at, quoted(type) + " is no transducer");
+    return from.fail_at(at, quoted(type) + " is not a transducer");
   const auto bit = transducer_mask{1} << (found - transducer_names.begin());
   if ((mask & bit) != 0)
-    return from.fail_at(at, quoted(type) + " is there twice");
+    return from.fail_at(at, quoted(type) + " is present twice");
   mask |= bit;
 }
 
@@ -194,7 +195,7 @@ std::variant<peer_description, xml_problem> parse_peer_description(std::string_v
   }
   from.between();
   if (from.good() && !from.at_end())
-    from.fail("nothing may follow the peer");
+    from.fail("unexpected text after the peer");
   if (!from.good())
     return from.problem();
   return x;

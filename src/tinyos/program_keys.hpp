@@ -11,16 +11,15 @@ inline constexpr keys::time_span interval{1ms, 60s};
 
 inline auto oscilloscope_keys() {
   return keys::of(keys::required("transducer", &program_config::transducer, keys::quantity_name{},
-                                 "what it reads, as the counts of that transducer"),
+                                 "source of its readings, as the counts of that transducer"),
                   keys::optional("every", &program_config::every, interval,
-                                 {"from one reading to the next; ten are a packet. Packets of "
-                                  "Oscilloscope with a higher version set another one",
+                                 {"period of readings, ten to a packet. Packets of Oscilloscope "
+                                  "with a higher version change it",
                                   "`\"256ms\"`"}));
 }
 
 inline auto counter_keys() {
-  return keys::of(
-      keys::optional("every", &program_config::every, interval, "from one packet to the next"));
+  return keys::of(keys::optional("every", &program_config::every, interval, "period of packets"));
 }
 
 } // namespace rubicon::tinyos

@@ -16,20 +16,19 @@ inline auto keys_of(const sender_config*) {
                      keys::word<arrivals>{{{"periodic", arrivals::periodic},
                                            {"poisson", arrivals::poisson},
                                            {"saturated", arrivals::saturated}}},
-                     "one each period; independent, so far apart on average; or the next as soon "
-                     "as one has ended"),
+                     "one per period; at random, this far apart on average; or the next as soon as "
+                     "one has ended"),
       keys::optional("every", &sender_config::every, keys::time_span{1ms, every_max},
                      "not if saturated"),
-      keys::optional(
-          "jitter", &sender_config::jitter, keys::time_span{0s, every_max},
-          {"each is up to this much late, at random; only if periodic", "", "time up to `every`"}),
+      keys::optional("jitter", &sender_config::jitter, keys::time_span{0s, every_max},
+                     {"maximum random delay of each; only if periodic", "", "time up to `every`"}),
       keys::optional(
           "start", &sender_config::start, keys::time_span{},
           {"of the first packet", "a random moment of the first `every`; if saturated, at once"}),
       keys::optional("stop", &sender_config::stop, keys::time_span{},
-                     {"from then on nothing is sent", "the end of the run", "time after `start`"}),
+                     {"end of sending", "the end of the run", "time after `start`"}),
       keys::optional("count", &sender_config::count, keys::whole<std::uint64_t>{1, INT64_MAX},
-                     {"at most so many packets", "no limit"}),
+                     {"maximum number of packets", "no limit"}),
       keys::optional("ack", &sender_config::ack, keys::flag{},
                      {"acknowledgement by the medium access", "`true`, for `\"*\"` `false`"}));
 }

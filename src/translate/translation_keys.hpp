@@ -13,9 +13,9 @@ inline auto keys_of(const translation*) {
       keys::optional("unit", &translation::unit, keys::text{16},
                      {"published as `TO.unit`", "none"}),
       keys::optional("history", &translation::history, keys::whole<std::size_t>{1, history_max},
-                     {"the newest values, in the tuple `TO.history`, or `FROM.history` without "
-                      "`to`: CSV, a line each, oldest first, the time in seconds of the ecology "
-                      "and the value, of which up to 100 octets",
+                     {"number of newest values in the tuple `TO.history`, or `FROM.history` "
+                      "without `to`: CSV, one line each, oldest first, with the time in seconds of "
+                      "the ecology and up to 100 octets of the value",
                       "none"}));
 }
 

@@ -99,14 +99,14 @@ std::vector<T> thinned(const std::vector<T>& all) {
 double number(const json& from, const char* key) {
   const auto found = from.find(key);
   if (found == from.end() || !found->is_number())
-    throw refusal{"`" + std::string(key) + "` is missing, or no number"};
+    throw refusal{"`" + std::string(key) + "` is missing or not a number"};
   return found->get<double>();
 }
 
 std::string text(const json& from, const char* key) {
   const auto found = from.find(key);
   if (found == from.end() || !found->is_string())
-    throw refusal{"`" + std::string(key) + "` is missing, or no text"};
+    throw refusal{"`" + std::string(key) + "` is missing or not a text"};
   return found->get<std::string>();
 }
 
@@ -117,10 +117,10 @@ mote_address address_of(const std::string& x) {
   const auto* const end = x.data() + x.size();
   const auto first = std::from_chars(x.data(), end, island);
   if (first.ec != std::errc{} || first.ptr == end || *first.ptr != '/')
-    throw refusal{"`" + x + "` is no ISLAND/MOTE"};
+    throw refusal{"`" + x + "` is not ISLAND/MOTE"};
   const auto second = std::from_chars(first.ptr + 1, end, mote);
   if (second.ec != std::errc{} || second.ptr != end)
-    throw refusal{"`" + x + "` is no ISLAND/MOTE"};
+    throw refusal{"`" + x + "` is not ISLAND/MOTE"};
   return {island_id(island), mote_id(mote)};
 }
 
@@ -153,7 +153,7 @@ public:
         return (this->*give)(question);
     if (asked == "fault" || asked == "set")
       return control(asked, question);
-    throw refusal{"`" + asked + "` is no question"};
+    throw refusal{"`" + asked + "` is not a known request"};
   }
 
   json moment_of(const timeline::sample& sample, double at_s) {
@@ -278,8 +278,8 @@ private:
   }
 
   void add_present(json& y, const report::mote_sample& mote, const mote_index& about, instant now) {
-    static constexpr std::array words{"not there yet", "joined",   "joined, radio off",
-                                      "no route",      "no power", "battery flat"};
+    static constexpr std::array words{"not yet present", "joined",   "joined, radio off",
+                                      "no route",        "no power", "battery flat"};
     const auto fact = [&y](const char* name, const std::string& value) {
       y["facts"].push_back(json::array({name, value}));
     };
@@ -349,7 +349,7 @@ private:
     const auto fact = [&y](const char* name, const std::string& value) {
       y["facts"].push_back(json::array({name, value}));
     };
-    fact("state", peer.runs ? "runs" : "does not run");
+    fact("state", peer.runs ? "runs" : "not running");
     fact("packages waiting", std::to_string(queued));
     if (peer.to_sink)
       fact("packets waiting for the cable", std::to_string(*peer.to_sink));
@@ -464,7 +464,7 @@ private:
 
   json control(const std::string& asked, const json& question) {
     if (x_.controls_ == nullptr)
-      throw refusal{"this page only looks; `--control` lets it do something"};
+      throw refusal{"this page is read-only; `--control` enables actions"};
     const auto done = asked == "fault"
                           ? x_.controls_->fault(text(question, "sentence"))
                           : x_.controls_->set_tuple(text(question, "owner"), text(question, "key"),
@@ -512,7 +512,7 @@ std::string conversation::on_text(std::string_view text_in) {
   json reply;
   try {
     if (!question.is_object())
-      throw refusal{"a question is a JSON object"};
+      throw refusal{"a request must be a JSON object"};
     if (text(question, "ask") == "follow") {
       follows_ = question.value("on", true);
       samples_told_ = 0;
@@ -523,7 +523,7 @@ std::string conversation::on_text(std::string_view text_in) {
   } catch (const refusal& x) {
     reply = {{"kind", "refused"}, {"text", x.why}};
   } catch (const json::exception& x) {
-    reply = {{"kind", "refused"}, {"text", "the question is malformed"}};
+    reply = {{"kind", "refused"}, {"text", "the request is malformed"}};
   }
   if (question.is_object() && question.contains("id") && question["id"].is_number())
     reply["id"] = question["id"];

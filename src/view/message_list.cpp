@@ -72,7 +72,7 @@ std::string message_list::explain_tuple(const std::string& owner, const std::str
   if (values == nullptr)
     return "The record has no such tuple.";
   const auto index = explain::value_at(*all_, values->indices, at);
-  return index ? explain::tuple_text(*all_, *index, paper) : "It had no value yet at that time.";
+  return index ? explain::tuple_text(*all_, *index, paper) : "It had no value at that time.";
 }
 
 } // namespace rubicon::view

@@ -180,7 +180,7 @@ TEST_CASE("programs that speak another protocol, or too many, are closed",
   auto& other = x.connect(to_bytes("GET / HTTP/1.0\r\n\r\n"));
   run(x.loop, [&] { return other.closed; });
   CHECK(x.clients->counters().bad_input == 1);
-  CHECK(x.told.at(0).find("does not speak the serial forwarder's protocol") != std::string::npos);
+  CHECK(x.told.at(0).find("does not use the serial forwarder's protocol") != std::string::npos);
   for (std::size_t i = 0; i < forwarder_clients::clients_max; ++i)
     CHECK(!x.connect().closed);
   CHECK(x.clients->count() == forwarder_clients::clients_max);

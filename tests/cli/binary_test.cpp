@@ -53,7 +53,7 @@ TEST_CASE("of very many mistakes the first fifty are told, and how many there ar
   const auto lines = lines_of(x.out);
   REQUIRE(lines.size() == 51);
   CHECK(lines[49].starts_with("<stdin>:"));
-  CHECK(lines[50] == "<stdin>: 62 problems, of which the first 50 are above");
+  CHECK(lines[50] == "<stdin>: 62 problems, the first 50 are above");
 }
 
 TEST_CASE("a file may come from standard input", "[cli]") {
@@ -76,9 +76,9 @@ TEST_CASE("run refuses what check refuses", "[cli][GEN-06]") {
 TEST_CASE("what hardly is meant is a warning, or with --strict a mistake", "[cli][GEN-06]") {
   const auto file = fixture("slips.toml");
   const std::vector<std::string> told{
-      ":17:56: %a rule of pc writes `an` to `hall.lamp-2.switch`, which takes \"on\" or \"off\"",
-      ":18:41: %a rule of pc compares `hall.lamp-2.state` with 1, but it tells \"off\" or \"on\", "
-      "which are no numbers"};
+      ":17:56: %a rule of pc writes `an` to `hall.lamp-2.switch`, which accepts \"on\" or \"off\"",
+      ":18:41: %a rule of pc compares `hall.lamp-2.state` with 1, but its values are \"off\" or "
+      "\"on\", which are not numbers"};
   const auto all = [&](const std::string& kind) {
     std::string out;
     for (auto each : told)

@@ -326,7 +326,8 @@ TEST_CASE("a command line that makes no sense is refused with its reason", "[cli
   const auto text = refusal(line);
   CAPTURE(line, text);
   CHECK(text.starts_with("rubicon: "));
-  CHECK(text.ends_with("\nrubicon --help explains.\n"));
+  CHECK(text.ends_with("\n"
+                       "See rubicon --help.\n"));
 }
 
 TEST_CASE("a refusal names the option and what was wrong with it", "[cli]") {
@@ -339,7 +340,9 @@ TEST_CASE("a refusal names the option and what was wrong with it", "[cli]") {
 
 TEST_CASE("who mistypes a command or an option is told what was meant", "[cli]") {
   const auto meant = [](const std::string& what) {
-    return "rubicon: " + what + "\nrubicon --help explains.\n";
+    return "rubicon: " + what +
+           "\n"
+           "See rubicon --help.\n";
   };
   CHECK(refusal({"rnu", "a.toml"}) == meant("there is no command `rnu`: did you mean `run`?"));
   CHECK(refusal({"run", "a.toml", "--sed", "3"}) ==
@@ -361,7 +364,7 @@ TEST_CASE("help names every role and every exit status", "[cli][GEN-01]") {
     CAPTURE(role);
     CHECK(contains(text, "\n  " + std::string(role) + ' '));
   }
-  CHECK(contains(text, "Exit status: 0 good; 1"));
+  CHECK(contains(text, "Exit status: 0 success; 1"));
 }
 
 TEST_CASE("version and a command's help are shown, not refused", "[cli]") {

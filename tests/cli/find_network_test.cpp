@@ -190,7 +190,7 @@ TEST_CASE("of several networks nobody guesses one", "[cli][SVC-08]") {
   auto found = join_network(loop, {}, no_area());
   REQUIRE(std::holds_alternative<std::string>(found));
   CHECK(std::get<std::string>(found) ==
-        "several networks are there: attic, barn; say which with --network NAME");
+        "there are several networks: attic, barn; choose one with --network NAME");
   network_options wish;
   wish.network = "attic";
   wish.network_given = true;

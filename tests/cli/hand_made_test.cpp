@@ -18,10 +18,10 @@ TEST_CASE("a tuple that cannot be set by hand is refused with the reason", "[cli
   };
   CHECK(refusal("robot", "a.note") == "");
   CHECK(refusal("robot", "*.*").starts_with("a pattern "));
-  CHECK(refusal("robot", "a.b.c.d.e.f.g.h.i").starts_with("no key: "));
-  CHECK(refusal("robot", "a*").starts_with("no key: "));
-  CHECK(refusal("robot", std::string(200, 'k')).starts_with("no key: "));
-  CHECK(refusal("robot", "") == "a tuple has a key");
+  CHECK(refusal("robot", "a.b.c.d.e.f.g.h.i").starts_with("not a key: "));
+  CHECK(refusal("robot", "a*").starts_with("not a key: "));
+  CHECK(refusal("robot", std::string(200, 'k')).starts_with("not a key: "));
+  CHECK(refusal("robot", "") == "a tuple needs a key");
   CHECK(refusal("nobody", "a") == "there is no peer `nobody`");
   CHECK(refusal("robot", "kernel.name").empty() == kernels);
   CHECK(refusal("robot", "Kernel.do-quit").empty() == kernels);

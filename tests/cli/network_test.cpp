@@ -251,7 +251,7 @@ TEST_CASE("meta tuples are shown with what they point at, and pointed elsewhere"
   CHECK(meta("mi-light --nowhere").status == 0);
   CHECK(meta("mi-light").out == "nowhere\n");
   CHECK(standard_error("tuples meta room.temp --owner 7" + peer.at()).out ==
-        "rubicon: tuple `room.temp` of peer 7 is no meta tuple\n");
+        "rubicon: tuple `room.temp` of peer 7 is not a meta tuple\n");
   CHECK(meta("mi-light room.temp --nowhere").status == 2);
 }
 
@@ -296,13 +296,13 @@ TEST_CASE("what cannot be done is told in one line, with status 1", "[cli]") {
            "no peer 8 in the network `rubicon`" + lists);
   one_line(standard_error("ping 8" + quick), "no peer 8 in the network `rubicon`" + lists);
   one_line(standard_error("route nobody" + quick),
-           "no peer is called `nobody` in the network `rubicon`" + lists);
+           "no peer is named `nobody` in the network `rubicon`" + lists);
   one_line(standard_error("tuples set a b" + quick),
-           "no peer has a tuple `a`; say whose it is to be with --owner PEER");
+           "no peer has a tuple `a`; give its owner with --owner PEER");
   one_line(standard_error("hosts --connect 127.0.0.1:1"), "127.0.0.1:1: Connection refused");
   const auto other = standard_error("hosts --network other" + quick);
   CHECK(other.status == 1);
-  CHECK(other.out.find("not as a peer of the network `other`") != std::string::npos);
+  CHECK(other.out.find("is not a peer of the network `other`") != std::string::npos);
 }
 
 TEST_CASE("an owner goes by its name, or by being the only one", "[cli][SVC-08]") {
@@ -326,7 +326,7 @@ TEST_CASE("an owner goes by its name, or by being the only one", "[cli][SVC-08]"
   CHECK(both.out.find("--owner PEER") != std::string::npos);
   const auto called = standard_error("tuples set room.temp 9 --owner lonely" + peer.at());
   CHECK(called.status == 1);
-  CHECK(called.out.starts_with("rubicon: several peers are called `lonely`: 7 ("));
+  CHECK(called.out.starts_with("rubicon: several peers are named `lonely`: 7 ("));
   CHECK(standard_output("tuples get room.temp --owner 7" + peer.at()).out == "23.5\n");
 }
 

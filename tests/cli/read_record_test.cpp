@@ -88,12 +88,12 @@ TEST_CASE("what is no record is told with its line, and nothing more is read", "
   to.add(line(1, instant(1s)) + "no JSON\n" + line(2, instant(2s)));
   record_reader reader(to.path);
   read_all(reader);
-  CHECK(reader.problem() == to.path + ":3: this is no JSON object");
+  CHECK(reader.problem() == to.path + ":3: this is not a JSON object");
   CHECK(reader.so_far().messages.size() == 1);
   to.add(line(3, instant(3s)));
   CHECK_FALSE(reader.read_part());
   reader.finish();
-  CHECK(reader.problem() == to.path + ":3: this is no JSON object");
+  CHECK(reader.problem() == to.path + ":3: this is not a JSON object");
   CHECK(record_reader(to.folder.file("none")).problem().ends_with("none: cannot be read"));
   std::ofstream(to.folder.file("empty"));
   record_reader empty(to.folder.file("empty"));

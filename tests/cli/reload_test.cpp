@@ -69,7 +69,7 @@ TEST_CASE("a run follows its file as far as it can", "[cli][ACT-10]") {
 
   x.reload(
       home("300ms", "[[fault]]\nat = \"4min\"\nkind = \"crash\"\nmote = \"kitchen/stove\"\n", "2"));
-  x.await("home.toml:5:8: `ecology.seed` differs, and does not change while an ecology runs");
+  x.await("home.toml:5:8: `ecology.seed` differs, and cannot change while an ecology runs");
   x.await("home.toml was read again: 0 changes, 1 planned, 1 refused");
 
   x.reload("[ecology\n");
@@ -94,6 +94,5 @@ TEST_CASE("only a run in wall time can follow its file", "[cli][ACT-10]") {
   program run(loop, {"run", folder.file("home.toml"), "--mode", "virtual", "--reload"});
   run.await_end();
   CHECK(run.end->status == 2);
-  CHECK(run.err == "--reload: a virtual run is over before anybody could do something: add --mode "
-                   "wall\n");
+  CHECK(run.err == "--reload: a virtual run ends before you can act: add --mode wall\n");
 }

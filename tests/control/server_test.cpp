@@ -258,14 +258,14 @@ TEST_CASE("who is refused, and why, is told in words at both ends", "[control]")
     return text == nullptr ? "" : *text;
   };
   CHECK(why(ours.of("me"), "kitchen").empty());
-  CHECK(why(ours.of("me"), "bedroom") == "shows the certificate of `kitchen`, not of `bedroom`");
+  CHECK(why(ours.of("me"), "bedroom") ==
+        "presented the certificate of `kitchen`, not of `bedroom`");
   CHECK(why(foreign.of("me"), "kitchen") ==
-        "has a certificate `kitchen` of another authority, and does not take our certificate");
-  CHECK(why({}, "").starts_with("does not answer as a host of ours, or only to certificates"));
+        "has a certificate `kitchen` of another authority, and rejected our certificate");
+  CHECK(why({}, "").starts_with("does not answer as a rubicon host without certificates"));
   CHECK(comes_true(loop, [&] { return log.has("does not speak TLS"); }));
-  CHECK(log.has(
-      "127.0.0.1 is refused: it does not take our certificate `kitchen`: it is of another"));
-  CHECK(log.has("it wants another host"));
+  CHECK(log.has("127.0.0.1 was rejected: it rejected our certificate `kitchen`: it is of another"));
+  CHECK(log.has("it expects another host"));
 
   control::system bare{{}};
   auto plain = control::server::open(bare, loop, "127.0.0.1", 0, echo);
@@ -301,7 +301,7 @@ TEST_CASE("a list of revoked certificates travels with whoever asks, and shuts o
   CHECK(std::holds_alternative<deploy::answer>(ask(loop, client, deploy::ask_news{})));
   REQUIRE(host.own().revoked());
   CHECK(log.has("takes list 1 of revoked certificates, with 1"));
-  CHECK(log.has("127.0.0.1 is refused: it has a certificate `thief` that was revoked"));
+  CHECK(log.has("127.0.0.1 was rejected: it has a certificate `thief` that was revoked"));
   CHECK(std::holds_alternative<deploy::answer>(ask(loop, client, deploy::ask_news{})));
 
   std::filesystem::remove(list);
@@ -309,7 +309,7 @@ TEST_CASE("a list of revoked certificates travels with whoever asks, and shuts o
   control::system again{ours.of("thief")};
   control::client other(again, loop, "127.0.0.1", port, "kitchen");
   CHECK(std::get<std::string>(ask(loop, other, deploy::ask_news{})) ==
-        "does not take our certificate `thief`: it was revoked");
+        "rejected our certificate `thief`: it was revoked");
 }
 
 TEST_CASE("strangers who say nothing hold few connections, and nobody up", "[control]") {
@@ -369,9 +369,9 @@ TEST_CASE("who is believed and breaks the rules is closed, and others go on", "[
       CHECK(std::holds_alternative<deploy::answer>(ask(loop, client, deploy::greeting{"9"})));
     }
     CHECK(log.has("of kind 2 of 4294967295 octets"));
-    CHECK(log.has("that cannot be read"));
-    CHECK(log.has("asks before it is answered"));
-    CHECK(log.has("of kind 77, which there is not"));
+    CHECK(log.has("that is invalid"));
+    CHECK(log.has("sent a request before the answer to the previous one"));
+    CHECK(log.has("of kind 77, which is unknown"));
   }
 }
 
@@ -413,14 +413,14 @@ TEST_CASE("a new certificate is taken while it runs, a bad one is not", "[contro
   std::filesystem::rename(files.certificate, files.certificate + ".kept");
   std::ofstream(files.certificate) << "";
   server.renew();
-  CHECK(log.has("keeps its certificate, for the new one is no good"));
+  CHECK(log.has("keeps its certificate, since the new one is invalid"));
   CHECK(is_answered());
   control::client newcomer(coordinator, loop, "127.0.0.1", server.port());
   CHECK(std::holds_alternative<deploy::answer>(ask(loop, newcomer, deploy::greeting{"9"})));
   std::filesystem::rename(files.certificate + ".kept", files.certificate);
   control::client next(coordinator, loop, "127.0.0.1", server.port());
   CHECK(std::holds_alternative<deploy::answer>(ask(loop, next, deploy::greeting{"9"})));
-  CHECK(log.has("takes the certificate that "));
+  CHECK(log.has("uses the certificate that "));
   CHECK((is_answered() || is_answered())); // its connection was closed: it has to come again
 }
 

@@ -176,7 +176,7 @@ TEST_CASE("a tuple switches one mote's debug log while the run is on", "[ecology
   CHECK(x.log("mote").find("crash_now") != std::string::npos);
   CHECK(x.log("gateway").empty());
   CHECK(tells(report, "pc", "debug log of mote/flat/stove"));
-  CHECK(tells(report, "pc", "debug log of nobody"));
+  CHECK(tells(report, "pc", "debug log of no actors"));
   CHECK(report.actors.changes_refused == 0);
 
   const auto log = x.log("mote");
@@ -198,7 +198,7 @@ TEST_CASE("a pattern of nobody changes no debug log", "[ecology][NFR-02]") {
   CHECK(x.times_of("mote/flat/stove").first < 0);
   CHECK(report.actors.changes_refused == 2);
   CHECK(tells(report, "pc",
-              "debug log stays as it is: no actor is called `mote/flat/stowe`: did you mean "
+              "debug log stays as it is: no actor is named `mote/flat/stowe`: did you mean "
               "`mote/flat/stove`?"));
   CHECK(tells(report, "pc",
               "debug log stays as it is: there is no module `mots`: did you mean `mote`?"));

@@ -493,7 +493,7 @@ type = 300
 position_m = [5, 0]
 )")));
     return std::ranges::count_if(x.report.event_log, [](const auto& line) {
-      return line.what.ends_with("/board have one key, board: what is written to one reaches both");
+      return line.what.ends_with("/board have the same key, board: a write to it reaches both");
     });
   };
   CHECK(told("") == 0);

@@ -167,8 +167,7 @@ int main(int argc, char** argv) {
   const auto report = run_ecology(ecology, options);
 
   if (samples.size() < 2 || report.interrupted || !report.complete) {
-    std::printf("soak: ended before its time: %s\n",
-                report.complete ? "stopped" : report.reason.c_str());
+    std::printf("soak: ended early: %s\n", report.complete ? "stopped" : report.reason.c_str());
     return 1;
   }
   const auto& first = samples.front();

@@ -85,8 +85,8 @@ channel = 27
 
 TEST_CASE("what a medium access does not have is refused", "[config][radio]") {
   CHECK(problem_in(mote_head + "csma = { backoffs = 3 }\n[radio.mac]\nmicaz = \"cc2420\"\n") ==
-        "19:8: with the medium access \"cc2420\" of a micaz `min_be`, `max_be` and `backoffs` "
-        "mean nothing: `retries` alone does");
+        "19:8: with the medium access \"cc2420\" of a micaz `min_be`, `max_be` and `backoffs` have "
+        "no effect: only `retries` does");
   CHECK(problem_in(mote_head + "csma = { retries = 3 }\n[radio.mac]\nmicaz = \"cc2420\"\n") ==
         "none");
 }
@@ -113,7 +113,7 @@ TEST_CASE("a mote on a channel of its own is doubted", "[config][radio]") {
 
 TEST_CASE("a mote far away on another channel is no mistake", "[config][radio]") {
   const std::string far = "[[island.mote]]\nid = 3\ntype = \"c\"\nposition_m = [900, 2]\n";
-  CHECK(problem_in(mote_head + far).find("out of reach") != std::string::npos);
+  CHECK(problem_in(mote_head + far).find("unreachable") != std::string::npos);
   CHECK(problem_in(mote_head + far + "channel = 12\n") == "none");
 }
 
@@ -165,11 +165,11 @@ sink = { role = "base_station", promiscuous = false }
 
 stack = "mac"
 sink = { role = "base_station" }
-#               ^ `role` means nothing in an island with stack = "mac"
+#               ^ `role` has no effect in an island with stack = "mac"
 
 sink = { role = "base_station" }
 duty_cycle = {}
-#            ^ `duty_cycle` means nothing in an island with a base station, which knows nothing of its motes
+#            ^ `duty_cycle` has no effect in an island with a base station, which does not know its motes
 
 sink = { role = "base_station" }
 mote = [{ id = 2, position_m = [1, 0], apps = [{ app = "listener", am_type = 7 }] }]
@@ -187,6 +187,6 @@ mote = [{ id = 2, type = 7, position_m = [1, 0], apps = [{ app = "blink" }] }]
 #                                                                ^ a plain program of TinyOS needs an island whose sink has role = "base_station"
 
 plain = [{ am_type = 6, type = 7 }]
-#       ^ `plain` means nothing without a real sink, a base station or `real`
+#       ^ `plain` has no effect without a real sink, a base station or `real`
 )");
 }

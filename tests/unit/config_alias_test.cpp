@@ -68,11 +68,11 @@ TEST_CASE("bad aliases are refused where they stand", "[config][GW-14]") {
        "22:6: an island has at most 4 gateways"},
       {"gateway.apps = [{ app = \"recorder\" }]\n[[island.alias]]\nid = 21\n", nullptr},
       {"stack = \"mac\"\n[[island.alias]]\nid = 21\n",
-       "16:1: `alias` means nothing in an island with stack = \"mac\""},
+       "16:1: `alias` has no effect in an island with stack = \"mac\""},
       {"[[fault]]\nkind = \"unplug\"\ngateway = \"pc\"\nat = \"1s\"\n",
        "17:11: that is not the name of a gateway"},
       {"[[fault]]\nkind = \"unplug\"\ngateway = \"k-gateway\"\nisland = \"k\"\nat = \"1s\"\n",
-       "18:10: `island` means nothing with `gateway`"},
+       "18:10: `island` has no effect with `gateway`"},
   };
   for (const auto& [toml, problem] : rows) {
     CAPTURE(toml);

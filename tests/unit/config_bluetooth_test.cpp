@@ -69,7 +69,7 @@ TEST_CASE("Bluetooth that cannot be is refused", "[config][GEN-06][BT-01]") {
   CHECK(first_line(std::string(here)) == "none");
   CHECK(first_line("bluetooth = [\"hci0\"]\n") == "6:13: `bluetooth` needs a `position_m`");
   CHECK(first_line("position_m = [1, 2]\n") ==
-        "6:14: `position_m` means nothing without `bluetooth`");
+        "6:14: `position_m` has no effect without `bluetooth`");
   CHECK(first_line("bluetooth = [\"eth0\"]\nposition_m = [1, 2]\n")
             .starts_with("6:14: `bluetooth` must be the name of a Bluetooth adapter"));
   CHECK(first_line("bluetooth = [\"hci0\", \"hci0\"]\nposition_m = [1, 2]\n") ==
@@ -85,5 +85,5 @@ TEST_CASE("Bluetooth that cannot be is refused", "[config][GEN-06][BT-01]") {
   CHECK(first_line("host = \"h\"\n" + std::string(here) +
                    "[[peer]]\nname = \"b\"\nid = 301\nhost = \"h\"\nbluetooth = [\"hci0\"]\n"
                    "position_m = [3, 4]\n[[host]]\nname = \"h\"\naddress = \"a\"\n") ==
-        "14:14: the peers of host `h` share its adapters: they have one position");
+        "14:14: the peers of host `h` share its adapters: they must have the same position");
 }

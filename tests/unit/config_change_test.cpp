@@ -120,7 +120,7 @@ kind = "network_keys"
 #             ^ `network_key` must be a key of 32 hexadecimal digits
 )");
   check_mistakes(head + key, R"(motes = ["k/three"]
-#       ^ `three` has no program `member`, and so no such keys
+#       ^ `three` has no program `member`, and therefore no such keys
 )");
   check_mistakes(change_head, R"(
 [[change]]
@@ -186,14 +186,14 @@ TEST_CASE("changes that cannot be are refused, with the reason", "[config][GEN-0
 [[change]]
 at = "1s"
 kind = "seed"
-#      ^ `seed` does not change while an ecology runs: it decides all random numbers from the start;
-#        run again with `--seed`
+#      ^ `seed` cannot change while an ecology runs: it determines all random numbers from the
+#        start; run again with `--seed`
 value = 7
 
 [[change]]
 at = "1s"
 kind = "mode"
-#      ^ `mode` does not change while an ecology runs: it is that of the whole run; run again with
+#      ^ `mode` cannot change while an ecology runs: it is fixed for the whole run; run again with
 #        `--mode`
 
 [[change]]
@@ -223,7 +223,7 @@ of = ["motes"]
 at = "1s"
 kind = "debug"
 of = "mote/k/tow"
-#    ^ no actor is called `mote/k/tow`: did you mean `mote/k/two`?
+#    ^ no actor is named `mote/k/tow`: did you mean `mote/k/two`?
 
 [[change]]
 at = "1s"
@@ -235,7 +235,7 @@ of = 7
 at = "1s"
 kind = "rate"
 mote = "k/two"
-#      ^ that mote has several samplers and messengers: say which, with `sampler` or `messenger`
+#      ^ that mote has several samplers and messengers: choose one with `sampler` or `messenger`
 period = "5s"
 
 [[change]]
@@ -252,7 +252,7 @@ kind = "rate"
 mote = "k/two"
 sampler = 4
 messenger = 10
-#           ^ `messenger` means nothing with `sampler`
+#           ^ `messenger` has no effect with `sampler`
 period = "5s"
 
 [[change]]
@@ -267,7 +267,7 @@ at = "1s"
 kind = "link"
 from = "k/two"
 to = "far/sink"
-#    ^ the two are in different airs, which hear nothing of each other
+#    ^ the two use different radio media, which are isolated from each other
 loss = 0.5
 
 [[change]]
@@ -289,14 +289,14 @@ to = "k/three"
 at = "1s"
 kind = "proxy_class"
 class = "worm"
-#       ^ no proxy class is called `worm`: did you mean `warm`?
+#       ^ no proxy class is named `worm`: did you mean `warm`?
 period = "5s"
 
 [[change]]
 at = "1s"
 kind = "proxy_class"
 class = "thing"
-#       ^ that class is of tagged objects; only those of motes may change
+#       ^ that class is for tagged objects; only classes for motes may change
 retire_after = "5s"
 
 [[change]]
@@ -315,7 +315,7 @@ field = "temprature"
 unit = "K"
 
 [[change]]
-#@ 30:1: nothing of the class is to change: say what
+#@ 30:1: no change of the class is given
 at = "1s"
 kind = "proxy_class"
 class = "warm"
@@ -325,7 +325,7 @@ at = "1s"
 kind = "proxy_class"
 class = "warm"
 types = [9]
-#@ 30:1: nothing of the class is to change: say what
+#@ 30:1: no change of the class is given
 #@ 34:1: unknown key `types` in [[change]] kind = "proxy_class": there is at, kind, class, period, stale_after,
 #          inactive_after, retire_after, answer_timeout, retry_for, field, ...
 )");
@@ -334,10 +334,10 @@ types = [9]
 TEST_CASE("a debug log is of modules, of paths and of all below one", "[config][NFR-02]") {
   const debug_selection all;
   CHECK(all.has("mote/k/two"));
-  CHECK(all.text() == "everybody");
+  CHECK(all.text() == "all actors");
   const debug_selection nobody{std::vector<std::string>{}};
   CHECK_FALSE(nobody.has("mote/k/two"));
-  CHECK(nobody.text() == "nobody");
+  CHECK(nobody.text() == "no actors");
   const debug_selection some({"gateway", "mote/k/two", "sink/k"});
   CHECK(some.has("gateway/k"));
   CHECK(some.has("mote/k/two"));

@@ -110,8 +110,9 @@ TEST_CASE("what is wrong with components is told", "[config][SVC-02][SVC-06]") {
         std::string::npos);
   CHECK(wall("name = \"a\", peer = \"rules\", id = 7").find("has its `id` already") !=
         std::string::npos);
-  CHECK(wall("name = \"a\", peer = \"rules\", arguments = \"x\"").find("mean nothing to a peer") !=
-        std::string::npos);
+  CHECK(
+      wall("name = \"a\", peer = \"rules\", arguments = \"x\"").find("have no effect on a peer") !=
+      std::string::npos);
   CHECK(wall("name = \"a\", peer = \"rule\"").find("did you mean `rules`?") != std::string::npos);
   CHECK(wall("name = \"a\", peer = \"pc\"").find("peer `pc` has an init") != std::string::npos);
   CHECK(wall("name = \"a\", peer = \"rules\" }, { name = \"A\", command = \"x\", id = 9")

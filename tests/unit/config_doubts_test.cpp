@@ -71,10 +71,9 @@ TEST_CASE("a mote may be silent for three periods of the windows", "[config][DIS
   const auto doubts = doubts_of_island(
       2, "keep_alive = '29s'\nduty_cycle = { period = '10s', window = '100ms' }\n");
   REQUIRE(doubts.size() == 1);
-  CHECK(
-      to_string(doubts[0]) ==
-      "t.toml:12:14: `keep_alive` is 29 s, but motes whose radios sleep are heard once in a period "
-      "of 10 s: they are gone after three of these, 30 s");
+  CHECK(to_string(doubts[0]) ==
+        "t.toml:12:14: `keep_alive` is 29 s, but motes whose radios sleep are received once in a "
+        "period of 10 s: they are removed after three of these, 30 s");
   const auto count = [](const std::string& island) { return doubts_of_island(2, island).size(); };
   CHECK(count("keep_alive = '30s'\nduty_cycle = { period = '10s', window = '100ms' }\n") == 0);
   CHECK(count("duty_cycle = { period = '10s', window = '100ms' }\n") == 1); // 10 s by default
@@ -88,15 +87,14 @@ TEST_CASE("windows have room for those who share them", "[config][NRG-01]") {
         motes, "duty_cycle = { period = '2s', window = '" + window + "' }\n", every);
     return doubts.empty() ? std::string() : to_string(doubts.at(0));
   };
-  CHECK(said(50, "100ms") ==
-        "t.toml:12:40: a window of 100 ms has room for 15 beacons, but 51 motes share it within "
-        "reach "
-        "of each other: after a restart of the sink they are gone for long; 340 ms would do");
+  CHECK(said(50, "100ms") == "t.toml:12:40: a window of 100 ms has room for 15 beacons, but 51 "
+                             "motes in range of each other share it: after a restart of the sink "
+                             "they are missing for a long time; 340 ms would do");
   CHECK(said(50, "340ms").empty());
   CHECK_FALSE(said(50, "330ms").empty());
   CHECK(said(14, "100ms").empty());
   CHECK_FALSE(said(15, "100ms").empty());
-  CHECK(said(14, "100ms", "1s").find("in each of them come 28 messages") != std::string::npos);
+  CHECK(said(14, "100ms", "1s").find("each of them has 28 messages") != std::string::npos);
   const auto crowd = said(300, "1s");
   CHECK(crowd.find("with a period of 3.94 s at least") != std::string::npos);
 }
@@ -105,8 +103,8 @@ TEST_CASE("the radio of a sink carries so many messages a second", "[config]") {
   const auto doubts = doubts_of_island(254, "", "2s");
   REQUIRE(doubts.size() == 1);
   CHECK(to_string(doubts[0]) ==
-        "t.toml:11:6: its motes send 127 messages a second, but the radio of a sink carries about "
-        "85: many are lost, and motes are taken for gone; periods 2 times as long would do");
+        "t.toml:11:6: its motes send 127 messages per second, but the radio of a sink carries "
+        "about 85: many are lost, and motes are considered lost; periods 2 times as long would do");
   CHECK(doubts_of_island(170, "", "2s").empty());
   CHECK(doubts_of_island(171, "", "2s").size() == 1);
 }
@@ -185,7 +183,7 @@ TEST_CASE("messages need a program that takes their AM type", "[config][AM-01]")
   };
   CHECK(with("{ app = 'listener', am_type = 10 }").empty());
   const std::vector<std::string> nobody{
-      "far/from sends messages of AM type 10 to far/to, where no program takes them"};
+      "far/from sends messages of AM type 10 to far/to, where no program accepts them"};
   CHECK(with("") == nobody);
   CHECK(with("{ app = 'listener', am_type = 11 }") == nobody);
 }
@@ -271,11 +269,11 @@ TEST_CASE("a rule writes what somebody takes", "[config][PXY-12]") {
   CHECK(told("k.lamp-2.switch", "on").empty());
   CHECK(told("K.Lamp-2.Switch", "off").empty());
   CHECK(told("k.lamp-2.switch", "an") ==
-        "a rule of pc writes `an` to `k.lamp-2.switch`, which takes \"on\" or \"off\"");
+        "a rule of pc writes `an` to `k.lamp-2.switch`, which accepts \"on\" or \"off\"");
   CHECK_FALSE(told("k.lamp-2.switch", "On").empty()); // letter by letter
   CHECK(told("k.lamp-2.dim", "full").empty());
   CHECK(told("k.lamp-2.dim", "100").empty());
-  CHECK(told("k.lamp-2.dim", "150") == "a rule of pc writes `150` to `k.lamp-2.dim`, which takes "
+  CHECK(told("k.lamp-2.dim", "150") == "a rule of pc writes `150` to `k.lamp-2.dim`, which accepts "
                                        "\"full\", or numbers from 0 to 100 %");
   CHECK_FALSE(told("k.lamp-2.dim", "50 %").empty());
   CHECK(told("robot.goal", "at bed").empty());
@@ -286,7 +284,7 @@ TEST_CASE("a rule writes what somebody takes", "[config][PXY-12]") {
   for (const auto* key : {"k.lamp-2.state", "robot.state", "robot.hand", "k.lamp-2.status"}) {
     CAPTURE(key);
     CHECK(told(key, "on").ends_with(
-        "which its owner alone tells: nobody follows what others write there"));
+        "which only its owner publishes: values written by others have no effect"));
   }
 }
 
@@ -315,16 +313,15 @@ TEST_CASE("what a rule waits for is what its tuple may tell", "[config]") {
     CHECK(told(good).empty());
   }
   CHECK(told("when = 'k.lamp-2.state', equals = ['on', 'an']") ==
-        "a rule of pc waits until `k.lamp-2.state` is `an`, but it tells \"off\" or \"on\": did "
-        "you mean `on`?");
+        "a rule of pc waits until `k.lamp-2.state` is `an`, but its values are \"off\" or \"on\": "
+        "did you mean `on`?");
   CHECK(told("when = 'k.lamp-2.state', above = 1") ==
-        "a rule of pc compares `k.lamp-2.state` with 1, but it tells \"off\" or \"on\", which are "
-        "no numbers");
-  CHECK(told("when = 'k.lamp-2.presence', below = 1").ends_with("which are no numbers"));
-  CHECK(
-      told("when = 'k.lamp-2.temperature', above = 25.5") ==
-      "a rule of pc waits until `k.lamp-2.temperature` is 25.5 or more, but it tells numbers from "
-      "15 to 25 C, as in 25.0");
+        "a rule of pc compares `k.lamp-2.state` with 1, but its values are \"off\" or \"on\", "
+        "which are not numbers");
+  CHECK(told("when = 'k.lamp-2.presence', below = 1").ends_with("which are not numbers"));
+  CHECK(told("when = 'k.lamp-2.temperature', above = 25.5") ==
+        "a rule of pc waits until `k.lamp-2.temperature` is 25.5 or more, but its values are "
+        "numbers from 15 to 25 C, as in 25.0");
   CHECK(told("when = 'k.lamp-2.level', above = 256").find("is 256 or more") != std::string::npos);
   for (const auto* bad :
        {"when = 'k.lamp-2.temperature', equals = ['20']",
@@ -350,14 +347,15 @@ TEST_CASE("a rule that never ends is doubted if it has something to write then",
   };
   CHECK(ends("").empty());
   REQUIRE(ends(", otherwise = 'off'").size() == 1);
-  CHECK(ends(", otherwise = 'off'")[0].find("is below 15, but it tells") != std::string::npos);
+  CHECK(ends(", otherwise = 'off'")[0].find("is below 15, but its values are") !=
+        std::string::npos);
 }
 
 TEST_CASE("what is expected may come", "[config]") {
   CHECK(doubts_of(flat("", wanted("key = 'k.lamp-2.state', equals = ['on']"))).empty());
   CHECK(doubt_of(flat("", wanted("key = 'k.lamp-2.state', equals = ['on', 'an']"))) ==
-        "t.toml:1:69: an expectation waits until `k.lamp-2.state` is `an`, but it tells \"off\" or "
-        "\"on\": did you mean `on`?");
+        "t.toml:1:69: an expectation waits until `k.lamp-2.state` is `an`, but its values are "
+        "\"off\" or \"on\": did you mean `on`?");
   CHECK(
       doubts_of(flat("", wanted("key = 'k.lamp-2.temperature', above = 20, below = 21"))).empty());
   CHECK(doubts_of(flat("", wanted("key = 'k.lamp-2.temperature', above = 26"))).size() == 1);
@@ -380,8 +378,8 @@ TEST_CASE("states wait for what the tuples of their inputs may tell", "[config]"
   const auto at = toml.find("sets = {");
   CHECK(doubts_of(std::string(toml).insert(at, "input = 'lamp', equals = ['on'], ")).empty());
   CHECK(doubts_of(std::string(toml).insert(at, "input = 'lamp', equals = ['lit'], ")) ==
-        std::vector<std::string>{"a state of robot waits until `k.lamp-2.state` is `lit`, but it "
-                                 "tells \"off\" or \"on\""});
+        std::vector<std::string>{"a state of robot waits until `k.lamp-2.state` is `lit`, but its "
+                                 "values are \"off\" or \"on\""});
   toml.replace(toml.find("pc:k.lamp-2.state"), 17, "pc:k.lamp-2.stat");
   CHECK(doubts_of(toml).at(0).starts_with(
       "an input of robot reads `k.lamp-2.stat`, a tuple that no component publishes"));
@@ -394,11 +392,9 @@ TEST_CASE("two proxies with one key are doubted, with both motes", "[config][PXY
   CHECK(doubts_of(toml).empty());
   toml.insert(toml.find("properties ="), "prefix = '{name}'\n");
   toml.replace(toml.find("pc:k.lamp-2.state"), 17, "pc:lamp-2.state");
-  CHECK(
-      doubt_of(toml) ==
-      "t.toml:23:10: the proxies of k/lamp-2 and l/lamp-2 have one key, `lamp-2`: what is written "
-      "to one reaches all, and nobody knows whose value it tells; `prefix` can have {island} and "
-      "{name}");
+  CHECK(doubt_of(toml) == "t.toml:23:10: the proxies of k/lamp-2 and l/lamp-2 have the same key, "
+                          "`lamp-2`: a write to it reaches all of them, and its value may be from "
+                          "any of them; `prefix` can contain {island} and {name}");
 }
 
 TEST_CASE("a class whose motes have no manager is doubted", "[config][PXY-09]") {
@@ -441,9 +437,9 @@ std::string row_of(const std::string& radio, const std::vector<int>& places_m,
 TEST_CASE("a mote that nobody can hear is doubted", "[config][NET-15]") {
   const std::string law = "propagation = { model = 'log_distance', exponent = 3.3 }";
   CHECK(doubt_of(row_of(law, {5, 600})) ==
-        "t.toml:15:14: mote `mote-3` cannot join: of all that have a way to the sink it is heard "
-        "best by `mote-2`, 595 m away, where its frames arrive with -132 dBm at most, and -95 are "
-        "needed");
+        "t.toml:15:14: mote `mote-3` cannot join: of all radios with a route to the sink it is "
+        "received best by `mote-2`, 595 m away, where its frames arrive with -132 dBm at most, and "
+        "-95 are needed");
   CHECK(doubts_of(row_of(law, {40, 80, 120})).empty()); // over each other
   CHECK(doubts_of(row_of(law, {40, 120})).size() == 1);
   CHECK(doubts_of(row_of(law, {40, 120, 160})).size() == 2);
@@ -503,11 +499,11 @@ TEST_CASE("a walk that is faster than its step is doubted", "[config]") {
   };
   CHECK(told("[['0s', [0, 0]], ['10s', [30, 0]]]").empty()); // 3 m/s
   CHECK(told("[['0s', [0, 0]], ['10s', [31, 0]]]") ==
-        "t.toml:11:8: mote `mote-2` walks up to 3.1 m between two updates of its place, every 1 s, "
-        "and a radio reaches 30 m: a `step` of 960 ms would be a tenth of that");
+        "t.toml:11:8: mote `mote-2` moves up to 3.1 m between two updates of its position, every 1 "
+        "s, and the range of a radio is 30 m: a `step` of 960 ms would be a tenth of that");
   CHECK(told("[['0s', [0, 0]], ['10s', [31, 0]]]", "step = '900ms'\n").empty());
   CHECK(told("[['0s', [0, 0]], ['10s', [3, 0]]]", "step = '11s'\n")
-            .starts_with("t.toml:12:8: mote `mote-2` walks up to 3.3 m"));
+            .starts_with("t.toml:12:8: mote `mote-2` moves up to 3.3 m"));
 }
 
 namespace {
@@ -531,11 +527,10 @@ const std::string hour = "time,temperature\n2016-03-01 00:00:00,20\n2016-03-01 0
 
 TEST_CASE("a trace beside the run is doubted", "[config][STR-21]") {
   CHECK(doubt_of_trace(hour).empty());
-  CHECK(
-      doubt_of_trace(hour, ", start = '2026-03-01 00:00:00'") ==
-      "t.toml:11:53: the trace \"t.csv\": none of its 4 readings is within the run: they are from "
-      "2016-03-01 00:00:00 to 2016-03-01 01:00:00, the run is from 2026-03-01 00:00:00 to "
-      "2026-03-01 01:00:00; `start` says which time of the trace that begins at");
+  CHECK(doubt_of_trace(hour, ", start = '2026-03-01 00:00:00'") ==
+        "t.toml:11:53: the trace \"t.csv\": none of its 4 readings is within the run: they are "
+        "from 2016-03-01 00:00:00 to 2016-03-01 01:00:00, the run is from 2026-03-01 00:00:00 to "
+        "2026-03-01 01:00:00; `start` sets the time of the trace at which that begins");
   CHECK(doubt_of_trace(hour, ", start = '2016-02-01 00:00:00'").find("none of its 4 readings") !=
         std::string::npos);
   CHECK(doubt_of_trace(hour + "2000-01-01 00:00:00,18.5\n")
@@ -549,13 +544,13 @@ TEST_CASE("a trace beside the run is doubted", "[config][STR-21]") {
 
 TEST_CASE("a trace of a small part of the run is doubted", "[config][STR-21]") {
   const std::string minutes = "time,temperature\n0,20\n300,22\n600,23\n";
-  CHECK(doubt_of_trace(minutes).find(
-            "cover 15 min of a run of 1 h: the last one, of 10 min, stands "
-            "until the end; `repeat = true` begins again") != std::string::npos);
+  CHECK(doubt_of_trace(minutes).find("cover 15 min of a run of 1 h: the last one, of 10 min, "
+                                     "applies until the end; `repeat = true` begins again") !=
+        std::string::npos);
   CHECK(doubt_of_trace(minutes, ", repeat = true").empty());
   CHECK(doubt_of_trace("time,temperature\n0,20\n900,22\n1800,23\n").empty());
   CHECK(doubt_of_trace("time,temperature\n2400,20\n3000,22\n4000,22\n")
-            .find("cover 20 min of a run of 1 h: the first one, of 40 min, stands before") !=
+            .find("cover 20 min of a run of 1 h: the first one, of 40 min, applies before") !=
         std::string::npos);
 }
 

@@ -105,7 +105,7 @@ TEST_CASE("what the configuration reference shows can be written", "[config][doc
       // An excerpt lacks what it refers to and what it is a part of; what it has must be right.
       const bool excerpt = each.message.find("lacks the table") != std::string::npos ||
                            each.message.find("is called") != std::string::npos ||
-                           each.message.find("nobody starts") == 0 ||
+                           each.message.find("no component starts") == 0 ||
                            each.message.find("neither an") != std::string::npos ||
                            each.message.find("`type` is missing") == 0 ||
                            each.message.find("cannot be opened") != std::string::npos ||

@@ -84,9 +84,9 @@ TEST_CASE("mistakes in expectations are told with their places", "[config][expec
   CHECK(wrong("kind = \"delivry\"\nat_least = 1\n").find("did you mean \"delivery\"?") !=
         std::string::npos);
   CHECK(wrong("kind = \"delivery\"\nof = \"kk\"\nat_least = 1\n") ==
-        "21:6: no island is called `kk`: did you mean `k`?");
+        "21:6: no island is named `kk`: did you mean `k`?");
   CHECK(wrong("kind = \"delivery\"\nof = \"k/c-3\"\nat_least = 1\n") ==
-        "21:6: no mote of island `k` is called `c-3`: did you mean `c-2`?");
+        "21:6: no mote of island `k` is named `c-3`: did you mean `c-2`?");
   CHECK(wrong("kind = \"delivery\"\nof = 1\nat_least = 1\n") ==
         "21:6: `of` must be an island, a mote as in \"kitchen/fan\", or \"*\", not 1");
   CHECK(wrong("kind = \"delivery\"\n") ==
@@ -101,7 +101,7 @@ TEST_CASE("mistakes in expectations are told with their places", "[config][expec
         "23:9: `below` must be more than `above`, which is 2");
   CHECK(wrong("kind = \"tuple\"\nkey = \"a.*\"\nabove = 2\nwithin = \"1s\"\n") != "none");
   CHECK(wrong("kind = \"vectors\"\nnode = \"nobody\"\n")
-            .starts_with("21:8: no peer or gateway is called `nobody`"));
+            .starts_with("21:8: no peer or gateway is named `nobody`"));
   CHECK(wrong("kind = \"event_log\"\ntext = \"x\"\nat_most = 0\n") ==
         "22:11: `at_most` must not be less than `at_least`, which is 1");
 }

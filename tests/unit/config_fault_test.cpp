@@ -106,7 +106,7 @@ TEST_CASE("faults that cannot be are refused", "[config][GEN-06][ACT-04]") {
 at = "1s"
 kind = "kill"
 peer = "p"
-#      ^ no peer or gateway is called `p`: did you mean `q`?
+#      ^ no peer or gateway is named `p`: did you mean `q`?
 
 [[fault]]
 at = "1s"
@@ -169,7 +169,7 @@ peers = ["q"]
 
 [[fault]]
 at = "1s"
-#    ^ `at` means nothing with `every` or `random`
+#    ^ `at` has no effect with `every` or `random`
 every = "1s"
 kind = "pause"
 peer = "q"
@@ -177,16 +177,16 @@ peer = "q"
 [[fault]]
 every = "1s"
 random = 2
-#        ^ `random` means nothing with `every`
+#        ^ `random` has no effect with `every`
 kind = "pause"
 peer = "q"
 
 [[fault]]
 at = "1s"
 from = "1s"
-#      ^ `from` means nothing without `every` or `random`
+#      ^ `from` has no effect without `every` or `random`
 until = "2s"
-#       ^ `until` means nothing without `every` or `random`
+#       ^ `until` has no effect without `every` or `random`
 kind = "pause"
 peer = "q"
 
@@ -317,27 +317,27 @@ at = "1s"
 kind = "crash"
 mote = "*"
 sink = "k"
-#      ^ `sink` means nothing with `mote`
+#      ^ `sink` has no effect with `mote`
 
 [[fault]]
 at = "1s"
 kind = "crash"
 sink = "b"
-#      ^ no island is called `b`: did you mean `k`?
+#      ^ no island is named `b`: did you mean `k`?
 
 [[fault]]
 at = "1s"
 kind = "clock_step"
 peer = "*"
 mote = "*"
-#      ^ `mote` means nothing with `peer`
+#      ^ `mote` has no effect with `peer`
 by = "1s"
 
 [[fault]]
 at = "1s"
 kind = "noise"
 island = "*"
-#        ^ no island is called `*`: did you mean `k`?
+#        ^ no island is named `*`: did you mean `k`?
 position_m = [0, 0]
 
 [[fault]]
@@ -346,7 +346,7 @@ kind = "noise"
 island = "k"
 position_m = [0, 0]
 duty = 0
-#      ^ `duty` must be above 0: leave the fault out instead
+#      ^ `duty` must be above 0: remove the fault instead
 
 [[fault]]
 at = "1s"
@@ -386,12 +386,12 @@ TEST_CASE("motes may have a double, another island or another type", "[config][A
 
   const auto wrong = [&](const std::string& keys) { return problem_after(with(keys), ""); };
   CHECK(wrong("kind = \"duplicate_id\"\n").find("`position_m` is missing") != std::string::npos);
-  CHECK(wrong("kind = \"duplicate_id\"\npeer = \"*\"\n").find("`mote` means nothing with `peer`") !=
+  CHECK(wrong("kind = \"duplicate_id\"\npeer = \"*\"\n").find("`mote` has no effect with `peer`") !=
         std::string::npos);
   CHECK(wrong("kind = \"move\"\nto_island = \"k\"\nto_m = [1, 1]\n")
             .find("it is in that island already") != std::string::npos);
   CHECK(wrong("kind = \"crash\"\ntype = \"lamb\"\n")
-            .find("no mote type is called `lamb`: did you mean `lamp`?") != std::string::npos);
+            .find("no mote type is named `lamb`: did you mean `lamp`?") != std::string::npos);
   CHECK(problem_after(two, "[[fault]]\nat = \"1s\"\nkind = \"crash\"\nmote = \"*\"\n"
                            "type = \"lamp\"\n")
             .find("`type` needs the name of one `mote`, not \"*\"") != std::string::npos);

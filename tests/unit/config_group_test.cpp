@@ -53,13 +53,13 @@ TEST_CASE("an island with the medium access only has nothing of the layers above
           "[config][GEN-06]") {
   check_mistakes(mac_head, R"(
 keep_alive = "5s"
-#            ^ `keep_alive` means nothing in an island with stack = "mac"
+#            ^ `keep_alive` has no effect in an island with stack = "mac"
 
 serial.baud = 9600
-#< `serial` means nothing in an island with stack = "mac"
+#< `serial` has no effect in an island with stack = "mac"
 
 [island.gateway]
-#< `gateway` means nothing in an island with stack = "mac"
+#< `gateway` has no effect in an island with stack = "mac"
 name = "g"
 
 [[island.mote]]
@@ -84,7 +84,7 @@ apps = [{ app = "listener" }]
 name = "pc"
 id = 3
 links = ["inproc://k-gateway"]
-#        ^ no peer or gateway is called `k-gateway`: there is pc
+#        ^ no peer or gateway is named `k-gateway`: there is pc
 
 [[peer]]
 name = "pc"
@@ -111,7 +111,7 @@ id = 2
 type = 1
 position_m = [0, 0]
 apps = [{ app = "messenger", to = "k/mote-2", text = "x" }]
-#                                 ^ no mote of island `k` is called `mote-2`: there is none
+#                                 ^ no mote of island `k` is named `mote-2`: there is none
 [[island]]
 name = "c"
 id = 3
@@ -219,7 +219,7 @@ id = 2
 type = 1
 position_m = [1, 2]
 step = "1s"
-#      ^ `step` means nothing without a `path`
+#      ^ `step` has no effect without a `path`
 
 [[island.mote]]
 id = 2
@@ -404,9 +404,8 @@ TEST_CASE("a group with the whole stack may be a chain of hops, and is told once
   };
   CHECK(problem_after(island_head, line("10m")) == "none");
   CHECK(problem_after(island_head, line("30m")) == "none");
-  CHECK(problem_after(island_head, line("31m")) ==
-        "18:10: mote `mote-3` is out of reach: no chain of motes at most 30 m apart leads to its "
-        "sink");
+  CHECK(problem_after(island_head, line("31m")) == "18:10: mote `mote-3` is unreachable: no chain "
+                                                   "of motes at most 30 m apart leads to its sink");
 }
 
 TEST_CASE("all groups of a file have a limit together", "[config][GEN-06]") {

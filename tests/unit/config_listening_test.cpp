@@ -67,7 +67,7 @@ low_power_listening = { interval = "40ms", check = "21ms" }
 #                                                  ^ `check` must not be longer than half the `interval`, which is 40 ms
 
 low_power_listening = { interval = "1s" }
-#                     ^ `low_power_listening` and `duty_cycle` are two ways to let radios sleep: an island has one of them
+#                     ^ `low_power_listening` and `duty_cycle` exclude each other: an island has at most one of them
 duty_cycle = { period = "4s" }
 
 low_power_listening = { interval = "1s", check = "2ms" }
@@ -103,9 +103,9 @@ TEST_CASE("an interval that is too long for the rates of a file is doubted",
   CHECK(doubts_in(line("128ms", "4s")).empty());
   const auto text = doubts_in(line("2s", "4s"));
   CHECK(text.find("t:16:36: an interval of 2 s is too long for its motes: 0.75 hops of messages "
-                  "and vectors a "
-                  "second to motes whose radios sleep take half of it each, and 0.03 broadcasts a "
-                  "second a whole one: 82 % of the time on the air") != std::string::npos);
+                  "and vectors per second to motes whose radios sleep take half of it each, and "
+                  "0.03 broadcasts per second take a whole one: 82 % of the channel's time") !=
+        std::string::npos);
 }
 
 TEST_CASE("a keep_alive that low-power listening does not keep is doubted",
@@ -113,6 +113,6 @@ TEST_CASE("a keep_alive that low-power listening does not keep is doubted",
   const std::string head(island_head);
   CHECK(doubts_in(head + "keep_alive = '31s'\nlow_power_listening = {}\n").empty());
   CHECK(doubts_in(head + "keep_alive = '30s'\nlow_power_listening = {}\n")
-            .find("`keep_alive` is 30 s, but a mote is gone after sixty intervals") !=
+            .find("`keep_alive` is 30 s, but a mote is removed after sixty intervals") !=
         std::string::npos);
 }

@@ -108,11 +108,11 @@ TEST_CASE("motes behind a real sink may run plain programs", "[config][GW-17]") 
   CHECK(rule("am_type = 6\ntype = 1\nfirst = 9\nlast = 8\n") ==
         "15:8: `last` must not be below `first`, which is 9");
   CHECK(problem_after(wall_head, "[[island.plain]]\nam_type = 6\ntype = 1\n") ==
-        "10:1: `plain` means nothing without a real sink, a base station or `real`");
+        "10:1: `plain` has no effect without a real sink, a base station or `real`");
   CHECK(rule("am_type = 6\ntype = 1\ninput_form = \"blink\"\n") ==
-        "14:14: `input_form` means nothing without `input`");
+        "14:14: `input_form` has no effect without `input`");
   CHECK(rule("am_type = 6\ntype = 1\ninput_am_type = 7\n") ==
-        "14:17: `input_am_type` means nothing without `input`");
+        "14:17: `input_am_type` has no effect without `input`");
   CHECK(rule("am_type = 6\ntype = 1\ninput = 0\n").find("14:9: ") == 0);
   CHECK(rule("am_type = 6\ntype = 1\nid_offset = 113\n").find("14:13: ") == 0);
   const auto base =
@@ -123,7 +123,7 @@ TEST_CASE("motes behind a real sink may run plain programs", "[config][GW-17]") 
   CHECK(base.islands.at(0).motes.at(0).id == mote_id{0});
   CHECK(!problem_after(wall_head, "[[island.mote]]\nid = 0\nposition_m = [1, 0]\n").empty());
   CHECK(problem_after(wall_head, "serial.payload = 28\n") ==
-        "10:18: `payload` means nothing without a real sink");
+        "10:18: `payload` has no effect without a real sink");
 }
 
 TEST_CASE("an input of a plain mote becomes packets of a type and a form", "[config][GW-17]") {
@@ -183,13 +183,13 @@ TEST_CASE("what a line to real motes cannot have is refused", "[config][GW-17]")
       {line + plain + mote("99"), "none"},
       {line + plain + mote("200"), "none"},
       {line + plain + mote("100"),
-       "13:6: mote id 100 is of the range of `real`, whose motes are not simulated"},
+       "13:6: mote id 100 is in the range of `real`, whose motes are not simulated"},
       {line + plain + mote("199"),
-       "13:6: mote id 199 is of the range of `real`, whose motes are not simulated"},
+       "13:6: mote id 199 is in the range of `real`, whose motes are not simulated"},
       {line + plain +
            "[[island.group]]\ncount = 2\nfirst = 99\ntype = 1\n"
            "layout = \"disk\"\nradius = \"9m\"\n",
-       "14:9: mote id 100 is of the range of `real`, whose motes are not simulated"},
+       "14:9: mote id 100 is in the range of `real`, whose motes are not simulated"},
       {"real = { device = \"/dev/ttyS0\", first = 1, last = 9 }\n" + plain + "sink.id = 9\n",
        "10:41: the range of `real` has mote 9, which is the simulated sink"},
       {"real = { device = \"/dev/ttyS0\", first = 9, last = 8 }\n" + plain,
@@ -198,18 +198,18 @@ TEST_CASE("what a line to real motes cannot have is refused", "[config][GW-17]")
        "10:8: `first` is missing in [island.real]"},
       {"real = { first = 100, last = 199 }\n" + plain,
        "10:8: `device`, `forwarder` or `replay` is missing in [island.real]"},
-      {line, "10:8: `real` means nothing without `plain`, which says what its motes send"},
+      {line, "10:8: `real` has no effect without `plain`, which describes what its motes send"},
       {line + "plain = [{ am_type = 6, type = 901, first = 99 }]\n",
-       "11:45: mote 99 is not of the range of `real`, which is 100 to 199"},
+       "11:45: mote 99 is not in the range of `real`, which is 100 to 199"},
       {line + "plain = [{ am_type = 6, type = 901, last = 200 }]\n",
-       "11:44: mote 200 is not of the range of `real`, which is 100 to 199"},
+       "11:44: mote 200 is not in the range of `real`, which is 100 to 199"},
       {line + plain + "serial.device = \"/dev/ttyS1\"\n",
-       "10:8: `real` means nothing in an island with a real sink"},
+       "10:8: `real` has no effect in an island with a real sink"},
       {line + plain + "[[island.alias]]\nid = 21\n",
-       "10:8: `real` means nothing in an island with several gateways: it is a line of one"},
+       "10:8: `real` has no effect in an island with several gateways: it belongs to one gateway"},
       {"serial.pty = \"run/sink\"\n" + line,
-       "11:8: `real` means nothing with `pty`: the gateway is the program's that opens it"},
-      {"stack = \"mac\"\n" + line, "11:8: `real` means nothing in an island with stack = \"mac\""},
+       "11:8: `real` has no effect with `pty`: the program that opens it is the gateway"},
+      {"stack = \"mac\"\n" + line, "11:8: `real` has no effect in an island with stack = \"mac\""},
   };
   for (const auto& [toml, problem] : rows) {
     CAPTURE(toml);
@@ -223,7 +223,7 @@ TEST_CASE("what a line to real motes cannot have is refused", "[config][GW-17]")
                                         "position_m = [1, 0]\n");
   };
   CHECK(named("100", "lamp") == "none");
-  CHECK(named("200", "lamp") == "10:73: mote 200 is not of the range of `real`");
+  CHECK(named("200", "lamp") == "10:73: mote 200 is not in the range of `real`");
   CHECK(named("100", "stove").find("mote name") != std::string::npos);
   for (const std::string key : {"pty = \"run/x\"", "octet_error = 0.1", "latency = \"1ms\""})
     CHECK(problem_after(wall_head, "real = { device = \"/dev/ttyS0\", first = 100, last = 199, " +
@@ -248,29 +248,29 @@ TEST_CASE("rates may be called as TinyOS's tools call them", "[config][GW-01]") 
 TEST_CASE("what means nothing beside a real end of a cable is refused", "[config][GW-17]") {
   const row rows[] = {
       {"serial = { device = \"/dev/ttyS0\", pty = \"run/sink\" }\n",
-       "10:41: `pty` means nothing with `device`: a cable has one sink and one gateway"},
+       "10:41: `pty` has no effect with `device`: a cable has one sink and one gateway"},
       {"serial = { forwarder = \"localhost\" }\n",
        "10:24: expected HOST:PORT with a port from 1 to 65535, as in \"localhost:9002\""},
       {"serial = { forwarder = \"localhost:0\" }\n",
        "10:24: expected HOST:PORT with a port from 1 to 65535, as in \"localhost:9002\""},
       {"serial = { device = \"/dev/ttyS0\", octet_error = 0.1 }\n",
-       "10:49: `octet_error` means nothing with `device`: a real cable makes errors of its own"},
+       "10:49: `octet_error` has no effect with `device`: a real cable makes errors of its own"},
       {"serial = { device = \"/dev/ttyS0\", speed = 2 }\n",
-       "10:43: `speed` means nothing without `replay`"},
+       "10:43: `speed` has no effect without `replay`"},
       {"serial.pty = \"run/sink\"\nexport.forwarder = \"127.0.0.1:9002\"\n",
-       "11:1: `export` means nothing with `pty`: the gateway is the program's that opens it"},
+       "11:1: `export` has no effect with `pty`: the program that opens it is the gateway"},
       {"serial.pty = \"run/sink\"\n[[island.alias]]\nid = 21\n",
-       "11:1: `alias` means nothing with `pty`: the gateway is the program's that opens it"},
+       "11:1: `alias` has no effect with `pty`: the program that opens it is the gateway"},
       {"serial.device = \"/dev/ttyS0\"\n[[island.alias]]\nid = 21\n",
-       "11:1: `alias` means nothing in an island with a real sink"},
+       "11:1: `alias` has no effect in an island with a real sink"},
       {"export.forwarder = \"localhost:9002\"\n",
        "10:20: expected ADDRESS:PORT with an IPv4 address of this computer, as in "
        "\"127.0.0.1:9002\""},
       {"serial.device = \"/dev/ttyS0\"\n[[fault]]\nat = \"1s\"\nkind = \"crash\"\nsink = \"k\"\n",
-       "14:8: that island has a real sink: of its motes and their air nothing is simulated that "
-       "could fail"},
+       "14:8: that island has a real sink: its motes and radio medium are not simulated, so they "
+       "cannot fail"},
       {"serial.device = \"/dev/ttyS0\"\n[[air]]\nname = \"house\"\nislands = [\"k\"]\n",
-       "13:12: island `k` has a real sink: its motes are in the real air"},
+       "13:12: island `k` has a real sink: its motes use real radios"},
       {"serial.device = \"/dev/ttyS0\"\n[[fault]]\nat = \"1s\"\nkind = \"unplug\"\nisland = "
        "\"k\"\n",
        "none"},
@@ -304,13 +304,13 @@ TEST_CASE("a recording of a sink is read with the file that names it", "[config]
   CHECK(problems_of(with_recording(toml, title + "1.0 k up 45 0001\n1.0 k up\n")) ==
         "folder/sink.txt:3: expected the type of a frame, 43, 44, 45 or ff\n");
   CHECK(problems_of(with_recording(toml, title + "1.0 attic up 45 0001\n"))
-            .find("has nothing of an island with the name `k`") != std::string::npos);
+            .find("has no recording of an island named `k`") != std::string::npos);
   const auto real = std::string(island_head) +
                     "real = { replay = \"sink.txt\", first = 100, last = 199 }\n"
                     "plain = [{ am_type = 6, type = 901 }]\n";
   CHECK(problems_of(with_recording(real, title + "1.0 k/real up 45 0001\n")).empty());
   CHECK(problems_of(with_recording(real, title + "1.0 k up 45 0001\n"))
-            .find("has nothing of an island with the name `k/real`") != std::string::npos);
+            .find("has no recording of an island named `k/real`") != std::string::npos);
   const auto missing = std::string(island_head) + "serial = { replay = \"other.txt\" }\n";
   CHECK(problems_of(with_recording(missing, title)).find("folder/other.txt") != std::string::npos);
 }

@@ -136,7 +136,7 @@ name = "b"
 id = 1
 count = 2
 links = ["inproc://b"]
-#        ^ no peer or gateway is called `b`: there is b-1, b-2, pc
+#        ^ no peer or gateway is named `b`: there is b-1, b-2, pc
 
 count = 2
 apps = [{ app = "proxy_manager" }]

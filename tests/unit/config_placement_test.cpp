@@ -154,11 +154,10 @@ TEST_CASE("the peer of a host has a name of its own", "[config]") {
 TEST_CASE("what is of one place is on one host", "[config]") {
   CHECK(only_problem(house + fault_table("at = \"1s\"\nkind = \"partition\"\n"
                                          "groups = [[\"pc\"], [\"robot\"]]")) ==
-        "the fault at 1 s is about things of several hosts, `attic`, `cellar`: it can happen "
-        "within one only");
+        "the fault at 1 s affects several hosts, `attic`, `cellar`: a fault can affect only one");
   auto text = house;
   text.replace(text.find("10.0.0.2"), 8, "some.where");
-  CHECK(only_problem(text).find("say with `listen` at which IPv4 address") != std::string::npos);
+  CHECK(only_problem(text).find("set `listen` to the IPv4 address") != std::string::npos);
   text = house;
   text.replace(text.find("4250"), 4, "4242");
   text.replace(text.find("10.0.0.2"), 8, "127.0.0.1");

@@ -242,7 +242,7 @@ name = "pc"
 id = "12"
 #    ^ `id` must be a whole number from 1 to 65535, not "12"
 links = ["inproc://robt"]
-#        ^ no peer or gateway is called `robt`: did you mean `robot`?
+#        ^ no peer or gateway is named `robt`: did you mean `robot`?
 [[peer]]
 name = "robot"
 id = 12
@@ -251,7 +251,7 @@ id = 12
 
 TEST_CASE("a mistake is not told again by what depends on it", "[config][GEN-06]") {
   const std::string far = "[[island.mote]]\nid = 2\ntype = \"c\"\nposition_m = [99, 0]\n";
-  CHECK(problem_after(island_head, far).starts_with("18:14: mote `c-2` is out of reach"));
+  CHECK(problem_after(island_head, far).starts_with("18:14: mote `c-2` is unreachable"));
   const auto bad_range = problem_after(island_head, far + "[radio]\nrange = 200\n");
   CHECK(bad_range.starts_with("20:9: `range` must be a length"));
   const auto bad_key = problem_after(island_head, far + "[radio]\nrnage = \"200m\"\n");

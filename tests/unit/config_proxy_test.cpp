@@ -127,8 +127,8 @@ TEST_CASE("a program is one that is known, with settings that it takes",
   const auto x = GENERATE(values<row>({
       {"program = \"occupancy\"\nsettings = { t = 1 }\n", "none"},
       {"program = \"ocupancy\"\n",
-       "9:11: no program is called `ocupancy`: did you mean `occupancy`?"},
-      {"program = \"comfort\"\n", "9:11: no program is called `comfort`: there is occupancy"},
+       "9:11: no program is named `ocupancy`: did you mean `occupancy`?"},
+      {"program = \"comfort\"\n", "9:11: no program is named `comfort`: there is occupancy"},
       {"program = \"occupancy\"\n", "9:11: `occupancy` needs a setting with the name of a field"},
       {"program = \"occupancy\"\nsettings = { t = 1, hold_s = -1 }\n",
        "10:21: `hold_s` must be more than 0 and at most 86400"},
@@ -155,7 +155,7 @@ TEST_CASE("what only motes have is refused with ids", "[config][GEN-06]") {
        {"indirect = true\n", "program = \"occupancy\"\nsettings = {}\n", "qos = {}\n"}) {
     CAPTURE(key);
     CHECK(problem_after(head_of_ids, key)
-              .find("only motes have it, and the proxy has `ids` of tagged objects") !=
+              .find("only for motes, and the proxy has `ids` of tagged objects") !=
           std::string::npos);
   }
 }
@@ -188,11 +188,11 @@ channel = 1
        "26:15: `computed_by` must be \"proxy\" or \"mote\", not \"moat\""},
       {"mean_of = 2\nwords = { 0 = \"a\" }\n", "26:11: words have no mean"},
       {"mean_of = 2\ncomputed_by = \"mote\"\noffset = 1\n",
-       "27:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
+       "27:15: mote `k/c-2` has no sampler that sends a count there that it could average"},
       {"mean_of = 2\ncomputed_by = \"mote\"\noffset = 4\n",
-       "27:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
+       "27:15: mote `k/c-2` has no sampler that sends a count there that it could average"},
       {"mean_of = 2\ncomputed_by = \"mote\"\nencoding = \"u8\"\n",
-       "27:15: mote `k/c-2` has no sampler that sends a count there which it could average"},
+       "27:15: mote `k/c-2` has no sampler that sends a count there that it could average"},
   }));
   CAPTURE(x.toml);
   CHECK(problem_in(text(x.toml)) == x.problem);
@@ -244,11 +244,11 @@ transducer = "temprature"
 
 transducer = "light"
 encoding = "u8"
-#          ^ `encoding` means nothing with `transducer`
+#          ^ `encoding` has no effect with `transducer`
 
 transducer = "light"
-#            ^ motes `k/b-2` and `k/warm` send `light` in different ways: a class of its own, or `offset`
-#   and `scale`
+#            ^ motes `k/b-2` and `k/warm` send `light` with different units or scales: make one
+#   class for each, or set `offset` and `scale`
 [[island.mote]]
 id = 4
 name = "warm"
@@ -294,14 +294,14 @@ every = "3s"
 [[proxy.field]]
 name = "t"
 every = "3s"
-#       ^ `every` is of a `stream`
+#       ^ `every` needs a `stream`
 channel = 1
 
 [[proxy.field]]
 name = "t"
 stream = 7
 channel = 1
-#         ^ `channel` means nothing with `stream`: it is of messages
+#         ^ `channel` has no effect with `stream`: it applies to messages
 
 [[proxy.field]]
 name = "t"
@@ -397,7 +397,7 @@ TEST_CASE("an input takes words, numbers or both", "[config][PXY-12]") {
        "14:7: `max` must be a number from 7 to 255, not 6"},
       {"encoding = \"u8\"\nscale = 0\n", "13:9: `scale` must not be 0"},
       {"words = { a = \"01\" }\nscale = 2\n",
-       "13:9: `scale` is of numbers, which the input takes with `encoding`"},
+       "13:9: `scale` applies to numbers, which the input accepts with `encoding` only"},
       {"encoding = \"u9\"\n", "12:12: `encoding` must be \"u8\", \"i8\", \"u16\", \"i16\", \"u32\" "
                               "or \"i32\", not \"u9\"; did "
                               "you mean \"u8\"?"},
@@ -439,8 +439,8 @@ TEST_CASE("a translation has to be possible", "[config][GEN-06][SVC-09]") {
        "abs, floor, ceil, round, sqrt, min and max"},
       {"from = \"a\", to = \"b\", value = 3",
        "6:71: `value` must be an expression in text, as in \"(x - 400) * 0.5\", not 3"},
-      {"from = \"a\", to = \"b\", decimals = 2", "6:74: `decimals` are those of a `value`"},
-      {"from = \"a\", history = 3, unit = \"C\"", "6:73: `unit` is that of the tuple `to`"},
+      {"from = \"a\", to = \"b\", decimals = 2", "6:74: `decimals` need a `value`"},
+      {"from = \"a\", history = 3, unit = \"C\"", "6:73: `unit` needs `to`"},
       {"from = \"a\", history = 101",
        "6:63: `history` must be a whole number from 1 to 100, not 101"},
   }));

@@ -132,7 +132,7 @@ dead_band = { temperature = -1 }
 app = "sampler"
 transducers = ["temperature"]
 silence_max = "1h"
-#             ^ `silence_max` means nothing without a `dead_band`
+#             ^ `silence_max` has no effect without a `dead_band`
 
 [[island.mote.apps]]
 app = "sampler"
@@ -167,7 +167,7 @@ TEST_CASE("a day in wall time may begin now", "[config]") {
   const auto virtual_run = load_text(rule_file("start = \"now\"\n", rule), "t", instead);
   REQUIRE(virtual_run.problems.size() == 1);
   CHECK(virtual_run.problems[0].message == "`start` = \"now\" needs mode = \"wall\": a run in "
-                                           "virtual time is the same whenever it is run");
+                                           "virtual time does not depend on when it is run");
   instead.mode = run_mode::wall;
   const auto wall = load_text(rule_file("start = \"now\"\n", rule), "t", instead);
   REQUIRE(wall.ecology);
@@ -195,9 +195,9 @@ then = "on"
 [[peer.apps.rules]]
 at = "07:30"
 above = 3
-#       ^ `above` means nothing without `when`
+#       ^ `above` has no effect without `when`
 otherwise = "off"
-#           ^ `otherwise` means nothing without `when`
+#           ^ `otherwise` has no effect without `when`
 write = "a"
 then = "on"
 
@@ -206,17 +206,17 @@ at = "07:30"
 when = "b"
 equals = ["x"]
 lasting = "1s"
-#         ^ `lasting` means nothing with `at`
+#         ^ `lasting` has no effect with `at`
 write = "a"
 from = "c"
 then = "on"
-#      ^ `then` means nothing with `from`
+#      ^ `then` has no effect with `from`
 
 [[peer.apps.rules]]
 when = "b"
 above = 1
 point = "a"
-#       ^ `point` means nothing with `from`
+#       ^ `point` has no effect with `from`
 from = "c"
 
 [[peer.apps.rules]]

@@ -186,15 +186,15 @@ propagation = { model = "unit_disk" }
 
 [radio]
 sensitivity = "-94dBm"
-#             ^ `sensitivity` decides nothing with model = "unit_disk": all within range hear
+#             ^ `sensitivity` has no effect with model = "unit_disk": all radios within range receive
 
 [radio]
 cutoff = "-94dBm"
-#        ^ `cutoff` decides nothing with model = "unit_disk": all within range hear
+#        ^ `cutoff` has no effect with model = "unit_disk": all radios within range receive
 
 [radio]
 cca_threshold = "-94dBm"
-#               ^ `cca_threshold` decides nothing with model = "unit_disk" and collisions =
+#               ^ `cca_threshold` has no effect with model = "unit_disk" and collisions =
 #   "strict": only overlaps lose frames
 
 [radio]
@@ -203,13 +203,13 @@ collisions = "sinr"
 
 [radio]
 cca_threshold = "-94dBm"
-#               ^ `cca_threshold` decides nothing with sensing = "carrier"
+#               ^ `cca_threshold` has no effect with sensing = "carrier"
 sensing = "carrier"
 collisions = "sinr"
 
 [radio]
 noise = { model = "constant" }
-#       ^ `noise` decides nothing with model = "unit_disk" and collisions = "strict": only overlaps
+#       ^ `noise` has no effect with model = "unit_disk" and collisions = "strict": only overlaps
 #   lose frames
 
 [radio]
@@ -221,7 +221,7 @@ collisions = "sinr"
 
 [radio]
 curve = "tossim"
-#       ^ `curve` decides nothing with collisions = "strict" and without noise
+#       ^ `curve` has no effect with collisions = "strict" and without noise
 
 [radio]
 curve = "tossim"
@@ -230,7 +230,7 @@ collisions = "strict"
 
 [radio]
 capture = true
-#         ^ `capture` decides nothing with collisions = "strict": every frame that overlaps another
+#         ^ `capture` has no effect with collisions = "strict": every frame that overlaps another
 #   is lost
 
 [radio]
@@ -347,7 +347,7 @@ TEST_CASE("links are listed once, within one air", "[config][GEN-06]") {
       {"[[radio.link]]\nfrom = \"k/sink\"\nto = \"k/sink\"\nloss = 1\n",
        "24:6: a link leads from one mote to another"},
       {"[[radio.link]]\nfrom = \"k/sink\"\nto = \"k/mote-3\"\nloss = 1\n",
-       "24:6: no mote of island `k` is called `mote-3`: did you mean `mote-2`?"},
+       "24:6: no mote of island `k` is named `mote-3`: did you mean `mote-2`?"},
       {"[[radio.link]]\nfrom = \"sink\"\nto = \"k/mote-2\"\nloss = 1\n",
        "23:8: `from` must be the island and the name of a mote, as in \"kitchen/climate-7\" or "
        "\"kitchen/sink\", not \"sink\""},
@@ -355,7 +355,7 @@ TEST_CASE("links are listed once, within one air", "[config][GEN-06]") {
        "[[radio.link]]\nfrom = \"k/sink\"\nto = \"k/mote-2\"\ngain = \"-1dB\"\n",
        "28:6: the link is already listed (line 24, column 6)"},
       {"[[radio.link]]\nfrom = \"k/sink\"\nto = \"b/sink\"\nloss = 1\n",
-       "22:1: a link leads from air `k` to air `b`, which hear nothing of each other"},
+       "22:1: a link leads from air `k` to air `b`, which are isolated from each other"},
       {"[[radio.link]]\nfrom = \"k/sink\"\nto = \"k/mote-2\"\ngain = \"21dB\"\n",
        "25:8: `gain` must be a ratio from -200 to 20 dB with its unit, as in \"3.5dB\", not "
        "\"21dB\""},

@@ -144,13 +144,13 @@ TEST_CASE("a mote has the type of a table or a number", "[config][GEN-06][PXY-13
 [[island.mote]]
 id = 2
 type = "d"
-#      ^ no mote type is called `d`: did you mean `c`?
+#      ^ no mote type is named `d`: did you mean `c`?
 position_m = [1, 2]
 
 [[island.mote]]
 id = 2
 type = "lamp"
-#      ^ no mote type is called `lamp`: there is c
+#      ^ no mote type is named `lamp`: there is c
 position_m = [1, 2]
 
 [[island.mote]]
@@ -178,7 +178,7 @@ TEST_CASE("a mote to which no chain of motes leads from its sink is told", "[con
 id = 2
 type = "c"
 position_m = [30, 1]
-#            ^ mote `c-2` is out of reach: no chain of motes at most 30 m apart leads to its sink
+#            ^ mote `c-2` is unreachable: no chain of motes at most 30 m apart leads to its sink
 
 [[island.mote]]
 id = 2
@@ -189,7 +189,7 @@ position_m = [30, 0]
 id = 2
 type = "c"
 position_m = [0, 30, 5]
-#            ^ mote `c-2` is out of reach: no chain of motes at most 30 m apart leads to its sink
+#            ^ mote `c-2` is unreachable: no chain of motes at most 30 m apart leads to its sink
 
 [[island.mote]]
 id = 2
@@ -204,7 +204,7 @@ position_m = [28, 0]
 id = 2
 type = "c"
 position_m = [59, 0]
-#            ^ mote `c-2` is out of reach: no chain of motes at most 30 m apart leads to its sink
+#            ^ mote `c-2` is unreachable: no chain of motes at most 30 m apart leads to its sink
 [[island.mote]]
 id = 3
 type = "c"
@@ -288,14 +288,14 @@ id = 2
 type = "c"
 position_m = [1, 2]
 apps = [{ app = "messenger", text = "x", to = "kk/c-2" }]
-#                                             ^ no island is called `kk`: did you mean `k`?
+#                                             ^ no island is named `kk`: did you mean `k`?
 
 [[island.mote]]
 id = 2
 type = "c"
 position_m = [1, 2]
 apps = [{ app = "messenger", text = "x", to = "k/c-3" }]
-#                                             ^ no mote of island `k` is called `c-3`: did you mean
+#                                             ^ no mote of island `k` is named `c-3`: did you mean
 #   `c-2`?
 
 [[island.mote]]
@@ -364,10 +364,10 @@ transducers.light = { model = "constant", value = 1 }
 TEST_CASE("hosts are known by name", "[config][GEN-06]") {
   check_mistakes(island_head, R"(
 host = "h1"
-#      ^ no host is called `h1`: there is none
+#      ^ no host is named `h1`: there is none
 
 host = "h2"
-#      ^ no host is called `h2`: did you mean `h1`?
+#      ^ no host is named `h2`: did you mean `h1`?
 [[host]]
 name = "h1"
 address = "10.0.0.1"
@@ -396,7 +396,7 @@ address = "10.0.0.1"
 TEST_CASE("links lead to other peers or gateways", "[config][GEN-06]") {
   check_mistakes(island_head, R"(
 gateway.links = ["inproc://pcc"]
-#                ^ no peer or gateway is called `pcc`: did you mean `pc`?
+#                ^ no peer or gateway is named `pcc`: did you mean `pc`?
 
 gateway.links = ["pc"]
 #                ^ `links` must be a link to a peer or gateway, as in "inproc://kitchen-gateway",
@@ -446,7 +446,7 @@ islands = ["k", "b"]
 [[air]]
 name = "a2"
 islands = ["k"]
-#          ^ island `k` is already in an air (line 20, column 12)
+#          ^ island `k` already belongs to a radio medium (line 20, column 12)
 
 [[island]]
 name = "b"
@@ -454,12 +454,12 @@ id = 2
 [[air]]
 name = "a"
 islands = ["k", "k"]
-#               ^ island `k` is already in an air (line 20, column 12)
+#               ^ island `k` already belongs to a radio medium (line 20, column 12)
 
 [[air]]
 name = "a"
 islands = ["q"]
-#          ^ no island is called `q`: did you mean `k`?
+#          ^ no island is named `q`: did you mean `k`?
 
 [[air]]
 name = "a"
@@ -488,7 +488,7 @@ host = "h1"
 [[air]]
 name = "a"
 islands = ["k", "b"]
-#               ^ islands `k` and `b` share an air, so they must be on one host
+#               ^ islands `k` and `b` share a radio medium, so they must be on one host
 [[host]]
 name = "h1"
 address = "10.0.0.1"
@@ -509,7 +509,7 @@ islands = ["b"]
 TEST_CASE("a proxy manager serves islands that exist", "[config][GEN-06]") {
   check_mistakes(head, R"(
 apps = [{ app = "proxy_manager", islands = ["k"] }]
-#                                           ^ no island is called `k`: there is none
+#                                           ^ no island is named `k`: there is none
 )");
 }
 
@@ -632,13 +632,13 @@ position_m = [1, 2]
 at = "1s"
 kind = "crash"
 mote = "k/c-9"
-#      ^ no mote of island `k` is called `c-9`: did you mean `c-2`?
+#      ^ no mote of island `k` is named `c-9`: did you mean `c-2`?
 
 [[fault]]
 at = "1s"
 kind = "unplug"
 island = "kitchen"
-#        ^ no island is called `kitchen`: there is k
+#        ^ no island is named `kitchen`: there is k
 
 [[fault]]
 at = "1s"

@@ -191,7 +191,8 @@ peer = "pc"
                     "home.toml:46:1: that [[fault]] is too late: it is 3 min already"});
   const auto gone = refused(file.read(home, 3min));
   REQUIRE(gone.size() == 2);
-  CHECK(gone[1].find("a [[fault]] at 5 min is gone from the file: what is planned stays planned") !=
+  CHECK(gone[1].find(
+            "a [[fault]] at 5 min was removed from the file: planned actions remain planned") !=
         std::string::npos);
 }
 
@@ -203,23 +204,21 @@ TEST_CASE("what cannot follow is refused with its place and the reason", "[confi
     CHECK(x.changes.empty());
     return refused(x);
   };
-  CHECK(
-      says("seed = 3", "seed = 4") ==
-      texts{"home.toml:3:8: `ecology.seed` differs, and does not change while an ecology runs: it "
-            "decides all random numbers from the start; run again with `--seed`"});
+  CHECK(says("seed = 3", "seed = 4") ==
+        texts{"home.toml:3:8: `ecology.seed` differs, and cannot change while an ecology runs: it "
+              "determines all random numbers from the start; run again with `--seed`"});
   CHECK(says("range = \"20m\"", "range = \"30m\"").size() == 1);
   CHECK(says("value = 20", "value = 21") ==
-        texts{"home.toml:13:57: `mote_type.c.transducers.temperature.value` differs, and does not "
-              "change while an ecology runs: it is decided when the run begins"});
+        texts{"home.toml:13:57: `mote_type.c.transducers.temperature.value` differs, and cannot "
+              "change while an ecology runs: it is fixed when the run begins"});
   CHECK(says("position_m = [1, 2] },", "position_m = [1, 3] },").size() == 1);
   CHECK(says("[[peer]]\nname = \"pc\"\nid = 300\n",
              "[[peer]]\nname = \"pc\"\nid = 300\n[[peer]]\nname = \"tv\"\nid = 301\n") ==
-        texts{"home.toml:25:1: `peer` has more, and does not change while an ecology runs: it is "
-              "there from the start; a fault of kind = \"kill\" ends it"});
+        texts{"home.toml:25:1: `peer` has more, and cannot change while an ecology runs: it exists "
+              "from the start; a fault of kind = \"kill\" ends it"});
   CHECK(
       says("qos = { period = \"5s\" }\n", "") ==
-      texts{
-          "home.toml:25:1: `proxy.qos.period` is gone, and does not change while an ecology runs"});
+      texts{"home.toml:25:1: `proxy.qos.period` is gone, and cannot change while an ecology runs"});
   CHECK(refused(file.read(home, 1min)).empty());
 }
 

@@ -102,9 +102,9 @@ TEST_CASE("tags, readers and classes of objects have to be possible", "[config][
       {"[[proxy]]\nname = \"p\"\nids = [\"rfid/a\"]\n[[proxy]]\nname = \"q\"\nids = [\"rfid/A\"]\n",
        "12:8: id pattern `rfid/a` is already taken (line 9, column 8)"},
       {"[[proxy]]\nname = \"p\"\nids = [\"rfid/a\"]\nprefix = \"{island}.x\"\n",
-       "10:10: tagged objects are of no {island}; there is {channel}"},
+       "10:10: tagged objects have no {island}; use {channel}"},
       {"[[proxy]]\nname = \"p\"\ntypes = [7]\nprefix = \"{channel}.x\"\n",
-       "10:10: motes are of an {island}, not of a {channel}"},
+       "10:10: motes have an {island}, not a {channel}"},
       {"[[proxy]]\nname = \"p\"\nids = [\"rfid/a\"]\n[[proxy.input]]\nname = \"i\"\nchannel = 1\n"
        "words = { on = \"01\" }\n",
        "10:1: tagged objects have no inputs"},
@@ -122,7 +122,7 @@ apps = [{ app = "rfid_reader", position_m = [0, 0], range = "1km" }]
 #   to 100 m with its unit (cm, m or km), as in "25m", not "1km"
 
 [[proxy]]
-#< nobody starts proxies of tagged objects: a "proxy_manager" needs `objects = true`
+#< no component starts proxies of tagged objects: a "proxy_manager" needs `objects = true`
 name = "p"
 ids = ["rfid/a"]
 )");

@@ -144,13 +144,12 @@ TEST_CASE("each mote replays its own readings of a trace, or those of the one na
   CHECK(trace(0).table == trace(2).table);
   CHECK(trace(0).table->skipped == 1);
   CHECK(trace(1).table->of_mote.at(3) == device::time_series{{60s, 4000}});
-  CHECK(problems_of(load_lab(toml)) ==
-        "lab/x.toml:20:6: the trace of `light` has no readings of mote 4: name one that it has "
-        "with `mote`");
+  CHECK(problems_of(load_lab(toml)) == "lab/x.toml:20:6: the trace of `light` has no readings of "
+                                       "mote 4: choose one of its motes with `mote`");
   CHECK(problems_of(load_lab(toml.substr(0, toml.find("[[island.mote]]")) +
                              "[[island.group]]\ncount = 3\nfirst = 2\ntype = \"c\"\n"
                              "layout = \"grid\"\nspacing = \"1m\"\n")) ==
-        "lab/x.toml:11:9: the trace of `light` has no readings of mote 4: name one that it has "
+        "lab/x.toml:11:9: the trace of `light` has no readings of mote 4: choose one of its motes "
         "with `mote`");
 }
 
@@ -190,7 +189,7 @@ TEST_CASE("keys of transducer models need their ranges", "[config][GEN-06]") {
        "\"square\""},
       {"model = \"field\", base = 1, sources = [{ position_m = [0, 0], strength = 1, period = "
        "\"1h\" }]",
-       "19:107: `period` means nothing without a `schedule`"},
+       "19:107: `period` has no effect without a `schedule`"},
       {"model = \"field\", base = 1, sources = [{ position_m = [0, 0], strength = 1, schedule = "
        "[[\"2h\", 1]], period = \"1h\" }]",
        "19:131: `period` must not be shorter than the `schedule`, which ends at 2 h"},
@@ -200,7 +199,7 @@ TEST_CASE("keys of transducer models need their ranges", "[config][GEN-06]") {
        "cannot carry: use a coarser one"},
       {"model = \"trace\"", "19:21: `file` is missing in model = \"trace\""},
       {"model = \"trace\", file = \"room.csv\", mote = 1",
-       "19:66: `mote` means nothing without a `mote_column`"},
+       "19:66: `mote` has no effect without a `mote_column`"},
       {"model = \"trace\", file = \"room.csv\", start = \"noon\"",
        "19:67: `start` must be seconds or a date and a time of day between quotation marks, as in "
        "\"12.5\" or \"2004-02-28 00:59:16\", not \"noon\""},

@@ -230,7 +230,7 @@ TEST_CASE("a fault that makes a mote a member brings the key, planned or not at 
     return lacks(part, *all.loaded.ecology, std::get<config::fault>(fault));
   };
   CHECK(why("attic", "crash mote up/watch type guard")
-            .starts_with("it takes `smepp.group.alarm.master_key`, which was not sent"));
+            .starts_with("it needs `smepp.group.alarm.master_key`, which was not sent"));
   CHECK(why("attic", "crash mote up/watch for 3s").empty());
   CHECK(why("cellar", "crash mote down/lamp type guard").empty());
 }

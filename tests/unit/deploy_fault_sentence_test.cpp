@@ -73,7 +73,7 @@ TEST_CASE("what is no fault is refused with the words of a file", "[deploy]") {
   CHECK(refusal("explode peer robot").find("explode") != std::string::npos);
   CHECK_FALSE(refusal("kill peer robot for ever").empty());
   CHECK_FALSE(refusal("kill peer robot colour red").empty());
-  CHECK(refusal("kill PEER robot").find("`PEER` is no key") != std::string::npos);
+  CHECK(refusal("kill PEER robot").find("`PEER` is not a key") != std::string::npos);
   CHECK(refusal("noise island kitchen position_m [1,1]").find("plan it in the file") !=
         std::string::npos);
   CHECK_FALSE(refusal(std::string(sentence_octets_max + 1, 'x')).empty());
@@ -108,7 +108,7 @@ of = ["gateway"]
   CHECK(refusal("rate mote kitchen/stove period 5s") ==
         "that mote has no sampler and no messenger; other programs keep their periods, which both "
         "ends of a stream or flow have agreed on");
-  CHECK(refusal("seed value 7").starts_with("`seed` does not change while an ecology runs"));
+  CHECK(refusal("seed value 7").starts_with("`seed` cannot change while an ecology runs"));
   CHECK(refusal("explode peer robot").find("or of a change \"debug\"") != std::string::npos);
   CHECK(table_of("link from kitchen/stove to kitchen/sink loss 20%", "3s") ==
         "\n[[change]]\nat = \"3s\"\nkind = \"link\"\nfrom = \"kitchen/stove\"\n"

@@ -78,9 +78,9 @@ TEST_CASE("the start of the run is the earliest date, zero seconds, or what is a
   CHECK(table("time light\n5 1\n7 2\n", later).of_mote.at(0) == time_series{{-1s, 1}, {1s, 2}});
   CHECK(problem("time light\n5 1\n", lab_format("light")).starts_with("1: "));
   later.start = parse_trace_time("2004-02-28 01:00:00");
-  CHECK(problem("time light\n5 1\n", later) == "0: its times are seconds, and so must `start` be");
+  CHECK(problem("time light\n5 1\n", later) == "0: its times are seconds, so `start` must be too");
   format.start = parse_trace_time("6");
-  CHECK(problem(lab, format) == "0: its times are dates, and so must `start` be");
+  CHECK(problem(lab, format) == "0: its times are dates, so `start` must be one too");
 }
 
 TEST_CASE("separators are found, and blanks around fields and quotation marks are left out",
@@ -130,25 +130,27 @@ TEST_CASE("lines with missing values are skipped and counted", "[device][STR-21]
 }
 
 TEST_CASE("mistakes in a trace are told with their line", "[device][STR-21][GEN-06]") {
-  CHECK(problem("") == "0: there is no line in it");
-  CHECK(problem("# time light\n\n") == "0: there is no line in it");
-  CHECK(problem("time light\n") == "0: there is no reading in it");
-  CHECK(problem("time light\n1 NA\n") == "0: there is no reading in it");
+  CHECK(problem("") == "0: it has no lines");
+  CHECK(problem("# time light\n\n") == "0: it has no lines");
+  CHECK(problem("time light\n") == "0: it has no readings");
+  CHECK(problem("time light\n1 NA\n") == "0: it has no readings");
   CHECK(problem("\ntime lux\n1 2\n") == "2: there is no column \"light\", which `column` can "
                                         "change; there is \"time\", \"lux\"");
   CHECK(problem("time light\n1 2\n2 bright\n") ==
         "3: a value is a number up to 1e15, not \"bright\"");
   CHECK(problem("time light\n1 inf\n") == "2: a value is a number up to 1e15, not \"inf\"");
   CHECK(problem("time light\n1 1.1e15\n") == "2: a value is a number up to 1e15, not \"1.1e15\"");
-  CHECK(problem("time light\n1 2 3\n") == "2: a line of 3 fields, where there are 2 columns");
+  CHECK(problem("time light\n1 2 3\n") == "2: a line of 3 fields, but there are 2 columns");
   CHECK(problem("time light\nsoon 2\n") ==
         "2: a time is seconds, or a date and a time of day, not \"soon\"");
   CHECK(problem("time,light\n2004-02-28 00:59:16,2\n17,2\n") ==
         "3: the times are dates before, not \"17\"");
   CHECK(problem("time,light\n17,2\n2004-02-28 00:59:16,2\n") ==
         "3: the times are seconds before, not \"2004-02-28 00:59:16\"");
-  CHECK(problem("time,light\n\"1,2\n") == "2: a quotation mark is open, or has text behind it");
-  CHECK(problem("time,light\n\"1\"0,2\n") == "2: a quotation mark is open, or has text behind it");
+  CHECK(problem("time,light\n\"1,2\n") ==
+        "2: a quotation mark is not closed, or is followed by text");
+  CHECK(problem("time,light\n\"1\"0,2\n") ==
+        "2: a quotation mark is not closed, or is followed by text");
   CHECK(problem("time,light\n1," + std::string(50, '\x01') + "\n") ==
         "2: a value is a number up to 1e15, not \"" + std::string(40, '?') + "\"");
   auto format = wants("light");
@@ -267,7 +269,7 @@ TEST_CASE("times that are numbers have a unit", "[device][STR-21]") {
 TEST_CASE("what is no time is told with what would be one", "[device][STR-21][GEN-06]") {
   CHECK(problem("time,light\n01/02/2016 00:00,1\n") ==
         "2: a time is seconds, or a date and a time of day, not \"01/02/2016 00:00\", whose first "
-        "number may be the day or the month: say `date_order` = \"dmy\" or \"mdy\"");
+        "number may be the day or the month: set `date_order` = \"dmy\" or \"mdy\"");
   CHECK(problem("time,light\n2016-02-30 00:00,1\n").find("as in 2016-03-01 00:20:00") !=
         std::string::npos);
   CHECK(problem("time,light\n00:20:00,1\n").find("(`date_column`)") != std::string::npos);
@@ -328,6 +330,6 @@ TEST_CASE("a file may have one value a line, and what it is of", "[device][STR-2
   CHECK(x.others == 1);
   CHECK(x.skipped == 0);
   format.name = "sound";
-  CHECK(problem(text, format) == "0: no line has \"sound\" in the column \"name\": which one is "
-                                 "wanted, `name` says");
+  CHECK(problem(text, format) ==
+        "0: no line has \"sound\" in the column \"name\": choose one with `name`");
 }

@@ -103,7 +103,7 @@ TEST_CASE("repeats of a frame are one row with their reasons", "[explain]") {
   const auto y = outcome_of(all, all.messages.front());
   CHECK(y.retries.radio == 2);
   CHECK(contains(message_text(all, 0, wide),
-                 "radio: received after 2 repeats (collision, lost in the air)"));
+                 "radio: received after 2 repeats (collision, lost on the radio link)"));
 }
 
 TEST_CASE("a message that no frame brings to the sink is lost there", "[explain]") {
@@ -200,7 +200,7 @@ TEST_CASE("a new attempt of Transport is told from a repeat", "[explain]") {
   CHECK(m.sends == 2);
   CHECK(m.delivered == instant(6ms));
   CHECK(m.acknowledged == instant(17ms));
-  CHECK(contains(message_text(all, 0, wide), "attempt 2 of 2: there again"));
+  CHECK(contains(message_text(all, 0, wide), "attempt 2 of 2: received again"));
 }
 
 TEST_CASE("a message in fragments is there when all of them are", "[explain][NET-14]") {
@@ -359,7 +359,7 @@ TEST_CASE("a message that its mote refuses says so", "[explain]") {
   world.put(kind::send_ended, near_mote, "mote_app/kitchen/near/sampler-1", 1, refused);
   const auto all = follow(world.x);
   CHECK(outcome_of(all, all.messages.front()).status == message_status::refused);
-  CHECK(contains(message_text(all, 0, wide), "refused: its mote did not take it"));
+  CHECK(contains(message_text(all, 0, wide), "refused: its mote did not accept it"));
 }
 
 TEST_CASE("a message that never left is not taken for the next one", "[explain]") {
@@ -424,7 +424,7 @@ TEST_CASE("a receiver that has started again turns a message away", "[explain][D
     world.put(kind::send_ended, near_mote, "mote_app/kitchen/near/sampler-1", 0, failed);
     const auto all = follow(world.x);
     CHECK(outcome_of(all, all.messages.front()).status == message_status::lost);
-    CHECK(contains(outcome_of(all, all.messages.front()).why, "kitchen/gateway did not take it"));
+    CHECK(contains(outcome_of(all, all.messages.front()).why, "kitchen/gateway did not accept it"));
   }
   SECTION("and takes it under another number") {
     delivery again{world, world.reliable(7, 9, reading), 2};

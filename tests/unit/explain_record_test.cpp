@@ -116,18 +116,18 @@ TEST_CASE("fields that are as usual are left out", "[explain][codec]") {
 }
 
 TEST_CASE("a bad line is refused with its number and what is wrong with it", "[explain]") {
-  CHECK(problem_of("nonsense") == bad_line{2, "this is no JSON object"});
+  CHECK(problem_of("nonsense") == bad_line{2, "this is not a JSON object"});
   CHECK(problem_of("{\"what\":\"flies\"}").message.find("\"flies\"") != std::string::npos);
   CHECK(problem_of("{\"number\":3}") == bad_line{2, "`what` is missing"});
   CHECK(problem_of("{\"what\":\"event\",\"from\":3}").message == "`from` is no text");
   CHECK(problem_of("{\"what\":\"event\",\"octets\":\"0\"}").message ==
         "`octets` is not hexadecimal");
   CHECK(problem_of("{\"what\":\"event\",\"mote\":[1,65536]}").message ==
-        "`mote` is no number that fits");
+        "`mote` is not a number in range");
   CHECK(problem_of("{\"what\":\"event\",\"number\":-1}").message ==
-        "`number` is no number that fits");
+        "`number` is not a number in range");
   CHECK(problem_of("{\"what\":\"event\",\"number\":1.5}").message ==
-        "`number` is no number that fits");
+        "`number` is not a number in range");
   CHECK(problem_of("{\"what\":\"event\",\"text\":7}").message == "`text` is no text");
   CHECK(problem_of("{\"what\":\"event\",\"yes\":1}").line == 2);
   CHECK(problem_of("{\"what\":\"event\",\"mote\":7}").message == "`mote` is no pair");

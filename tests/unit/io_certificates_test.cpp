@@ -172,13 +172,13 @@ TEST_CASE("nothing is overwritten and no half of a pair is left behind", "[io]")
   for (const auto& path : paths)
     before.push_back(text_of(path));
   for (const auto& why : make())
-    CHECK(why.find("there already and never overwritten; choose another") != std::string::npos);
+    CHECK(why.find("exists already and is never overwritten; choose another") != std::string::npos);
   for (std::size_t i = 0; i < paths.size(); ++i)
     CHECK(text_of(paths[i]) == before[i]);
 
   const auto first = GENERATE(as<std::string>{}, "attic.crt", "attic.key");
   put(scratch.file("certs/" + first), "mine");
-  CHECK(refusal(make_certificate(folder, {"attic"}, today)).find("/" + first + ": it is there") !=
+  CHECK(refusal(make_certificate(folder, {"attic"}, today)).find("/" + first + ": it exists") !=
         std::string::npos);
   CHECK(text_of(scratch.file("certs/" + first)) == "mine");
   CHECK(files_in(folder) == 5);

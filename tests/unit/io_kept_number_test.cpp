@@ -37,7 +37,7 @@ TEST_CASE("a file that holds something else is told, and stays", "[io]") {
     std::ofstream(in.file("n")) << text;
     const auto found = io::kept_number::open(in.file("n"));
     REQUIRE(std::holds_alternative<std::string>(found));
-    CHECK(std::get<std::string>(found).starts_with(in.file("n") + " holds no number"));
+    CHECK(std::get<std::string>(found).starts_with(in.file("n") + " contains no number"));
     CHECK(fs::file_size(in.file("n")) == text.size());
   }
 }

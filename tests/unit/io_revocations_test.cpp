@@ -143,12 +143,12 @@ TEST_CASE("what cannot be renewed stays as it is", "[io][tls]") {
     return refusal(io::renew_certificate(at.path(), x, now));
   };
   CHECK(has(why({"attic"}), "No such file"));
-  CHECK(has(why({"ca"}), "the authority's own files"));
+  CHECK(has(why({"ca"}), "the files of the authority"));
   CHECK(has(why({"../x"}), "1 to 32 letters"));
   at.add("kitchen");
   CHECK(has(why({"kitchen", 100, false, certificate_use::coordinator}), "its use is host"));
   at.add("old", certificate_use::any);
-  CHECK(has(why({"old"}), "say --host or --coordinator"));
+  CHECK(has(why({"old"}), "choose --host or --coordinator"));
   CHECK(why({"old", 100, false, certificate_use::coordinator}).empty());
   CHECK(good(io::list_certificates(at.path()))[2].use == certificate_use::coordinator);
   fs::copy_file(others.add("attic").certificate, at.files("attic").certificate);
@@ -175,10 +175,10 @@ TEST_CASE("a revoked certificate is told apart at both ends, whoever has the lis
   CHECK(meet(host, coordinator).server.empty());
   const auto met = meet(host, thief);
   CHECK(met.server == "has a certificate `me` that was revoked");
-  CHECK(met.client == "does not take our certificate `me`: it was revoked");
+  CHECK(met.client == "rejected our certificate `me`: it was revoked");
   const auto posing = meet(lost, coordinator);
   CHECK(posing.client == "has a certificate `attic` that was revoked");
-  CHECK(posing.server == "does not take our certificate `attic`: it was revoked");
+  CHECK(posing.server == "rejected our certificate `attic`: it was revoked");
   CHECK(has(why_unfit(at.files("attic"), "attic"), "revoked on 20"));
   const auto listed = good(io::list_certificates(at.path()));
   CHECK(listed[1].revoked);
@@ -239,7 +239,7 @@ TEST_CASE("a host takes newer lists only, and keeps them over its own end", "[io
   CHECK(has(again.look(), "has number 1"));
 
   at.revoke("shed"); // from a folder that has lost list 2: another one with its number
-  CHECK(has(again.look(), "is another one with the number of list 2"));
+  CHECK(has(again.look(), "differs from but has the number of list 2"));
   CHECK_FALSE(again.take(at.list()).is_taken);
   CHECK(has(meet(again, thief).server, "revoked"));
 }
@@ -265,9 +265,9 @@ TEST_CASE("a list that is forged, over, or none is refused, and the one in force
   others.revoke("y");
   others.revoke("z");
   CHECK(has(host.take(others.list()).told, "is not signed by"));
-  CHECK(has(host.take("garbage").told, "no list of revoked certificates in PEM"));
-  CHECK(has(host.take(std::string(200'000, 'x')).told, "longer"));
-  CHECK(has(host.take("").told, "no list"));
+  CHECK(has(host.take("garbage").told, "not a list of revoked certificates in PEM"));
+  CHECK(has(host.take(std::string(200'000, 'x')).told, "too long"));
+  CHECK(has(host.take("").told, "not a list"));
   for (std::size_t i = 40; i + 40 < real.size(); i += 7) { // each change of it is none of ours
     auto changed = real;
     changed[i] = changed[i] == 'A' ? 'B' : 'A';
@@ -284,11 +284,11 @@ TEST_CASE("a list that is forged, over, or none is refused, and the one in force
   CHECK(read(now, false).empty());
   CHECK(has(read(now + days(301), false), "expired on"));
   CHECK(read(now + days(301), true).empty());
-  CHECK(has(read(now - days(3), false), "only, and the clock here says"));
+  CHECK(has(read(now - days(3), false), "only, and the clock here shows"));
 
   put(at.path() + "/ca.crl", others.list());
   CHECK(has(why_unfit(kitchen, "kitchen"), "is not signed by"));
-  CHECK(has(host.look(), "does not take a list of revoked certificates"));
+  CHECK(has(host.look(), "does not accept a list of revoked certificates"));
   const auto listed = good(io::list_certificates(at.path()));
   CHECK(listed.back().file == "ca.crl");
   CHECK(has(listed.back().problem, "is not signed by"));
@@ -317,13 +317,14 @@ TEST_CASE("a list that takes back the own certificate is taken, and a new author
   io::tls_keeper host(kitchen, "kitchen", at.state());
   at.revoke("kitchen");
   const auto told = host.look();
-  CHECK(has(told, "takes list 1 of revoked certificates, with 1; the own one is among them"));
-  CHECK(has(host.look(/*again=*/true), "keeps its certificate, for the new one is no good"));
+  CHECK(
+      has(told, "takes list 1 of revoked certificates, with 1; its own certificate is among them"));
+  CHECK(has(host.look(/*again=*/true), "keeps its certificate, since the new one is invalid"));
   const auto renewed = next.add("kitchen");
   at.remove_list();
   for (const auto file : {&tls_files::certificate, &tls_files::key, &tls_files::authority})
     fs::copy_file(renewed.*file, kitchen.*file, fs::copy_options::overwrite_existing);
-  CHECK(has(host.look(), "takes the certificate"));
+  CHECK(has(host.look(), "uses the certificate"));
   CHECK_FALSE(host.revoked());
 }
 
@@ -331,7 +332,7 @@ TEST_CASE("a certificate for both uses is accepted, and told", "[io][tls]") {
   const deployment at;
   const io::tls_keeper old(at.add("kitchen", certificate_use::any), "kitchen");
   REQUIRE(old.doubts().size() == 1);
-  CHECK(has(old.doubts()[0], "good for a host and for who deploys"));
+  CHECK(has(old.doubts()[0], "valid both for a host and for a coordinator"));
   CHECK(meet(old, io::tls_keeper(at.add("me", certificate_use::coordinator))).server.empty());
   CHECK(io::tls_keeper(at.add("attic"), "attic").doubts().empty());
 }

@@ -170,7 +170,7 @@ TEST_CASE("a port that cannot be had is told with what to do", "[io][GW-17]") {
   io::loop loop;
   CHECK(why_not(loop, folder.file("ttyUSB0")).find("is the mote plugged in?") != std::string::npos);
   std::ofstream(folder.file("file")) << "text";
-  CHECK(why_not(loop, folder.file("file")).find("it is no serial port") != std::string::npos);
+  CHECK(why_not(loop, folder.file("file")).find("it is not a serial port") != std::string::npos);
   const offered mote(loop, folder.file("sink"));
   CHECK(why_not(loop, folder.file("sink"), 12345).find("12345 baud cannot be set") !=
         std::string::npos);
@@ -186,12 +186,12 @@ TEST_CASE("a link is made where nothing is, or one of a program that has ended",
 
   const auto again = io::pseudo_terminal::open(loop, link, room);
   REQUIRE(std::holds_alternative<std::string>(again));
-  CHECK(std::get<std::string>(again).find("another program offers it") != std::string::npos);
+  CHECK(std::get<std::string>(again).find("another program provides it") != std::string::npos);
 
   std::ofstream(folder.file("file")) << "text";
   const auto file = io::pseudo_terminal::open(loop, folder.file("file"), room);
   REQUIRE(std::holds_alternative<std::string>(file));
-  CHECK(std::get<std::string>(file).find("no link to a pseudo-terminal") != std::string::npos);
+  CHECK(std::get<std::string>(file).find("not a link to a pseudo-terminal") != std::string::npos);
   CHECK(std::filesystem::file_size(folder.file("file")) == 4);
 }
 

@@ -99,7 +99,7 @@ TEST_CASE("two ends with certificates of one authority talk, in any pieces", "[i
   CHECK(heard == bytes(100'000, 'x'));
   client.close();
   static_cast<void>(server.take(client.outgoing()));
-  CHECK(server.why() == "has closed the connection");
+  CHECK(server.why() == "closed the connection");
 }
 
 TEST_CASE("who is not believed is told apart, at both ends", "[io][tls]") {
@@ -111,13 +111,13 @@ TEST_CASE("who is not believed is told apart, at both ends", "[io][tls]") {
 
   const auto foreign = meet(kitchen, identity(others.add("me")));
   CHECK(has(foreign.client, "has a certificate `kitchen` of another authority"));
-  CHECK(has(foreign.server, "does not take our certificate `kitchen`: it is of another authority"));
+  CHECK(has(foreign.server, "rejected our certificate `kitchen`: it is of another authority"));
 
   const auto old = now - days(300);
   const auto expired = meet(kitchen, identity(ours.add("old", old), old));
   CHECK(has(expired.server, "has a certificate `old` that expired on "));
-  CHECK(has(expired.server, "the clock here says "));
-  CHECK(has(expired.client, "does not take our certificate `old`: it expired on "));
+  CHECK(has(expired.server, "the clock here shows "));
+  CHECK(has(expired.client, "rejected our certificate `old`: it expired on "));
   const auto expired_host = meet(identity(ours.add("host", old), old), me);
   CHECK(has(expired_host.client, "has a certificate `host` that expired on "));
 
@@ -125,11 +125,11 @@ TEST_CASE("who is not believed is told apart, at both ends", "[io][tls]") {
   const auto early = meet(kitchen, identity(ours.add("early", later), later));
   CHECK(has(early.server, "`early` that is valid from "));
   CHECK(has(early.server, "one of the two clocks is wrong"));
-  CHECK(has(early.client, "there it is not valid yet"));
+  CHECK(has(early.client, "it is not yet valid there"));
 
   const auto other = meet(identity(ours.add("bedroom")), me, "kitchen");
-  CHECK(has(other.client, "shows the certificate of `bedroom`, not of `kitchen`"));
-  CHECK(has(other.server, "it wants another host"));
+  CHECK(has(other.client, "presented the certificate of `bedroom`, not of `kitchen`"));
+  CHECK(has(other.server, "it expects another host"));
 }
 
 TEST_CASE("a host's certificate is no coordinator's, and the other way round", "[io][tls]") {
@@ -142,7 +142,7 @@ TEST_CASE("a host's certificate is no coordinator's, and the other way round", "
   CHECK(meet(kitchen, me, "kitchen").server.empty());
   const auto other = meet(kitchen, identity(add("bedroom", io::certificate_use::host)), "kitchen");
   CHECK(has(other.server, "`bedroom` that is not a coordinator's: it may not deploy"));
-  CHECK(has(other.client, "does not take our certificate `bedroom`: it is not a coordinator's"));
+  CHECK(has(other.client, "rejected our certificate `bedroom`: it is not a coordinator's"));
   const auto posing = meet(me, identity(ours.add("both")), "me");
   CHECK(has(posing.client, "`me` that is not a host's"));
   CHECK(has(refusal(tls_identity::load(ours.files("me"), io::system_time(), "me")),
@@ -186,12 +186,12 @@ TEST_CASE("an identity that cannot be good is refused before it is used", "[io][
   CHECK(has(why({kitchen.certificate, me.key, kitchen.authority}), "me.key: not the key of "));
   CHECK(has(why({kitchen.certificate, kitchen.key, others.files("x").authority}), "not signed by"));
   CHECK(has(why({kitchen.certificate, kitchen.key, me.certificate}),
-            "no certificate of an authority"));
+            "not the certificate of an authority"));
   CHECK(has(why(ours.add("old", now - days(300))), "expired on"));
-  CHECK(has(why(ours.add("early", now + days(20))), "only, and the clock of this computer says"));
+  CHECK(has(why(ours.add("early", now + days(20))), "only, and the clock of this computer shows"));
   CHECK(has(why({"/nowhere/a.crt", kitchen.key, kitchen.authority}), "No such file"));
   fs::permissions(kitchen.key, fs::perms::owner_read | fs::perms::others_read);
-  CHECK(has(why(kitchen), "others may read or change this key (mode 0404)"));
+  CHECK(has(why(kitchen), "other users may read or change this key (mode 0404)"));
 }
 
 TEST_CASE("a new certificate is taken once it is good, and the old one holds until then",
@@ -205,7 +205,7 @@ TEST_CASE("a new certificate is taken once it is good, and the old one holds unt
   const authority scratch;
   const auto renewed = scratch.add("kitchen", io::system_time(), 500);
   put(files.certificate, "");
-  CHECK(has(keeper.look(), "keeps its certificate, for the new one is no good: "));
+  CHECK(has(keeper.look(), "keeps its certificate, since the new one is invalid: "));
   CHECK(keeper.look().empty()); // told once
   CHECK(keeper.identity()->valid_until() == until);
   fs::copy_file(renewed.certificate, files.certificate, fs::copy_options::overwrite_existing);
@@ -214,7 +214,7 @@ TEST_CASE("a new certificate is taken once it is good, and the old one holds unt
   CHECK(has(keeper.look(), "not signed by"));
   CHECK(keeper.changes() == 0);
   fs::copy_file(renewed.authority, files.authority, fs::copy_options::overwrite_existing);
-  CHECK(has(keeper.look(), "takes the certificate"));
+  CHECK(has(keeper.look(), "uses the certificate"));
   CHECK(keeper.identity()->valid_until() > until);
   CHECK(keeper.changes() == 1);
   CHECK_FALSE(keeper.look(/*again=*/true).empty());

@@ -209,7 +209,7 @@ TEST_CASE("a large run folds what is long and says so", "[page]") {
   check_well_formed(html);
   CHECK(contains(html, "… and 960 more motes"));
   CHECK(contains(html, "… and 26 more places"));
-  CHECK(contains(html, "600 between them are left out"));
+  CHECK(contains(html, "600 between them are omitted"));
 }
 
 TEST_CASE("nothing to show is no section", "[page]") {

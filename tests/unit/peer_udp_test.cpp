@@ -98,7 +98,7 @@ TEST_CASE("links over UDP are off unless asked for", "[peer][UDP-01]") {
   CHECK(!x->links().udp_port());
   REQUIRE(x->links().addresses().size() == 1);
   CHECK(x->run_until([&] { return !warnings.empty(); }, test::patience));
-  CHECK(warnings.front() == "udp://127.0.0.1:9: links over UDP are off");
+  CHECK(warnings.front() == "udp://127.0.0.1:9: links over UDP are disabled");
   const auto y = test::open(loop, udp_config_of(2));
   REQUIRE(y->links().addresses().size() == 2);
   CHECK(to_string(peis::url_of(y->links().addresses()[1])) ==

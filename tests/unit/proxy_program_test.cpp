@@ -97,7 +97,7 @@ TEST_CASE("occupancy refuses settings that mean nothing", "[proxy][GEN-06]") {
       {{{"motion", 0}, {"hold_s", 0}}, "hold_s", "must be more than 0 and at most 86400"},
       {{{"motion", 0}, {"hold_s", 86401}}, "hold_s", "must be more than 0 and at most 86400"},
       {{{"light", 0}}, "light", "is neither \"hold_s\" nor a field of the proxy"},
-      {{{"door", 0}}, "door", "is a field with words, which no number is compared with"},
+      {{{"door", 0}}, "door", "is a field with words, which cannot be compared with a number"},
   };
   for (const auto& r : rows) {
     CAPTURE(r.message);

@@ -450,7 +450,7 @@ TEST_CASE("an owner that goes at once may not have acted", "[proxy][rules]") {
   written x;
   x.ends(write_end::accepted, 1s);
   x.aut.on_owner_gone(key, at(20s));
-  CHECK(x.story() == "kitchen.fan.switch = on waits: its owner has gone, and may not have acted");
+  CHECK(x.story() == "kitchen.fan.switch = on waits: its owner ended, and may not have acted");
   CHECK(x.counted() == write_counters{1, 0, 0, 0, 0});
   CHECK(x.aut.on_owner(key, at(40s), true) == writes{{key, "on", true}});
   x.ends(write_end::accepted, 41s);

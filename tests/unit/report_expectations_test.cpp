@@ -115,7 +115,7 @@ TEST_CASE("a tuple follows another in time, each time", "[report][expect]") {
   one x(lamp_follows_door());
   CHECK(x.judge.watches_tuples());
   CHECK_FALSE(x.judge.next_sample());
-  CHECK(x.result().measured == "the condition has never come true");
+  CHECK(x.result().measured == "the condition never became true");
   CHECK_FALSE(x.met());
   x.judge.on_tuple("kitchen.door", "open", at(10s));
   x.judge.on_tuple("kitchen.door", "open", at(12s)); // said again, not opened again
@@ -134,7 +134,7 @@ TEST_CASE("a tuple follows another in time, each time", "[report][expect]") {
   const auto unmet = x.result();
   CHECK(unmet.outcome == verdict::unmet);
   CHECK(unmet.at == at(603s));
-  CHECK(unmet.measured == "due since 598.000 s: not so until 603.000 s; 2 of 3 times");
+  CHECK(unmet.measured == "due since 598.000 s: not met until 603.000 s; 2 of 3 times");
   CHECK(unmet.explain == std::vector<std::string>{"kitchen.door", "--at", "598001ms"});
 }
 

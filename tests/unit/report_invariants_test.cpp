@@ -113,7 +113,8 @@ TEST_CASE("a channel whose source has none is leaked", "[report][invariants]") {
       {}, std::vector<channel_entry>{{source, source, 4}, {relay, source, 4}, {relay, source, 5}});
   REQUIRE(found.size() == 1);
   CHECK(found[0].invariant == "no channel is leaked");
-  CHECK(found[0].detail == "mote 3/8 keeps channel 5 of mote 3/7, which has none of that number");
+  CHECK(found[0].detail ==
+        "mote 3/8 has channel 5 of mote 3/7, which has no channel of that number");
 }
 
 TEST_CASE("a stream may be half open for a while only", "[report][invariants]") {
@@ -137,7 +138,7 @@ TEST_CASE("island time has a bound where it is promised", "[report][invariants]"
   const auto unforeseen = check_clocks(x, islands{{island_id{3}, true}});
   REQUIRE(unforeseen.size() == 1);
   CHECK(unforeseen[0].detail ==
-        "kitchen: a mote's island time is 2 ms farther off than it allows for");
+        "kitchen: a mote's island time is 2 ms farther off than its error bound");
 }
 
 TEST_CASE("ticks come together in islands and among peers",
@@ -150,7 +151,7 @@ TEST_CASE("ticks come together in islands and among peers",
   REQUIRE(late.size() == 1);
   CHECK(late[0].invariant == "ticks come together");
   CHECK(late[0].detail ==
-        "kitchen: a mote's network time is 6 ms farther off its gateway's than it allows for");
+        "kitchen: a mote's network time is 6 ms farther off its gateway's than its error bound");
 
   const peer_view pc{peer_id{1}, "pc", {peer_id{1}, peer_id{2}}, {}, 1h};
   const peer_view robot{peer_id{2}, "robot", {peer_id{1}, peer_id{2}}, {}, 1h + 25ms};

@@ -150,10 +150,10 @@ TEST_CASE("what nobody can know any more is said, and the whole is not complete"
   };
   const auto seen = merged_after(24s); // it has left reports until 4 s before its end
   CHECK(seen.complete);
-  CHECK(seen.event_log.at(0).what == "last contact: what its part counted until 0:24 is not known");
+  CHECK(seen.event_log.at(0).what == "last contact: its part's counts until 0:24 is not known");
   for (const auto& x : {merged_after(31s), merged_after(0s)}) {
     CHECK(!x.complete);
-    CHECK(x.reason.starts_with("host a: what its part counted from 0:20 to "));
+    CHECK(x.reason.starts_with("host a: its part's counts from 0:20 to "));
     REQUIRE(x.violations.size() == 1);
     CHECK(x.violations[0].invariant == run_is_complete);
     CHECK(x.violations[0].at == instant(20s));
@@ -183,7 +183,7 @@ TEST_CASE("a host without a last word is a violation", "[report][GEN-05]") {
   const auto gone = merged_of({{"a", {{0s, part_with(fan, "kitchen"), false}}}, {"b", {{}}}});
   CHECK_FALSE(gone.complete);
   REQUIRE(gone.violations.size() == 2);
-  CHECK(gone.violations[0].detail == "host a: there is no report of its part's end");
+  CHECK(gone.violations[0].detail == "host a: its part sent no final report");
   auto early = part_with(fan, "kitchen");
   early.report.complete = false;
   early.report.reason = "out of memory";

@@ -42,17 +42,18 @@ TEST_CASE("bad XML is refused with its place", "[smepp][SMP-11]") {
   CHECK(problem_of("") == "1:1: '<peer' expected");
   CHECK(problem_of("<mote id='1'/>") == "1:1: '<peer' expected");
   CHECK(problem_of("<peer/>") == "1:6: an attribute expected");
-  CHECK(problem_of("<peer id='0'/>") == "1:11: '0' is no mote's id (1..65532)");
-  CHECK(problem_of("<peer id='65533'/>") == "1:11: '65533' is no mote's id (1..65532)");
-  CHECK(problem_of("<peer id='99999999999'/>") == "1:11: '99999999999' is no mote's id (1..65532)");
-  CHECK(problem_of("<peer id='x1'/>") == "1:11: 'x1' is no mote's id (1..65532)");
+  CHECK(problem_of("<peer id='0'/>") == "1:11: '0' is not the id of a mote (1..65532)");
+  CHECK(problem_of("<peer id='65533'/>") == "1:11: '65533' is not the id of a mote (1..65532)");
+  CHECK(problem_of("<peer id='99999999999'/>") ==
+        "1:11: '99999999999' is not the id of a mote (1..65532)");
+  CHECK(problem_of("<peer id='x1'/>") == "1:11: 'x1' is not the id of a mote (1..65532)");
   CHECK(problem_of("<peer id='1'>") == "1:14: '<transducer' expected");
   CHECK(problem_of("<peer id='1'>\n <transducer type='lamp'/></peer>") ==
-        "2:20: 'lamp' is no transducer");
+        "2:20: 'lamp' is not a transducer");
   CHECK(problem_of("<peer id='1'><transducer type='led'/>\n<transducer type='led'/></peer>") ==
-        "2:19: 'led' is there twice");
+        "2:19: 'led' is present twice");
   CHECK(problem_of("<peer id='1'><transducer kind='led'/></peer>") == "1:26: 'type' expected");
-  CHECK(problem_of("<peer id='1'></peer><peer/>") == "1:21: nothing may follow the peer");
+  CHECK(problem_of("<peer id='1'></peer><peer/>") == "1:21: unexpected text after the peer");
   CHECK(problem_of("<peer id='1&#48;'/>") == "1:12: this character is not allowed here");
   CHECK(problem_of("<!-- <peer id='1'/>") == "1:1: comment without end");
   CHECK(problem_of("<?xml version=\"1.0\" x='1'?><peer id='1'/>") == "1:21: '?>' expected");

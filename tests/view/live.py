@@ -25,7 +25,7 @@ class Run:
         self._readers = [threading.Thread(target=self._read_errors), threading.Thread(target=self._read_output)]
         for each in self._readers:
             each.start()
-        self.url = self.wait_for(r"watch it at (http://\S+/)").group(1)
+        self.url = self.wait_for(r"page: (http://\S+/)").group(1)
 
     def _read_errors(self):
         for line in self.process.stderr:

@@ -113,7 +113,7 @@ function firstAfter(list, timeOfItem, t) {
 // ---- signs and colours
 
 const STATES = [ // in the order of their codes: name, label, colour
-  ["absent", "not yet there", "soft"], ["joined", "joined", "good"], ["asleep", "asleep", "asleep"],
+  ["absent", "not yet present", "soft"], ["joined", "joined", "good"], ["asleep", "asleep", "asleep"],
   ["lost", "lost, no route", "poor"], ["off", "off", "bad"], ["flat", "battery flat", "flat"],
 ];
 const [ABSENT, JOINED, ASLEEP, LOST, OFF] = STATES.keys();
@@ -1191,7 +1191,7 @@ function tipLines({ kind, index: i }) {
   if (kind === "peer") return [model.peers[i].name, `${model.peers[i].gateway ? "gateway" : "peer"} ${model.peers[i].id}, ${model.peers[i].links.length} links`];
   if (kind === "island") {
     const { name, counts, count, folded } = model.islands[i];
-    return [name, `${joinedIn(counts)} of ${count} joined`, folded ? "click: nearer" : "sink"];
+    return [name, `${joinedIn(counts)} of ${count} joined`, folded ? "click: zoom in" : "sink"];
   }
   const { motes } = shown;
   if (!motes) return [fullName(i)];
@@ -1685,7 +1685,7 @@ function flatten(node, rows, allOpen) {
 function showTuples() {
   const needle = needleOf("tuple-filter");
   const found = tuples.list.filter(([owner, key, value]) => matches(needle, owner, key, value));
-  const more = tuples.leftOut ? `, ${countText(tuples.leftOut)} more are left out` : "";
+  const more = tuples.leftOut ? `, ${countText(tuples.leftOut)} more are omitted` : "";
   put("tuple-count", `${countText(found.length)} tuples at ${timeText(shown.at_s)}${more}`);
   tabs.tuples.list.set(flatten(tupleTree(found), [], Boolean(needle)));
   if (tuples.chosen) showTupleDetail();
@@ -1879,8 +1879,8 @@ function energyBar(energy) {
 
 const messages = { list: [], total: 0, why: "", ready: false };
 const MESSAGE_SIGNS = { lost: "✕", open: "…", arrived: "✓" };
-const NO_RECORD = "No record is kept of this run, so what became of messages is not known. "
-  + "Start it with --record FILE to see them here, to have values explained, and to see frames on their way.";
+const NO_RECORD = "This run is not recorded, so the outcomes of messages are unknown. "
+  + "Start it with --record FILE to see them here, to explain values, and to see frames in transit.";
 
 function startMessages() {
   const refresh = throttled(1500, () => (grows(messages) || !messages.ready ? askMessages() : null));
@@ -1993,7 +1993,7 @@ async function moteParts(i) {
 function energyDetails(answer) {
   if (!answer) return [];
   const parts = [make("h3", "Energy"), ...energyBar(answer.energy), factList(energyParts(answer.energy).map(([name, mah]) => [radioWord(name), chargeText(mah)]))];
-  if (isNumber(answer.energy?.forwarded_share)) parts.push(make("p.small", `${shareText(answer.energy.forwarded_share)} of what it sent was for others`));
+  if (isNumber(answer.energy?.forwarded_share)) parts.push(make("p.small", `${shareText(answer.energy.forwarded_share)} of its transmissions was forwarded for others`));
   if (answer.used?.length > 1) {
     const canvas = make("canvas.curve", { role: "img", "aria-label": "Charge used over time, mAh" });
     canvas.points = answer.used;
@@ -2007,7 +2007,7 @@ function neighbourDetails(list, island) {
     const place = placeOf(name, island);
     return make("tr", make("td", place ? button(name, () => choose({ kind: place.kind, index: place.index }), { class: "link" }) : name), make("td", etxText(etx)));
   });
-  return [make("h3", `Neighbours (${rows.length})`), make("table", make("tr", make("th", "who"), make("th", "ETX")), ...rows)];
+  return [make("h3", `Neighbours (${rows.length})`), make("table", make("tr", make("th", "neighbour"), make("th", "ETX")), ...rows)];
 }
 
 async function messagesOf(of) {
@@ -2027,7 +2027,7 @@ async function peerParts(index) {
     showTab("tuples");
   };
   return [make("h2", peer.name), make("p.soft.small", `${peer.gateway ? "gateway" : "PEIS peer"} ${peer.id}${peer.host ? " on " + peer.host : ""}`),
-    make("div.row", button("its tuples", seeTuples, { id: "peer-tuples" }), faultButton("kill it …", "kill peer", peer.name)),
+    make("div.row", button("its tuples", seeTuples, { id: "peer-tuples" }), faultButton("kill this peer…", "kill peer", peer.name)),
     factList(answer?.facts || []), make("h3", `Configured links (${peer.links.length})`), chips("peer", peer.links),
     make("h3", "Open links, packages waiting"), factList(answer?.links || []),
     ...(peer.islands.length ? [make("h3", "Cable to the sink of"), chips("island", peer.islands)] : []),
