@@ -591,7 +591,7 @@ void spawn_bluetooth(ecology_pointer self) {
 /// One window carries a frame over several hops, and few islands are deeper than eight.
 transport::answer_slacks slacks_of(const config::ecology_description& x) {
   constexpr std::size_t hops_likely = 8;
-  constexpr int rests = 20; ///< of the time in which a frame is repeated for a radio that listens
+  constexpr int rests = 5; ///< of the time in which a frame is repeated for a radio that listens
   std::map<island_id, transport::answer_slack> all;
   config::for_each_island(x, [&](const config::island_description& island) {
     const auto hops = std::min(island.motes.size(), hops_likely);

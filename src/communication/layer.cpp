@@ -427,8 +427,8 @@ std::optional<duration> layer::latency_bound(stream::channel_handle channel) con
     const auto route = tunnels_.route_of(tunnel_of(channel));
     if (!route)
       return messages_.config().lifetime;
-    return std::min(messages_.config().lifetime,
-                    2 * route->round_trip + messages_.slack_to(route->peer) + queues);
+    const auto slack = messages_.slack_to(route->peer);
+    return std::min(messages_.config().lifetime, 2 * route->round_trip + queues) + slack;
   }
   const auto found = latency_bounds_.find(channel);
   return found == latency_bounds_.end() ? std::nullopt : std::optional(found->second);

@@ -6,9 +6,13 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
+#include <utility>
 #include <variant>
 #include <vector>
 
+#include "config/reach.hpp"
+#include "core/decimal.hpp"
 #include "core/math.hpp"
 #include "core/overloads.hpp"
 #include "radio/mac_rules.hpp"
@@ -29,6 +33,39 @@ constexpr duration beacon_time =
 
 // Frames begin in the first three quarters (network/turns.hpp).
 constexpr int open_quarters = 3;
+
+// What one packet takes of a window. The next one can follow when it is three hops ahead; of longer
+// routes the packets disturb each other.
+constexpr duration packet_time = 9ms;
+constexpr duration packet_time_hop = 1600us; // of each hop after the third
+constexpr unsigned hops_measured = 8;
+// An answer that comes down goes at the beginning of a window, when the sink sends all it has.
+constexpr double acknowledged_weight = 2.5;
+constexpr double tunnel_weight = 2;
+constexpr double share_max = 0.8; // from here on one window more or less makes the difference
+
+duration packet_time_of(unsigned hops, double loss) {
+  const auto more = std::clamp(hops, 3U, hops_measured) - 3;
+  const auto once = packet_time + static_cast<duration::rep>(more) * packet_time_hop;
+  const auto arrives = std::max(1 - loss, 0.1);
+  return std::chrono::duration_cast<duration>(once / (arrives * arrives));
+}
+
+duration rounded_up(duration window) {
+  constexpr duration step = 10ms;
+  return (window + step - duration(1)) / step * step;
+}
+
+/// The farthest mote's, as far as it can be told.
+unsigned hops_of(const island_description& x, const radio::channel_config& radio) {
+  const auto* disk = std::get_if<radio::unit_disk>(&radio.propagation);
+  if (disk == nullptr || disk->range_m <= 0)
+    return 1;
+  std::vector<position> places{x.sink.place};
+  for (const auto& mote : x.motes)
+    places.push_back(mote.place);
+  return std::max(std::ranges::max(hops_from(places, 0, disk->range_m)), 1U);
+}
 
 struct listener {
   mote_id id;
@@ -87,9 +124,60 @@ std::size_t beacons_in(duration window) {
 }
 
 duration window_for(std::size_t beacons) {
-  constexpr duration step = 10ms;
-  const auto least = static_cast<duration::rep>(beacons) * beacon_time * 4 / open_quarters;
-  return (least + step - duration(1)) / step * step;
+  return rounded_up(static_cast<duration::rep>(beacons) * beacon_time * 4 / open_quarters);
+}
+
+namespace {
+
+template <class App, class Function>
+void for_each_stream(const island_description& x, Function&& function) {
+  for (const auto& mote : x.motes)
+    for (const auto& app : mote.apps)
+      if (const auto* other = std::get_if<apps::app_config>(&app))
+        if (const auto* end = std::get_if<App>(other); end != nullptr && end->every > 0s)
+          function(mote.id, *end);
+}
+
+/// Times between the records of streams with one end in the island: those with two have channels
+/// with times of their own.
+std::vector<duration> tunnelled_streams(const island_description& x) {
+  std::vector<duration> all;
+  std::set<std::pair<mote_id, std::uint16_t>> near;
+  for_each_stream<apps::stream_writer_config>(x, [&](mote_id, const auto& writer) {
+    const bool is_here = writer.to.island == x.id || writer.to.island == own_island;
+    if (is_here && writer.to.mote != no_mote)
+      near.emplace(writer.to.mote, writer.stream);
+    else
+      all.push_back(writer.every);
+  });
+  for_each_stream<apps::stream_reader_config>(x, [&](mote_id mote, const auto& reader) {
+    if (!near.contains({mote, reader.stream}))
+      all.push_back(reader.every);
+  });
+  return all;
+}
+
+} // namespace
+
+double packets_per_window(const island_description& x) {
+  double per_second = 0;
+  for (const auto& mote : x.motes)
+    per_second += messages_per_second(mote, acknowledged_weight);
+  double per_window = 0;
+  for (const auto every : tunnelled_streams(x)) {
+    per_second += tunnel_weight / seconds(every);
+    per_window += tunnel_weight * 2 / 4; // keep-alives both ways (transport/tunnels.hpp)
+  }
+  return per_window + per_second * seconds(x.duty.period);
+}
+
+double packets_in(duration window, unsigned hops, double loss) {
+  return share_max * seconds(window * open_quarters / 4) / seconds(packet_time_of(hops, loss));
+}
+
+duration window_for(double packets, unsigned hops, double loss) {
+  const auto least = packets / share_max * seconds(packet_time_of(hops, loss)) * 4 / open_quarters;
+  return rounded_up(std::chrono::duration_cast<duration>(std::chrono::duration<double>(least)));
 }
 
 std::size_t crowd_of(const island_description& x, const radio::channel_config& radio) {
@@ -115,7 +203,7 @@ std::size_t crowd_of(const island_description& x, const radio::channel_config& r
   return most;
 }
 
-double messages_per_second(const mote_description& x) {
+double messages_per_second(const mote_description& x, double reliable_weight) {
   double sum = 0;
   for (const auto& app : x.apps) {
     std::optional<duration> every;
@@ -128,7 +216,7 @@ double messages_per_second(const mote_description& x) {
       reliable = messenger->reliable;
     }
     if (every && *every > 0s)
-      sum += (reliable ? 2 : 1) / seconds(*every);
+      sum += (reliable ? reliable_weight : 1) / seconds(*every);
   }
   return sum;
 }
@@ -145,17 +233,22 @@ std::string doubt_of_window(const island_description& x, const radio::channel_co
     return {};
   const auto room = beacons_in(x.duty.window);
   const auto crowd = crowd_of(x, radio);
-  const auto messages =
-      static_cast<std::size_t>(std::ceil(messages_per_second(x) * seconds(x.duty.period)));
-  if (std::max(crowd, messages) <= room)
+  const auto hops = hops_of(x, radio);
+  const auto packets = packets_per_window(x);
+  const auto carried = packets_in(x.duty.window, hops, radio.loss);
+  if (crowd <= room && packets <= carried)
     return {};
-  const auto needed = window_for(std::max(crowd, messages));
-  auto text = "a window of " + to_text(x.duty.window) + " has room for " + std::to_string(room) +
-              " beacons, but ";
-  text += crowd > room
-              ? std::to_string(crowd) + " motes in range of each other share it: after a restart "
-                                        "of the sink they are missing for a long time"
-              : "each of them has " + std::to_string(messages) + " messages: many are lost";
+  const auto needed = std::max(window_for(crowd), window_for(packets, hops, radio.loss));
+  auto text = "a window of " + to_text(x.duty.window);
+  if (crowd > room)
+    text += " has room for " + std::to_string(room) + " beacons, but " + std::to_string(crowd) +
+            " motes in range of each other share it: after a restart of the sink they are missing "
+            "for a long time";
+  else
+    text += " carries about " + decimal_text(carried, 2) + " packets over " +
+            (hops == 1 ? "1 hop" : std::to_string(hops) + " hops") + ", but the programs of the island send " +
+            decimal_text(packets, 2) +
+            " per window, answers included: many are lost, and motes leave the island";
   text += "; " + to_text(needed) + " would do";
   if (2 * needed > x.duty.period)
     text += ", with a period of " + to_text(2 * needed) + " at least";

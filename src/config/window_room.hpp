@@ -24,8 +24,19 @@ namespace rubicon::config {
 
 /// Messages that the programs of a mote, or of an island, send to the sink; reliable ones are two,
 /// since they are acknowledged end to end. [1/s]
-[[nodiscard]] double messages_per_second(const mote_description& x);
+[[nodiscard]] double messages_per_second(const mote_description& x, double reliable_weight = 2);
 [[nodiscard]] double messages_per_second(const island_description& x);
+
+/// Packets between motes and their sink in one window, weighted by what they cost: of reliable
+/// messages and of streams to other islands and PCs also those that come back.
+[[nodiscard]] double packets_per_window(const island_description& x);
+
+/// How many of them a window carries with hardly a loss. Measured with lines of 1 to 8 hops
+/// (docs/radio.md). @param loss of frames, 0..1
+[[nodiscard]] double packets_in(duration window, unsigned hops, double loss);
+
+/// The shortest window, in steps of 10 ms, that carries so many.
+[[nodiscard]] duration window_for(double packets, unsigned hops, double loss);
 
 /// What the radio of one sink carries, when all its motes are in its reach. Measured with stars of
 /// 60 to 254 motes (docs/radio.md). [1/s]

@@ -137,7 +137,7 @@ struct gateway_config {
   /// They are behind a serial forwarder, which takes packets whatever becomes of them.
   bool is_forwarded = false;
   duration relay_wait = 35s; ///< for the outcome of an input passed on: longer than two messages of
-                             ///< Transport take to fail
+                             ///< Transport take to fail where radios are on
 };
 
 struct gateway_counters {

@@ -133,7 +133,9 @@ void gateway::pass_on(const pending_input& x, byte_view octets, outputs& out) {
     return;
   }
   ++counters_.relayed_out;
-  waiting_[++relay_number_] = {x, now_ + config_.relay_wait};
+  const auto slack = slack_of(config_.slacks, {config_.island, x.mote}).there_and_back;
+  const auto longest = config_.relay_wait + 2 * transport::messenger_config::attempts_max * slack;
+  waiting_[++relay_number_] = {x, now_ + longest};
   out.emplace_back(relay_to{
       *leader, encode(relay(relayed_input{relay_number_, x.mote, x.channel, to_bytes(octets)}))});
 }

@@ -21,10 +21,18 @@ void append(packet_service_outputs& to, packet_service_outputs from) {
   std::ranges::move(from, std::back_inserter(to));
 }
 
+/// Fragments of one packet may leave in one window and the next.
+transport::assembly_config assembly_of(const network::router_config& config) {
+  transport::assembly_config x;
+  x.packets_max = config.is_sink ? 32 : 1;
+  x.patience += 2 * config.duty.period;
+  return x;
+}
+
 } // namespace
 
 packet_service::packet_service(network::router_config config, random_stream rng, instant now)
-    : router_(config, rng, now), fragments_({.packets_max = config.is_sink ? 32U : 1U}) {}
+    : router_(config, rng, now), fragments_(assembly_of(config)) {}
 
 packet_service_outputs packet_service::send(mote_id to, const network::island_packet& x,
                                             instant now, bool in_slot) {

@@ -188,7 +188,7 @@ void messenger::on_hello(mote_address from, const segment& x, outputs& out, inst
   const bool is_again = known != sources_.end() && x.sender == known->second.sender &&
                         x.counter == known->second.counter;
   const bool is_old = known != sources_.end() && !is_again &&
-                      now - known->second.heard < config_.lifetime &&
+                      now - known->second.heard < config_.lifetime + slack_to(from) &&
                       (x.sender == known->second.sender
                            ? !is_later(x.counter, known->second.counter)
                            : !is_ahead(x.sender, known->second.sender, sender_incarnations));

@@ -67,7 +67,9 @@ struct messenger_config {
   std::size_t outstanding_max = 8;                  ///< reliable sends that have not ended
   std::size_t sessions_max = 6;                     ///< receivers whose incarnation is remembered
   std::size_t sources_max = 8; ///< senders remembered for suppression of duplicates
-  duration lifetime = 60s; ///< nothing is in flight for longer; then numbers prove nothing any more
+  /// Nothing is in flight for longer, beside what answers take longer; then numbers prove nothing
+  /// any more.
+  duration lifetime = 60s;
 };
 
 struct messenger_counters {

@@ -13,6 +13,9 @@ namespace {
 /// Of keep-alives so many may be lost, one after the other.
 constexpr int silent_periods = 3;
 
+/// Windows are short, and all packets of an island share them: keep-alives take one in so many.
+constexpr int windows_per_keep_alive = 4;
+
 /// Of two lives of a node, is `a` the later one?
 bool is_later(tunnel_life a, tunnel_life b) {
   const int distance = (a + tunnel_lives - b) % tunnel_lives;
@@ -279,7 +282,7 @@ answer_slack tunnels::slack_to(mote_address peer) const {
 }
 
 duration tunnels::keep_alive_of(const tunnel& x) const {
-  return std::max(config_.keep_alive, slack_to(x.peer).period);
+  return std::max(config_.keep_alive, windows_per_keep_alive * slack_to(x.peer).period);
 }
 
 /// Until nothing received means that the other end is gone.

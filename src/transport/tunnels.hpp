@@ -80,8 +80,8 @@ struct tunnels_config {
   static constexpr duration connect_wait = 1s;
   static constexpr duration connect_wait_max = 8s;
   duration connect_timeout = 30s; ///< until the opener gives up (STR-19)
-  /// Having sent nothing for so long, an end says that it is there; no more often than once in a
-  /// period of radios that sleep.
+  /// Having sent nothing for so long, an end says that it is there; where radios sleep no more often
+  /// than once in four of their periods.
   duration keep_alive = 10s;
   /// Having received nothing for so long, it ends the tunnel; as many keep-alives of a longer
   /// period, and what answers take longer.

@@ -3,6 +3,7 @@
 #include "config/doubts.hpp"
 #include "config/listing.hpp"
 #include "config/tuple_keys.hpp"
+#include "config/window_room.hpp"
 #include "config_sample.hpp"
 #include "support/catch.hpp"
 
@@ -94,7 +95,11 @@ TEST_CASE("windows have room for those who share them", "[config][NRG-01]") {
   CHECK_FALSE(said(50, "330ms").empty());
   CHECK(said(14, "100ms").empty());
   CHECK_FALSE(said(15, "100ms").empty());
-  CHECK(said(14, "100ms", "1s").find("each of them has 28 messages") != std::string::npos);
+  CHECK(said(14, "100ms", "1s").find("carries about 6.67 packets over 1 hop, but the programs of "
+                                     "the island send 28 per window, answers included") !=
+        std::string::npos);
+  CHECK(said(3, "100ms", "1s").empty());
+  CHECK_FALSE(said(4, "100ms", "1s").empty());
   const auto crowd = said(300, "1s");
   CHECK(crowd.find("with a period of 3.94 s at least") != std::string::npos);
 }
@@ -116,6 +121,47 @@ TEST_CASE("only those who hear each other share a window", "[config][NRG-01]") {
     toml += "[[island.mote]]\nid = " + std::to_string(i + 1) + "\ntype = 7\nposition_m = [" +
             std::to_string(25 * i) + ", 0]\n";
   CHECK(load_text(toml, "t.toml").doubts.empty());
+}
+
+TEST_CASE("a window carries less over many hops, and less with loss", "[config][NRG-01]") {
+  CHECK(packets_in(100ms, 1, 0) == Approx(6.67).epsilon(0.01));
+  CHECK(packets_in(100ms, 3, 0) == packets_in(100ms, 1, 0));
+  CHECK(packets_in(200ms, 6, 0) == Approx(8.7).epsilon(0.01));
+  CHECK(packets_in(200ms, 6, 0.1) == Approx(7.04).epsilon(0.01));
+  CHECK(packets_in(200ms, 60, 0) == packets_in(200ms, 8, 0));
+  for (const auto hops : {1U, 4U, 8U})
+    for (const auto loss : {0.0, 0.2})
+      for (const auto packets : {0.5, 3.0, 20.0}) {
+        const auto window = window_for(packets, hops, loss);
+        CHECK(packets_in(window, hops, loss) >= packets);
+        CHECK(packets_in(window - 10ms, hops, loss) < packets);
+      }
+}
+
+TEST_CASE("streams to elsewhere and answers take a part of each window", "[config][NRG-01]") {
+  const auto said = [](const std::string& apps, const std::string& period) {
+    std::string toml = "[ecology]\nname = 't'\n[radio]\nrange = '25m'\n"
+                       "[mote_type.c]\ntype = 7\ntransducers.temperature = { model = 'constant', "
+                       "value = 1 }\napps = [" +
+                       apps +
+                       "]\n[[island]]\nname = 'k'\nid = 1\nkeep_alive = '2min'\n"
+                       "duty_cycle = { period = '" +
+                       period + "', window = '100ms' }\n[[peer]]\nid = 40\nname = 'pc'\n";
+    for (int i = 1; i <= 6; ++i)
+      toml += "[[island.mote]]\nid = " + std::to_string(i + 1) +
+              "\ntype = 'c'\nposition_m = [" + std::to_string(20 * i) + ", 0]\n";
+    const auto x = load_text(toml, "t.toml");
+    for (const auto& each : x.problems)
+      FAIL_CHECK(to_string(each));
+    return x.doubts.empty() ? std::string() : to_string(x.doubts.at(0));
+  };
+  const std::string sampler = "{ app = 'sampler', transducers = ['temperature'], every = '60s'";
+  const std::string stream = "{ app = 'stream_writer', transducer = 'temperature', stream = 1, "
+                             "every = '60s', to = 'pc' }";
+  CHECK(said(sampler + " }", "30s").empty());
+  CHECK(said(sampler + ", reliable = true }", "10s").empty());
+  CHECK_FALSE(said(sampler + ", reliable = true }", "30s").empty());
+  CHECK_FALSE(said(stream, "10s").empty());
 }
 
 TEST_CASE("patterns of keys match without letter case", "[config]") {

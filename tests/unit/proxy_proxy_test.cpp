@@ -209,6 +209,16 @@ TEST_CASE("a request the gateway leaves alone times out", "[proxy][PXY-12][IF-07
   CHECK_FALSE(aut.deadline());
 }
 
+TEST_CASE("a request waits as much longer as the mote's radio sleeps", "[proxy][PXY-12][IF-07]") {
+  face aut(climate(), identity(), 100s);
+  static_cast<void>(aut.start(start));
+  static_cast<void>(aut.on_input("switch", "on", start + 1s));
+  CHECK(aut.deadline() == start + 121s);
+  CHECK(told(aut.on_time(start + 121s)) == lines{base + "switch.outcome = on timeout"});
+  const auto shorter = aut.on_class_changed({.class_name = "climate", .answer_timeout = 5s});
+  CHECK(told(shorter).at(0) == base + "switch.deadline = 105.000000");
+}
+
 TEST_CASE("a lost mote shows, and the same proxy carries on when it returns",
           "[proxy][PXY-15][PXY-16]") {
   auto aut = started();

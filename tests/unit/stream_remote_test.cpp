@@ -224,6 +224,19 @@ TEST_CASE("SS_OPEN is repeated until it is acknowledged", "[stream][STR-13]") {
   CHECK(world.packets.size() == sent);
 }
 
+TEST_CASE("an open waits as long as radios sleep at both ends", "[stream][STR-13][STR-19]") {
+  streams x;
+  const mote_address self{island_id{1}, mote_id{2}};
+  x.set_answer_slack(8s);
+  const auto answer =
+      x.open_remote(self, {.destination = {island_id{2}, mote_id{3}}, .name = 7}, {}, 100s);
+  CHECK(x.deadline() == instant{} + 30s + 2 * 108s);
+  static_cast<void>(x.on_connected(answer.stream, channel_handle{4}, {}));
+  CHECK(x.deadline() == instant{} + 2s + 108s); // SS_OPEN again
+  static_cast<void>(x.on_accepted(channel_handle{5}, {island_id{3}, mote_id{9}}, {}, 1s));
+  CHECK(x.deadline() == instant{} + 30s + 2 * 9s);
+}
+
 TEST_CASE("a lost acknowledgement is given again", "[stream][STR-13]") {
   for (const bool opens_first : {true, false}) {
     streams x;

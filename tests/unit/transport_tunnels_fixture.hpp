@@ -23,11 +23,13 @@ inline constexpr mote_address alice{island_id{1}, mote_id{7}};
 inline constexpr mote_address bob{island_id{2}, mote_id{8}};
 inline constexpr mote_address pc{island_id{2}, no_mote};
 inline transport::tunnels make_tunnels(mote_address self, std::uint32_t incarnation = 0,
-                                       std::size_t tunnels_max = 4) {
+                                       std::size_t tunnels_max = 4,
+                                       transport::answer_slacks slacks = {}) {
   transport::tunnels_config config;
   config.self = self.mote;
   config.incarnation = incarnation;
   config.tunnels_max = tunnels_max;
+  config.slacks = std::move(slacks);
   transport::tunnels x(config);
   x.join(self.island);
   return x;
@@ -50,10 +52,11 @@ struct connection {
 class tunnel_fixture {
 public:
   explicit tunnel_fixture(duration delay_max = 20ms, double loss = 0, std::uint64_t seed = 1,
-                          std::size_t tunnels_max = 4)
-      : delay_max_(delay_max), loss_(loss), tunnels_max_(tunnels_max), rng_(seed) {
+                          std::size_t tunnels_max = 4, transport::answer_slacks slacks = {})
+      : delay_max_(delay_max), loss_(loss), tunnels_max_(tunnels_max), slacks_(std::move(slacks)),
+        rng_(seed) {
     for (const auto who : {alice, bob, pc})
-      nodes_[who].core = make_tunnels(who, 0, tunnels_max_);
+      nodes_[who].core = make_tunnels(who, 0, tunnels_max_, slacks_);
   }
 
   transport::tunnels& at(mote_address who) { return nodes_.at(who).core; }
@@ -92,7 +95,7 @@ public:
   /// The node forgets all. What is in flight stays in flight.
   void restart(mote_address who) {
     auto& x = nodes_[who];
-    x.core = make_tunnels(who, ++x.life, tunnels_max_);
+    x.core = make_tunnels(who, ++x.life, tunnels_max_, slacks_);
     x.ends.clear();
   }
 
@@ -196,6 +199,7 @@ private:
   duration delay_max_;
   double loss_;
   std::size_t tunnels_max_;
+  transport::answer_slacks slacks_;
   random_stream rng_;
   std::map<mote_address, node> nodes_;
   std::multimap<instant, flight> in_flight_;

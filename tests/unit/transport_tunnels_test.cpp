@@ -1,3 +1,6 @@
+#include <map>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "support/catch.hpp"
@@ -164,6 +167,43 @@ TEST_CASE("an opener asks with growing waits and gives up after the timeout",
   CHECK(a.size() == 0);
   CHECK(a.counters().retries == 5);
   CHECK(a.counters().unreachable == 1);
+}
+
+TEST_CASE("an opener waits as long as radios sleep on either side", "[transport][STR-19]") {
+  const auto slacks = std::make_shared<const std::map<island_id, answer_slack>>(
+      std::map<island_id, answer_slack>{{alice.island, {120s, 30s}}, {bob.island, {8s, 4s}}});
+  struct wanted {
+    mote_address from;
+    mote_address to;
+    duration slack;
+  };
+  const mote_address neighbour{alice.island, mote_id{9}};
+  const mote_address gateway{alice.island, no_mote};
+  for (const auto& x : {wanted{alice, pc, 120s}, {pc, alice, 120s}, {alice, bob, 128s},
+                        {alice, neighbour, 120s}, {gateway, alice, 120s}, {gateway, pc, 0s}}) {
+    auto core = make_tunnels(x.from, 0, 4, slacks);
+    static_cast<void>(core.connect(x.to, start));
+    CHECK(core.deadline() == start + 1s + x.slack);
+    auto last = start;
+    for (std::optional<instant> due; (due = core.deadline()); last = *due)
+      static_cast<void>(core.on_time(*due));
+    CHECK(last == start + 30s + 2 * x.slack);
+  }
+}
+
+TEST_CASE("a tunnel to motes that sleep lives on a packet a period, whatever the delay",
+          "[transport][STR-19]") {
+  const auto slacks = std::make_shared<const std::map<island_id, answer_slack>>(
+      std::map<island_id, answer_slack>{{alice.island, {300s, 30s}}});
+  for (const auto seed : {1U, 2U, 3U, 4U, 5U}) {
+    world x(30s, 0.1, seed, 4, slacks);
+    const auto id = x.connect(alice, pc);
+    x.run_for(2h);
+    CHECK(x.ends_at(alice)[id].is_open);
+    CHECK_FALSE(x.ends_at(alice)[id].is_over);
+    CHECK(x.at(alice).counters().keep_alives <= 60);
+    CHECK(x.at(pc).counters().keep_alives <= 60);
+  }
 }
 
 TEST_CASE("an acceptor whose accepts are lost is told that the opener has given up",
