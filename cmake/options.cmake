@@ -21,7 +21,7 @@ set(batches OFF)
 if(DEFINED ENV{RUBICON_BATCHES})
   set(batches $ENV{RUBICON_BATCHES})
 endif()
-option(RUBICON_BATCHES "Compile the files of a room in batches" ${batches})
+option(RUBICON_BATCHES "Compile the files of a room or unit test in batches" ${batches})
 
 add_library(rubicon_options INTERFACE)
 target_compile_features(rubicon_options INTERFACE cxx_std_20)

@@ -18,27 +18,49 @@ foreach(line ${lines})
   set(${room}_rooms ${needs})
 endforeach()
 
-# rubicon_batches(TARGET [SIZE]): batches of SIZE files, 12 unless said, of those that have no group yet. Names without
-# linkage are the room's, not the file's, by this.
+# rubicon_batches(TARGET [SIZE]): batches of SIZE files, 12 unless said, of those without properties of their own. Names
+# without linkage are the target's, not the file's, by this. CMake's own batches would name their files by full paths:
+# no other checkout could find in the compiler cache what this one has compiled, nor the copy of tools/mutate.
 function(rubicon_batches target)
   set(size 12 ${ARGN})
   list(GET size -1 size)
   if(NOT RUBICON_BATCHES)
     return()
   endif()
-  get_target_property(files ${target} SOURCES)
-  set(count 0)
-  foreach(file ${files})
-    get_source_file_property(group ${file} UNITY_GROUP)
-    if(NOT group)
-      math(EXPR batch "${count} / ${size}")
-      math(EXPR count "${count} + 1")
-      set_source_files_properties(${file} PROPERTIES UNITY_GROUP batch_${batch})
-    endif()
-  endforeach()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  # When the folder has been read, all properties are known.
+  cmake_language(EVAL CODE "cmake_language(DEFER CALL rubicon_write_batches [[${target}]] ${size})")
   # A batch includes its files: to GCC, classes with members of a file's own types stand in headers.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-subobject-linkage>)
+endfunction()
+
+function(rubicon_write_batches target size)
+  get_target_property(files ${target} SOURCES)
+  list(FILTER files INCLUDE REGEX "[.]cpp$") # no objects of others
+  set(count 0)
+  set(batches "")
+  foreach(file ${files})
+    math(EXPR batch "${count} / ${size}")
+    math(EXPR count "${count} + 1")
+    set(is_alone OFF)
+    foreach(property UNITY_GROUP SKIP_UNITY_BUILD_INCLUSION COMPILE_OPTIONS COMPILE_DEFINITIONS)
+      get_source_file_property(value ${file} ${property})
+      if(value)
+        set(is_alone ON)
+      endif()
+    endforeach()
+    if(NOT is_alone)
+      set_source_files_properties(${file} PROPERTIES HEADER_FILE_ONLY ON)
+      cmake_path(ABSOLUTE_PATH file)
+      cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
+      string(APPEND batch_${batch} "#include \"${file}\"\n")
+      list(APPEND batches ${batch})
+    endif()
+  endforeach()
+  list(REMOVE_DUPLICATES batches)
+  foreach(batch ${batches})
+    file(CONFIGURE OUTPUT ${target}_batch_${batch}.cpp CONTENT "${batch_${batch}}")
+    target_sources(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/${target}_batch_${batch}.cpp)
+  endforeach()
 endfunction()
 
 # rubicon_room(NAME SOURCES file... NEEDS target...): one room, one library, linked with the rooms that it may

@@ -1,10 +1,12 @@
 #include "actors/air.hpp"
+#include "actors/kitchen.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
 
 using namespace rubicon;
 using test::fake;
 using test::fixture;
+using test::kitchen;
 
 namespace {
 
@@ -13,7 +15,6 @@ constexpr radio::radio_index right_radio{1};
 constexpr radio::radio_index third_radio{2};
 constexpr mote_id left_mote{11};
 constexpr mote_id right_mote{12};
-constexpr island_id kitchen{5};
 
 /// Three radios of one island within earshot of each other.
 struct air_fixture {

@@ -1,5 +1,6 @@
 #include "actors/frames.hpp"
 #include "actors/gateway.hpp"
+#include "actors/kitchen.hpp"
 #include "actors/sample_class.hpp"
 #include "core/device_keys.hpp"
 #include "network/island_packet.hpp"
@@ -11,12 +12,12 @@
 using namespace rubicon;
 using test::fake;
 using test::fixture;
+using test::kitchen;
+using test::the_sink;
 
 namespace {
 
-constexpr island_id kitchen{5};
 constexpr mote_id fan{7};
-constexpr mote_id sink{1};
 constexpr auto adapter_latency = serial::line_config{}.latency;
 
 struct gateway_fixture {
@@ -52,7 +53,7 @@ struct gateway_fixture {
   /// The sink has written a packet.
   void from_sink(std::uint8_t am_type, bytes octets) {
     serial::am_packet x;
-    x.source = sink.value;
+    x.source = the_sink.value;
     x.am_type = am_type;
     x.payload = std::move(octets);
     send(test::serial_frame(x, serial::frame_type::packet));

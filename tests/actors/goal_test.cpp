@@ -17,7 +17,7 @@ using test::watch_on;
 
 namespace {
 
-constexpr peer_id robot{31};
+constexpr peer_id pursuer{31};
 constexpr peer_id opener{32};
 const std::string meta_key = "robot.mi-door";
 
@@ -41,10 +41,10 @@ struct goal_fixture {
     x.goals[0].states[0].needs = goal::condition{"door", {"open"}, {}, {}};
     x.goals[0].states[0].sets = {{"place", "kitchen"}};
     component_arguments made;
-    made.core = std::make_shared<goal::component>(goal::pursuer(x, random_stream(1)), robot);
+    made.core = std::make_shared<goal::component>(goal::pursuer(x, random_stream(1)), pursuer);
     made.who = "robot";
     made.kind = "goal";
-    made.self = robot;
+    made.self = pursuer;
     made.peer = peer.handle();
     made.ecology = ecology.handle();
     app = world.spawn_at("peer_app/robot/goal-1", component_behavior, std::move(made));
@@ -77,10 +77,10 @@ TEST_CASE("a pursuer declares and follows the meta tuple of its input",
   CHECK(declared[0].reference == "(META 31 robot.door)");
   const auto followed = x.peer.all<watch_indirectly>();
   REQUIRE(followed.size() == 1);
-  CHECK(followed[0].owner == robot);
+  CHECK(followed[0].owner == pursuer);
   CHECK(followed[0].key == meta_key);
-  CHECK(watch_on(x.peer, meta_key).owner == robot);
-  CHECK(watch_on(x.peer, "robot.goal").owner == robot);
+  CHECK(watch_on(x.peer, meta_key).owner == pursuer);
+  CHECK(watch_on(x.peer, "robot.goal").owner == pursuer);
   CHECK(x.told("goal") == "none");
 }
 
@@ -133,6 +133,6 @@ TEST_CASE("what an input was is forgotten when it is pointed elsewhere, or is go
   CHECK(state_after([](goal_fixture& x) { x.point("(META -1 NULL)"); }) == "waiting");
   CHECK(state_after([](goal_fixture& x) { x.point("rubbish"); }) == "waiting");
   CHECK(state_after([](goal_fixture& x) { x.door(opener, "open", true); }) == "waiting");
-  CHECK(state_after([](goal_fixture& x) { x.door(robot, "open", true); }) ==
+  CHECK(state_after([](goal_fixture& x) { x.door(pursuer, "open", true); }) ==
         "driving"); // of another
 }

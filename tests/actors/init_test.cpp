@@ -1,5 +1,6 @@
 #include "actors/init.hpp"
 
+#include "actors/kitchen.hpp"
 #include "actors/peis_peer.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
@@ -7,12 +8,9 @@
 using namespace rubicon;
 using test::fake;
 using test::fixture;
+using test::text;
 
 namespace {
-
-payload text(std::string_view x) {
-  return to_bytes(x);
-}
 
 peisinit::component rules() {
   peisinit::component x;

@@ -1,5 +1,6 @@
 #include "actors/frames.hpp"
 #include "actors/island_partner.hpp"
+#include "actors/kitchen.hpp"
 #include "actors/messages/air.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/programs.hpp"
@@ -15,11 +16,11 @@
 using namespace rubicon;
 using test::fake;
 using test::fixture;
+using test::stove;
+using test::the_sink;
 
 namespace {
 
-constexpr mote_address stove{island_id{5}, mote_id{2}};
-constexpr mote_id sink{1};
 constexpr mote_id neighbour{3};
 constexpr radio::radio_index stove_radio{3};
 
@@ -144,7 +145,7 @@ TEST_CASE("a mote asks its sink to take it in once it knows a way, and confirms 
   std::size_t confirms = 0;
   for (const auto& sent : x.island.sent) {
     CHECK(sent.radio == stove_radio);
-    CHECK(sent.destination == sink);
+    CHECK(sent.destination == the_sink);
     CHECK(sent.ack);
     if (const auto request = test::management_in<mote::join_request>(sent)) {
       CHECK(request->incarnation == 0);

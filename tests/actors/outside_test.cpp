@@ -4,6 +4,7 @@
 
 #include "actors/frames.hpp"
 #include "actors/gateway.hpp"
+#include "actors/kitchen.hpp"
 #include "actors/replay_line.hpp"
 #include "network/am.hpp"
 #include "network/sink_event.hpp"
@@ -13,10 +14,9 @@
 using namespace rubicon;
 using test::fake;
 using test::fixture;
+using test::kitchen;
 
 namespace {
-
-constexpr island_id kitchen{5};
 
 serial::am_packet message(std::uint8_t am_type) {
   serial::am_packet x;

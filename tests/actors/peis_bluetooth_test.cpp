@@ -18,7 +18,7 @@ constexpr std::uint16_t port_a = 0x1001;
 constexpr std::uint16_t port_b = 0x1003;
 
 const auto desk = peis::address_of_adapter("desk", "hci0");
-const auto robot = peis::address_of_adapter("robot", "hci0");
+const auto robot_adapter = peis::address_of_adapter("robot", "hci0");
 
 std::vector<std::pair<peis::bluetooth_address, int>> devices(const bluetooth_seen& x) {
   std::vector<std::pair<peis::bluetooth_address, int>> found;
@@ -77,10 +77,10 @@ struct peis_bluetooth_fixture {
 TEST_CASE("a scan shows who is in range, peers or not, and how strongly",
           "[actors][peis_bluetooth][BT-02][BT-04][ACT-01]") {
   peis_bluetooth_fixture x;
-  CHECK(devices(x.scan(1, x.a)) == strengths{{phone, -70}, {robot, -61}});
+  CHECK(devices(x.scan(1, x.a)) == strengths{{phone, -70}, {robot_adapter, -61}});
   CHECK(devices(x.scan(3, x.c)) == strengths{{desk, -61}}); // the phone is 15 m away
   x.move_robot({1, 0, 0});
-  CHECK(devices(x.scan(1, x.a)) == strengths{{phone, -70}, {robot, -40}});
+  CHECK(devices(x.scan(1, x.a)) == strengths{{phone, -70}, {robot_adapter, -40}});
   x.move_robot({10.1, 0, 0});
   CHECK(devices(x.scan(1, x.a)) == strengths{{phone, -70}});
   x.world.send(x.medium, scan_bluetooth{1, "hci1"}); // not one of its own
@@ -256,14 +256,14 @@ TEST_CASE("tuples tell the strength of every device near, and follow its distanc
           "[actors][peis_bluetooth][BT-04]") {
   kernels x;
   x.world.run_for(20s);
-  CHECK(x.newest(robot, "str") == "-61");
+  CHECK(x.newest(robot_adapter, "str") == "-61");
   CHECK(x.newest(phone, "str") == "-40");
   x.world.send(x.medium, move_machine{"robot", {10, 0, 0}});
   x.world.run_for(10s);
-  CHECK(x.newest(robot, "str") == "-70");
+  CHECK(x.newest(robot_adapter, "str") == "-70");
   x.world.send(x.medium, move_machine{"robot", {20, 0, 0}});
   x.world.run_for(10s);
-  CHECK(x.newest(robot, "str").empty());
+  CHECK(x.newest(robot_adapter, "str").empty());
   CHECK(x.newest(phone, "str") == "-40");
 }
 
@@ -272,7 +272,7 @@ TEST_CASE("one failed HELLO marks a device as no peer, and a peer becomes a know
   kernels x;
   x.world.run_for(2s); // one scan
   CHECK(x.newest(phone, "peis") == "no");
-  CHECK(x.newest(robot, "peis") == "yes");
+  CHECK(x.newest(robot_adapter, "peis") == "yes");
   x.world.run_for(20s);
   CHECK(x.status(x.at_desk).hosts == std::vector{peer_id{1}, peer_id{30}});
   CHECK(x.status(x.at_robot).neighbours == std::vector{peer_id{1}});

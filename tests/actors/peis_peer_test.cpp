@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "actors/kitchen.hpp"
 #include "actors/line_allowance.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/links.hpp"
@@ -17,15 +18,12 @@
 using namespace rubicon;
 using test::fake;
 using test::fixture;
+using test::text;
 
 namespace {
 
 constexpr peer_id robot{30};
 constexpr peer_id pc{11};
-
-payload text(std::string_view x) {
-  return to_bytes(x);
-}
 
 /// Two kernels with a component each and a link between them.
 struct peis_peer_fixture {

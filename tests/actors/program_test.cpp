@@ -7,6 +7,7 @@
 #include <caf/binary_deserializer.hpp>
 #include <caf/binary_serializer.hpp>
 
+#include "actors/kitchen.hpp"
 #include "communication/program_port.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
@@ -14,12 +15,11 @@
 using namespace rubicon;
 using test::fake;
 using test::fixture;
+using test::stove;
 
 namespace {
 
 namespace r = communication::remote;
-
-constexpr mote_address stove{island_id{5}, mote_id{2}};
 
 struct program_fixture {
   program_fixture() {

@@ -1,3 +1,4 @@
+#include "actors/kitchen.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/peis.hpp"
 #include "actors/messages/services.hpp"
@@ -10,15 +11,14 @@
 using namespace rubicon;
 using test::fake;
 using test::fixture;
+using test::heater;
+using test::kitchen;
 using test::set_watched;
 using test::text_value;
 using test::tuple_at;
 using test::watch_on;
 
 namespace {
-
-constexpr island_id kitchen{5};
-constexpr mote_id heater{7};
 
 struct proxy_manager_fixture {
   fixture world;
@@ -31,7 +31,7 @@ struct proxy_manager_fixture {
     proxy_manager_arguments x;
     x.classes = {test::sample_class()};
     x.classes[0].known_from = known_from;
-    x.islands = {{kitchen, "kitchen", {{heater, "heater"}}}};
+    x.islands = {{kitchen, "kitchen", {{heater.mote, "heater"}}}};
     x.peer_number = peer_id{40};
     x.peer = peer.handle();
     x.ecology = ecology.handle();
@@ -69,12 +69,12 @@ TEST_CASE("list and type, in any order and however often, lead to one proxy",
   if (list_first)
     x.list("{7}");
   else
-    x.type(heater, 301);
+    x.type(heater.mote, 301);
   CHECK(x.started() == 0);
   x.list("{7}");
-  x.type(heater, 301);
+  x.type(heater.mote, 301);
   x.list("{7,11}");
-  x.type(heater, 301);
+  x.type(heater.mote, 301);
   CHECK(x.started() == 1);
   CHECK(x.world.logged("event=started proxy=kitchen.heater class=heater") == 1);
   CHECK(tuple_at(x.peer, "kitchen.heater.status") == "active");
@@ -85,7 +85,7 @@ TEST_CASE("a mote that is no longer listed makes its proxy lost until it is back
           "[actors][proxy_manager][PXY-16]") {
   proxy_manager_fixture x;
   x.list("{7}");
-  x.type(heater, 301);
+  x.type(heater.mote, 301);
   x.list("{}");
   CHECK(tuple_at(x.peer, "kitchen.heater.status") == "lost");
   CHECK(tuple_at(x.peer, "kitchen.heater.status.cause") == "not_listed");
@@ -101,8 +101,8 @@ TEST_CASE("a mote of a type that no class claims gets no proxy, and an event",
           "[actors][proxy_manager][PXY-10]") {
   proxy_manager_fixture x;
   x.list("{7}");
-  x.type(heater, 9);
-  x.type(heater, 9);
+  x.type(heater.mote, 9);
+  x.type(heater.mote, 9);
   CHECK(x.started() == 0);
   REQUIRE(x.ecology.count<notable_event>() == 1);
   CHECK(x.ecology.all<notable_event>()[0].what ==
@@ -112,7 +112,7 @@ TEST_CASE("a mote of a type that no class claims gets no proxy, and an event",
 TEST_CASE("a mote gets its proxy when its class becomes known", "[actors][proxy_manager][PXY-10]") {
   proxy_manager_fixture x(instant(10s));
   x.list("{7}");
-  x.type(heater, 301);
+  x.type(heater.mote, 301);
   x.world.run_for(9s);
   CHECK(x.started() == 0);
   CHECK(x.ecology.count<notable_event>() == 1);
@@ -124,7 +124,7 @@ TEST_CASE("a mote gets its proxy when its class becomes known", "[actors][proxy_
 TEST_CASE("a proxy that fails is started again and works", "[actors][proxy_manager][ACT-03]") {
   proxy_manager_fixture x;
   x.list("{7}");
-  x.type(heater, 301);
+  x.type(heater.mote, 301);
   const auto failing = watch_on(x.peer, "devices.7.output.1").client;
   // A watch that it never asked for: its handler throws.
   x.world.send(failing, tuple_event{0, peer_id{1}, "devices", {}, false});
@@ -145,7 +145,7 @@ TEST_CASE("a proxy that fails while its mote is away is started when the mote is
           "[actors][proxy_manager][ACT-03]") {
   proxy_manager_fixture x;
   x.list("{7}");
-  x.type(heater, 301);
+  x.type(heater.mote, 301);
   x.list("{}");
   post_exit(watch_on(x.peer, "devices.7.output.1").client, caf::exit_reason::kill);
   x.world.run_for(0s);
@@ -160,8 +160,8 @@ TEST_CASE("a mote that comes back as another kind loses its proxy",
           "[actors][proxy_manager][PXY-09]") {
   proxy_manager_fixture x;
   x.list("{7}");
-  x.type(heater, 301);
-  x.type(heater, 9);
+  x.type(heater.mote, 301);
+  x.type(heater.mote, 9);
   x.world.send(x.manager, status_request{});
   CHECK(x.ecology.count<proxy_status>() == 1); // of the one that has ended
   CHECK(x.started() == 1);
@@ -171,7 +171,7 @@ TEST_CASE("a mote that comes back as another kind loses its proxy",
 TEST_CASE("a manager passes a status request on to its proxies", "[actors][proxy_manager]") {
   proxy_manager_fixture x;
   x.list("{7,11}");
-  x.type(heater, 301);
+  x.type(heater.mote, 301);
   x.type(mote_id{11}, 302);
   x.world.send(x.manager, status_request{});
   REQUIRE(x.ecology.count<proxy_status>() == 2);

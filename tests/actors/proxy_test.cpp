@@ -1,3 +1,4 @@
+#include "actors/kitchen.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/peis.hpp"
 #include "actors/messages/services.hpp"
@@ -9,6 +10,7 @@
 using namespace rubicon;
 using test::fake;
 using test::fixture;
+using test::heater;
 using test::set_watched;
 using test::text_value;
 using test::tuple_at;
@@ -17,7 +19,6 @@ using test::watch_on;
 namespace {
 
 constexpr peer_id care_pc{40};
-constexpr mote_address heater{island_id{5}, mote_id{7}};
 
 struct proxy_fixture {
   fixture world;

@@ -1,3 +1,4 @@
+#include "actors/kitchen.hpp"
 #include "actors/serial_line.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
@@ -6,10 +7,9 @@ using namespace rubicon;
 using serial::direction;
 using test::fake;
 using test::fixture;
+using test::kitchen;
 
 namespace {
-
-constexpr island_id kitchen{5};
 
 struct serial_line_fixture {
   fixture world;

@@ -1,5 +1,6 @@
 #include "actors/frames.hpp"
 #include "actors/island_partner.hpp"
+#include "actors/kitchen.hpp"
 #include "actors/sink.hpp"
 #include "mote/descriptor.hpp"
 #include "network/island_packet.hpp"
@@ -10,11 +11,11 @@
 using namespace rubicon;
 using test::fake;
 using test::fixture;
+using test::stove;
 
 namespace {
 
 constexpr mote_address sink_address{island_id{5}, mote_id{1}};
-constexpr mote_id stove{2};
 constexpr radio::radio_index sink_radio{3};
 
 struct sink_fixture {
@@ -61,9 +62,9 @@ struct sink_fixture {
 
 serial::am_packet packet_down() {
   serial::am_packet x;
-  x.destination = stove.value;
+  x.destination = stove.mote.value;
   x.am_type = network::am::from_gateway;
-  x.payload = encode(network::island_packet{island_id{2}, stove, 2,
+  x.payload = encode(network::island_packet{island_id{2}, stove.mote, 2,
                                             encode(test::plain(mote_id{9}, 2, bytes{9, 8}))});
   return x;
 }
@@ -85,7 +86,7 @@ TEST_CASE("a join on the radio ends in a mote_joined event on the line",
   REQUIRE(!x.island.sent.empty());
   const auto& reply = x.island.sent[0];
   CHECK(reply.radio == sink_radio);
-  CHECK(reply.destination == stove);
+  CHECK(reply.destination == stove.mote);
   CHECK(reply.am_type == network::am::down);
   CHECK(reply.ack);
   REQUIRE(x.island.cores.memberships.size() == 1);
@@ -100,7 +101,7 @@ TEST_CASE("a join on the radio ends in a mote_joined event on the line",
   REQUIRE(x.events().size() == 2);
   CHECK(std::holds_alternative<network::sink_started>(x.events()[0]));
   const auto joined = std::get<network::mote_joined>(x.events()[1]);
-  CHECK(joined.mote == stove);
+  CHECK(joined.mote == stove.mote);
   CHECK(joined.incarnation == 0);
   CHECK(joined.type == 301);
   CHECK(mote::decode_descriptor(joined.descriptor)->type == 301);
@@ -110,12 +111,12 @@ TEST_CASE("a join on the radio ends in a mote_joined event on the line",
 TEST_CASE("a mote that falls silent leaves the island", "[actors][sink][DIS-06]") {
   sink_fixture x;
   x.join();
-  x.island.cores.kill(stove);
+  x.island.cores.kill(stove.mote);
   x.island.run_for(11s);
   bool left = false;
   for (const auto& event : x.events())
-    left = left ||
-           event == network::sink_event(network::mote_left{stove, network::leave_cause::silence});
+    left = left || event == network::sink_event(
+                                network::mote_left{stove.mote, network::leave_cause::silence});
   CHECK(left);
 }
 
@@ -126,7 +127,7 @@ TEST_CASE("a sink carries island packets both ways and acks what the PC sends",
   x.world.send(x.sink, test::serial_frame(packet_down(), serial::frame_type::packet_with_ack, 42));
   x.island.run_for(200ms);
   REQUIRE(x.island.cores.received.size() == 1);
-  CHECK(x.island.cores.received[0].first == stove);
+  CHECK(x.island.cores.received[0].first == stove.mote);
   CHECK(x.island.cores.received[0].second.source == mote_address{island_id{2}, mote_id{9}});
   CHECK(x.island.cores.received[0].second.payload == bytes{9, 8});
   const auto frames = test::frames_in(x.line.all<serial_write>());
@@ -135,15 +136,15 @@ TEST_CASE("a sink carries island packets both ways and acks what the PC sends",
   CHECK(frames[0].sequence == 42);
 
   x.line.forget();
-  REQUIRE(x.island.cores.send(stove, {own_island, no_mote}, 1, bytes{1, 2}, false));
+  REQUIRE(x.island.cores.send(stove.mote, {own_island, no_mote}, 1, bytes{1, 2}, false));
   x.island.run_for(200ms);
   const auto packets = test::packets_in(x.line.all<serial_write>());
   REQUIRE(packets.size() == 1);
-  CHECK(packets[0].source == stove.value);
+  CHECK(packets[0].source == stove.mote.value);
   CHECK(packets[0].am_type == network::am::to_gateway);
   CHECK(packets[0].payload ==
         encode(network::island_packet{sink_address.island, no_mote, 1,
-                                      encode(test::plain(stove, 1, bytes{1, 2}))}));
+                                      encode(test::plain(stove.mote, 1, bytes{1, 2}))}));
 }
 
 TEST_CASE("octets with a bad CRC do nothing but count", "[actors][sink][GW-16]") {
@@ -167,8 +168,8 @@ TEST_CASE("octets with a bad CRC do nothing but count", "[actors][sink][GW-16]")
 
 TEST_CASE("a radio frame that is no frame does nothing", "[actors][sink]") {
   sink_fixture x;
-  const auto lost = encode(network::up_packet{stove, sink_address.mote, 1, 0, 0, bytes{1}});
-  auto frame = test::radio_frame(stove, sink_address.mote, network::am::up, lost);
+  const auto lost = encode(network::up_packet{stove.mote, sink_address.mote, 1, 0, 0, bytes{1}});
+  auto frame = test::radio_frame(stove.mote, sink_address.mote, network::am::up, lost);
   auto octets = to_bytes(frame.psdu.view());
   octets[12] ^= 1;
   x.air.forget();

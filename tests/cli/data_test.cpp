@@ -12,6 +12,7 @@
 #include "support/shell.hpp"
 #include "support/text.hpp"
 
+using rubicon::test::contains;
 using rubicon::test::lines_of;
 using rubicon::test::outcome;
 using rubicon::test::scratch_folder;
@@ -22,10 +23,6 @@ namespace {
 
 const std::string binary = RUBICON_BINARY;
 const std::string home = "'" RUBICON_CONFIG_DIR "/home.toml'";
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 outcome run(const std::string& words, const std::string& before = "") {
   return shell(before + '"' + binary + "\" run " + words + " 2>&1");

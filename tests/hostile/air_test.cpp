@@ -6,12 +6,14 @@
 
 #include "hostile_mote.hpp"
 #include "support/catch.hpp"
+#include "support/mote_ids.hpp"
 #include "support/programs.hpp"
 #include "support/seeds.hpp"
 
 using namespace rubicon;
 using test::act;
 using test::hostile_mote;
+using test::id;
 using test::island_fixture;
 using test::malice;
 using test::recorder;
@@ -21,10 +23,6 @@ namespace {
 constexpr int side = 3;
 constexpr int motes = side * side; ///< the sink among them
 constexpr duration recovery_max = 5min;
-
-mote_id id(int x) {
-  return mote_id{static_cast<std::uint16_t>(x)};
-}
 
 /// An island whose motes tell each other something reliable every two seconds.
 class island {

@@ -10,6 +10,8 @@
 
 namespace rubicon::test {
 
+inline constexpr std::uint8_t user_am_type = 64; ///< one that programs may take
+
 class recorder : public communication::communication_events {
 public:
   struct message {

@@ -16,6 +16,10 @@ inline std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
 /// Without their ends.
 inline std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream in(text);

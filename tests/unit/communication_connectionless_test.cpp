@@ -8,10 +8,9 @@ using namespace rubicon;
 using test::placement;
 using test::placements_fixture;
 using test::recorder;
+using test::user_am_type;
 
 namespace {
-
-constexpr std::uint8_t am_type = 64;
 
 communication::island_octet octet(island_id x) {
   return static_cast<communication::island_octet>(x.value);
@@ -21,14 +20,14 @@ communication::island_octet octet(island_id x) {
 communication::status send(placements_fixture& world, recorder& sender, const placement& x,
                            bytes octets, bool reliable) {
   return world.act(x.from, [&] {
-    return sender.layer->send(octet(x.to.island), x.to.mote.value, octets, reliable, am_type);
+    return sender.layer->send(octet(x.to.island), x.to.mote.value, octets, reliable, user_am_type);
   });
 }
 
 void connect(placements_fixture& world, const placement& x, recorder& sender, recorder& receiver) {
   REQUIRE(world.settle());
   attach(world, x, sender, receiver);
-  REQUIRE(receiver.layer->provide(am_type) == communication::SUCCESS);
+  REQUIRE(receiver.layer->provide(user_am_type) == communication::SUCCESS);
 }
 
 } // namespace
@@ -120,14 +119,14 @@ TEST_CASE("a receiver without room throttles senders, in all placements",
   placements_fixture world;
   CAPTURE(x.name);
   connect(world, x, sender, receiver);
-  receiver.layer->hold(am_type);
+  receiver.layer->hold(user_am_type);
   for (std::uint8_t i = 0; i < 5; ++i)
     REQUIRE(send(world, sender, x, {i}, true) == communication::SUCCESS);
   world.run_for(1min); // beyond all attempts
   CHECK(receiver.messages.empty());
   CHECK(sender.acks.empty());
   CHECK(world.layer_of(x.to).messages().counters().throttled > 50);
-  receiver.layer->release(am_type);
+  receiver.layer->release(user_am_type);
   world.run_for(10s);
   CHECK(receiver.messages.size() == 5);
   CHECK(sender.acks == std::vector<bool>(5, true));
@@ -145,13 +144,13 @@ TEST_CASE("a PC, or a mote of another island, reaches all motes of an island wit
   world.attach(from, sender);
   for (std::uint16_t i = 0; i < 6; ++i) {
     world.attach({island_id{1}, mote_id(static_cast<std::uint16_t>(i + 2))}, motes[i]);
-    REQUIRE(motes[i].layer->provide(am_type) == communication::SUCCESS);
+    REQUIRE(motes[i].layer->provide(user_am_type) == communication::SUCCESS);
   }
   CHECK(world.act(from, [&] {
-    return sender.layer->send(1, broadcast_mote.value, bytes{'a'}, true, am_type);
+    return sender.layer->send(1, broadcast_mote.value, bytes{'a'}, true, user_am_type);
   }) == communication::FAIL); // nobody could acknowledge for all
   REQUIRE(world.act(from, [&] {
-    return sender.layer->send(1, broadcast_mote.value, bytes{'a'}, false, am_type);
+    return sender.layer->send(1, broadcast_mote.value, bytes{'a'}, false, user_am_type);
   }) == communication::SUCCESS);
   world.run_for(10s);
   for (const auto& each : motes) {

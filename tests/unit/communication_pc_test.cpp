@@ -11,10 +11,10 @@ using test::recorder;
 
 namespace {
 
-const mote_address self{island_id{20}, no_mote};
+const mote_address pc_address{island_id{20}, no_mote};
 
-struct fixture {
-  fixture() : core({.self = peer_id{20}}, random_stream(1)) {
+struct lone_pc {
+  lone_pc() : core({.self = peer_id{20}}, random_stream(1)) {
     program.layer = core.attach(program);
   }
 
@@ -32,14 +32,14 @@ struct fixture {
 
 TEST_CASE("a PC is joined when it starts, under its PEIS id",
           "[communication][MCK-13][MCK-16][ADR-07]") {
-  fixture x;
+  lone_pc x;
   CHECK(x.program.layer->send(2, 3, bytes{1}, false, 10) == communication::FAIL);
   CHECK(!x.program.layer->address());
   CHECK(x.core.settle().empty());
   CHECK(x.core.start(x.now).empty());
   CHECK(x.program.inits == std::vector{true});
-  CHECK(x.program.joins == std::vector{std::pair(self, true)});
-  CHECK(x.program.layer->address() == self);
+  CHECK(x.program.joins == std::vector{std::pair(pc_address, true)});
+  CHECK(x.program.layer->address() == pc_address);
   CHECK(x.program.layer->send(2, 3, bytes{1}, false, 10) == communication::SUCCESS);
   const auto packets = x.core.settle();
   REQUIRE(packets.size() == 1);
@@ -53,7 +53,7 @@ TEST_CASE("a PC is joined when it starts, under its PEIS id",
 
 TEST_CASE("a PC drops and counts what is malformed, for a mote, or of nobody's type",
           "[communication][AM-01][AM-05]") {
-  fixture x;
+  lone_pc x;
   CHECK(x.core.start(x.now).empty());
   CHECK(x.core.on_message(peer_id{21}, bytes{1, 2, 3}, x.now).empty());
   CHECK(x.hear(peer_id{0}, no_mote, encode(test::plain(no_mote, 10, bytes{1}))).empty());
@@ -69,18 +69,18 @@ TEST_CASE("a PC drops and counts what is malformed, for a mote, or of nobody's t
 }
 
 TEST_CASE("a PC reaches itself without a message", "[communication][ADR-03][ADR-06][STR-11]") {
-  fixture x;
+  lone_pc x;
   CHECK(x.core.start(x.now).empty());
   REQUIRE(x.program.layer->provide(10) == communication::SUCCESS);
   CHECK(x.program.layer->send(255, own_mote.value, bytes{7}, true, 10) == communication::SUCCESS);
   CHECK(x.core.settle().empty());
   REQUIRE(x.program.messages.size() == 1);
-  CHECK(x.program.messages[0].source == self);
+  CHECK(x.program.messages[0].source == pc_address);
   CHECK(x.program.acks == std::vector{true});
 }
 
 TEST_CASE("a PC's clock ticks from 0 on, once in a period", "[communication][SYN-11][CLK-03]") {
-  fixture x;
+  lone_pc x;
   CHECK(x.core.start(x.now).empty());
   while (x.now < instant{} + 5s) {
     REQUIRE(x.core.deadline());
@@ -95,7 +95,7 @@ TEST_CASE("a PC's clock ticks from 0 on, once in a period", "[communication][SYN
 }
 
 TEST_CASE("a PC has no transducers", "[communication][MCK-03][STR-09]") {
-  fixture x;
+  lone_pc x;
   CHECK(x.core.start(x.now).empty());
   for (std::uint8_t i = 0; i < 40; ++i)
     CHECK(x.program.layer->open_sensor(i, 1000, stream::sampling::periodic) == -1);
@@ -103,7 +103,7 @@ TEST_CASE("a PC has no transducers", "[communication][MCK-03][STR-09]") {
 }
 
 TEST_CASE("communications of a PC start while its line is up", "[communication][MCK-13][MCK-14]") {
-  fixture x;
+  lone_pc x;
   CHECK(x.core.start(x.now).empty());
   const auto init = [&] {
     CHECK(x.program.layer->initCommunications() == communication::SUCCESS);
@@ -119,5 +119,5 @@ TEST_CASE("communications of a PC start while its line is up", "[communication][
   CHECK(init());
   CHECK(x.program.layer->joinIsland(bytes{1}) == communication::SUCCESS);
   CHECK(x.core.settle().empty());
-  CHECK(x.program.joins == std::vector{std::pair(self, true), std::pair(self, true)});
+  CHECK(x.program.joins == std::vector{std::pair(pc_address, true), std::pair(pc_address, true)});
 }

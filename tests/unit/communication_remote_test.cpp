@@ -14,10 +14,10 @@ using namespace rubicon;
 using communication::FAIL;
 using communication::SUCCESS;
 using test::remote_program;
+using test::user_am_type;
 
 namespace {
 
-constexpr std::uint8_t am_type = 64;
 constexpr mote_address self{island_id{3}, mote_id{7}};
 
 /// Writes down the type that was refused too.
@@ -56,8 +56,8 @@ struct node {
 };
 
 /// A node and programs beside it.
-struct fixture {
-  explicit fixture(std::size_t count = 1) : programs(count) {
+struct node_with_programs {
+  explicit node_with_programs(std::size_t count = 1) : programs(count) {
     for (auto& x : programs) {
       sides.push_back(std::make_unique<remote_program>(here, x));
       x.layer = sides.back()->layer;
@@ -176,7 +176,8 @@ private:
     case 14:
       return both([&](auto& x) { return x.write_output(desc, size, static_cast<float>(name)); });
     case 15:
-      return both([&](auto& x) { return x.send(3, other.mote.value, octets, name == 0, am_type); });
+      return both(
+          [&](auto& x) { return x.send(3, other.mote.value, octets, name == 0, user_am_type); });
     default:
       return both([&](auto& x) { return x.has_ended(desc) || x.address() == self; });
     }
@@ -257,7 +258,7 @@ private:
   random_stream rng_;
   node direct_;
   program at_node_;
-  fixture beside_;
+  node_with_programs beside_;
   std::uint32_t channels_ = 0;
   std::uint32_t tick_ = 1;
 };
@@ -287,7 +288,7 @@ TEST_CASE("a program beside its node gets the answers and hears the events of on
 
 TEST_CASE("what only the node can refuse is told by an event",
           "[communication][PAR-05][AM-05][MCK-02][MCK-07][MCK-10]") {
-  fixture x(2);
+  node_with_programs x(2);
   x.here.join();
   x.settle();
   for (std::size_t i = 0; i < 2; ++i) {
@@ -297,9 +298,9 @@ TEST_CASE("what only the node can refuse is told by an event",
     for (int k = 0; i == 0 && k < 4; ++k) // the node has room for six
       CHECK(x.api(i).open_local() > 0);
     CHECK(x.api(i).create_syn_channel_out({own_island, mote_id{8}}, 3, {}) > 0);
-    CHECK(x.api(i).provide(am_type) == SUCCESS);
+    CHECK(x.api(i).provide(user_am_type) == SUCCESS);
     for (int k = 0; k < 6; ++k) // the node has room for eight
-      CHECK(x.api(i).send(3, 8, bytes{1}, true, am_type) == SUCCESS);
+      CHECK(x.api(i).send(3, 8, bytes{1}, true, user_am_type) == SUCCESS);
   }
   x.settle();
   const auto& first = x.programs[0];
@@ -314,7 +315,7 @@ TEST_CASE("what only the node can refuse is told by an event",
   CHECK(second.readings[0].descriptor == 2);
   CHECK_FALSE(second.readings[0].success);
   CHECK(second.outs == std::vector{std::pair(1, false)});
-  CHECK(second.refused == std::vector{am_type});
+  CHECK(second.refused == std::vector{user_am_type});
   CHECK(second.acks.empty()); // those of before are still in flight
   CHECK(second.acks_of.size() == 4);
   CHECK(x.sides[0]->port.counters().refused == 0);
@@ -327,7 +328,7 @@ TEST_CASE("what only the node can refuse is told by an event",
 
 TEST_CASE("what is closed while its answer is on its way has failed, once",
           "[communication][PAR-05]") {
-  fixture x;
+  node_with_programs x;
   x.here.join();
   x.settle();
   auto& side = *x.sides[0];
@@ -352,7 +353,7 @@ TEST_CASE("what is closed while its answer is on its way has failed, once",
 
 TEST_CASE("a write that the node refuses is told as the end of the stream",
           "[communication][PAR-05]") {
-  fixture x;
+  node_with_programs x;
   x.here.join();
   x.settle();
   CHECK(x.api().open_write_end(self, 9, 0, 0) == SUCCESS);
@@ -397,18 +398,18 @@ TEST_CASE("commands in flight are bounded; to close is always possible",
 
 TEST_CASE("elements of a vector make one command, holds only what they come to",
           "[communication][PAR-05][SYN-08]") {
-  fixture x;
+  node_with_programs x;
   x.here.join();
   x.settle();
   auto& process = x.sides[0]->process;
   CHECK(x.api().create_syn_channel_out(self, 3, {}) == 1);
   CHECK(x.api().create_syn_channel_in(self, 3, {}) == 2);
-  CHECK(x.api().provide(am_type) == SUCCESS);
+  CHECK(x.api().provide(user_am_type) == SUCCESS);
   x.settle();
   for (std::uint8_t k = 0; k < 3; ++k)
     CHECK(x.api().write_output(1, k, k) == SUCCESS);
-  x.api().hold(am_type);
-  x.api().release(am_type);
+  x.api().hold(user_am_type);
+  x.api().release(user_am_type);
   const auto batch = process.settle();
   REQUIRE(batch);
   REQUIRE(batch->all.size() == 1);
@@ -424,7 +425,7 @@ TEST_CASE("a program that takes no events gets no reliable messages and loses ti
   communication::remote_process process(port.limits());
   events.layer = process.attach(events);
   here.join();
-  CHECK(events.layer->provide(am_type) == SUCCESS);
+  CHECK(events.layer->provide(user_am_type) == SUCCESS);
   port.on_commands(*process.settle());
   static_cast<void>(here.core.take_outputs());
   for (std::uint32_t tick = 1; tick <= 20; ++tick)
@@ -436,7 +437,7 @@ TEST_CASE("a program that takes no events gets no reliable messages and loses ti
 
   const auto send = [&] {
     CHECK(here.core.take_outputs().empty());
-    CHECK(events.layer->send(3, 7, bytes{1}, true, am_type) == SUCCESS);
+    CHECK(events.layer->send(3, 7, bytes{1}, true, user_am_type) == SUCCESS);
     port.on_commands(*process.settle());
     for (auto sent = here.core.take_outputs(); !sent.empty(); sent = here.core.take_outputs()) {
       for (const auto& each : sent) {
@@ -466,15 +467,15 @@ TEST_CASE("a program that takes no events gets no reliable messages and loses ti
 
 TEST_CASE("of a program that is gone nothing stays at its node",
           "[communication][PAR-05][ACT-03]") {
-  fixture x(2);
+  node_with_programs x(2);
   x.here.join();
   x.settle();
   CHECK(x.api(0).open_local() == 1);
   CHECK(x.api(0).open_remote(255, own_mote.value, 9, 0, 0) == SUCCESS);
   CHECK(x.api(0).create_syn_channel_in({own_island, mote_id{8}}, 3, {}) == 1);
-  CHECK(x.api(0).provide(am_type) == SUCCESS);
-  x.api(0).hold(am_type);
-  CHECK(x.api(0).send(3, 8, bytes{1}, true, am_type) == SUCCESS);
+  CHECK(x.api(0).provide(user_am_type) == SUCCESS);
+  x.api(0).hold(user_am_type);
+  CHECK(x.api(0).send(3, 8, bytes{1}, true, user_am_type) == SUCCESS);
   x.settle();
   CHECK(x.here.core.streams().open_streams() == 2);
   x.sides[0]->port.leave();
@@ -486,7 +487,7 @@ TEST_CASE("of a program that is gone nothing stays at its node",
   x.settle();
   CHECK(x.programs[0].acks.empty());
   CHECK(x.programs[0].joins.size() == 1);
-  CHECK(x.api(1).provide(am_type) == SUCCESS);
+  CHECK(x.api(1).provide(user_am_type) == SUCCESS);
   x.settle();
   CHECK(x.programs[1].refused.empty());
 

@@ -8,6 +8,7 @@
 #include "network/am.hpp"
 #include "stream/sensor_record.hpp"
 #include "support/catch.hpp"
+#include "support/mote_ids.hpp"
 #include "support/programs.hpp"
 
 using namespace rubicon;
@@ -15,17 +16,10 @@ using communication::FAIL;
 using communication::SUCCESS;
 using test::act;
 using test::count;
+using test::id;
 using test::island_fixture;
 using test::lone_layer;
 using test::recorder;
-
-namespace {
-
-mote_id id(int x) {
-  return mote_id{static_cast<std::uint16_t>(x)};
-}
-
-} // namespace
 
 TEST_CASE("a local stream joins two programs; bad calls fail",
           "[communication][MCK-04][MCK-05][MCK-06]"

@@ -5,6 +5,7 @@
 #include "mote/descriptor.hpp"
 #include "network/am.hpp"
 #include "support/catch.hpp"
+#include "support/mote_ids.hpp"
 #include "support/programs.hpp"
 #include "support/segments.hpp"
 
@@ -13,17 +14,13 @@ using communication::FAIL;
 using communication::SUCCESS;
 using test::act;
 using test::count;
+using test::id;
 using test::island_fixture;
 using test::lone_layer;
 using test::recorder;
+using test::user_am_type;
 
 namespace {
-
-constexpr std::uint8_t am_type = 64;
-
-mote_id id(int x) {
-  return mote_id{static_cast<std::uint16_t>(x)};
-}
 
 /// Packets to itself arrive.
 void loop_back(lone_layer& x) {
@@ -44,21 +41,21 @@ TEST_CASE("before the join all that needs it fails, and what does not works",
   CHECK(!x.api().address());
   CHECK(x.api().joinIsland(bytes{1}) == FAIL); // not initialised either
   x.core.on_initialised(true, x.now);
-  CHECK(x.api().send(3, 8, bytes{1}, false, am_type) == FAIL);
-  CHECK(x.api().send(3, 8, bytes{1}, true, am_type) == FAIL);
+  CHECK(x.api().send(3, 8, bytes{1}, false, user_am_type) == FAIL);
+  CHECK(x.api().send(3, 8, bytes{1}, true, user_am_type) == FAIL);
   CHECK(x.api().open_remote(3, 8, 1, 0, 0) == FAIL);
   CHECK(x.api().create_syn_channel_out(8, 3, std::array<std::uint8_t, 10>{}) == FAIL);
   CHECK(x.api().create_syn_channel_in(8, 3, std::array<std::uint8_t, 10>{}) == FAIL);
   CHECK(x.core.counters().before_join == 5);
   CHECK(x.core.counters().refused == 6);
-  CHECK(x.api().provide(am_type) == SUCCESS);
+  CHECK(x.api().provide(user_am_type) == SUCCESS);
   const auto local = x.api().open_local();
   CHECK(local > 0);
   CHECK(x.api().write(local, bytes{5}) == 1);
   CHECK(x.core.take_outputs().empty());
   join(x);
   CHECK(x.api().address() == mote_address{island_id{3}, mote_id{7}});
-  CHECK(x.api().send(3, 8, bytes{1}, false, am_type) == SUCCESS);
+  CHECK(x.api().send(3, 8, bytes{1}, false, user_am_type) == SUCCESS);
   CHECK(count<transport::to_network>(x.core.take_outputs()) == 1);
 }
 
@@ -105,12 +102,12 @@ TEST_CASE("a message that nobody could get fails at once", "[communication][MCK-
   lone_layer x;
   join(x);
   const bytes longest(256);
-  CHECK(x.api().send(3, 8, longest, false, am_type) == SUCCESS);
-  CHECK(x.api().send(3, 8, bytes(257), false, am_type) == FAIL);
-  CHECK(x.api().send(3, 8, bytes(257), true, am_type) == FAIL);
-  CHECK(x.api().send(0, 8, longest, false, am_type) == FAIL);
-  CHECK(x.api().send(3, 0, longest, false, am_type) == FAIL);
-  CHECK(x.api().send(3, broadcast_mote.value, longest, true, am_type) == FAIL);
+  CHECK(x.api().send(3, 8, longest, false, user_am_type) == SUCCESS);
+  CHECK(x.api().send(3, 8, bytes(257), false, user_am_type) == FAIL);
+  CHECK(x.api().send(3, 8, bytes(257), true, user_am_type) == FAIL);
+  CHECK(x.api().send(0, 8, longest, false, user_am_type) == FAIL);
+  CHECK(x.api().send(3, 0, longest, false, user_am_type) == FAIL);
+  CHECK(x.api().send(3, broadcast_mote.value, longest, true, user_am_type) == FAIL);
   CHECK(x.core.counters().refused == 5);
   CHECK(x.core.counters().before_join == 0);
   CHECK(count<transport::to_network>(x.core.take_outputs()) == 1);
@@ -121,29 +118,30 @@ TEST_CASE("reliable sends beyond the table fail; each accepted one ends once",
   lone_layer x;
   join(x);
   for (int i = 0; i < 8; ++i)
-    CHECK(x.api().send(3, static_cast<std::uint16_t>(10 + i), bytes{1}, true, am_type) == SUCCESS);
-  CHECK(x.api().send(3, 8, bytes{1}, true, am_type) == FAIL);
-  CHECK(x.api().send(3, 8, bytes{1}, false, am_type) == SUCCESS); // needs no room
+    CHECK(x.api().send(3, static_cast<std::uint16_t>(10 + i), bytes{1}, true, user_am_type) ==
+          SUCCESS);
+  CHECK(x.api().send(3, 8, bytes{1}, true, user_am_type) == FAIL);
+  CHECK(x.api().send(3, 8, bytes{1}, false, user_am_type) == SUCCESS); // needs no room
   for (; x.now < instant{} + 1min; x.now += 100ms) {
     x.core.on_time(x.now);
     static_cast<void>(x.core.take_outputs());
   }
   CHECK(x.program.acks == std::vector<bool>(8, false));
   CHECK(x.program.acks_of.size() == 8);
-  CHECK(x.api().send(3, 8, bytes{1}, true, am_type) == SUCCESS);
+  CHECK(x.api().send(3, 8, bytes{1}, true, user_am_type) == SUCCESS);
 }
 
 TEST_CASE("what is in flight when the mote leaves has failed", "[communication][MCK-10][MCK-16]") {
   lone_layer x;
   join(x);
   for (int i = 0; i < 3; ++i)
-    CHECK(x.api().send(3, 8, bytes{1}, true, am_type) == SUCCESS);
+    CHECK(x.api().send(3, 8, bytes{1}, true, user_am_type) == SUCCESS);
   x.core.on_left(x.now);
   static_cast<void>(x.core.take_outputs());
   CHECK(x.program.acks == std::vector<bool>(3, false));
   REQUIRE(x.program.joins.size() == 2);
   CHECK_FALSE(x.program.joins[1].second);
-  CHECK(x.api().send(3, 8, bytes{1}, true, am_type) == FAIL);
+  CHECK(x.api().send(3, 8, bytes{1}, true, user_am_type) == FAIL);
 }
 
 TEST_CASE("acknowledgements come in the order of the sends, with numbers as they end",
@@ -154,10 +152,10 @@ TEST_CASE("acknowledgements come in the order of the sends, with numbers as they
   settle(x, 2);
   program.layer = x.at(id(2)).attach(program);
   receiver.layer = x.at(id(3)).attach(receiver);
-  REQUIRE(receiver.layer->provide(am_type) == SUCCESS);
+  REQUIRE(receiver.layer->provide(user_am_type) == SUCCESS);
   const auto send = [&](mote_id to) {
     return act(x, id(2), [&] {
-      return program.layer->send_numbered({own_island, to}, bytes{1}, true, am_type);
+      return program.layer->send_numbered({own_island, to}, bytes{1}, true, user_am_type);
     });
   };
   const auto lost = send(id(99));
@@ -180,10 +178,10 @@ TEST_CASE("an AM type is one program's, or the layer's own", "[communication][AM
   lone_layer x;
   recorder other;
   other.layer = x.core.attach(other);
-  CHECK(x.api().provide(am_type) == SUCCESS);
-  CHECK(x.api().provide(am_type) == SUCCESS); // again
-  CHECK(other.layer->provide(am_type) == FAIL);
-  CHECK(other.layer->provide(am_type + 1) == SUCCESS);
+  CHECK(x.api().provide(user_am_type) == SUCCESS);
+  CHECK(x.api().provide(user_am_type) == SUCCESS); // again
+  CHECK(other.layer->provide(user_am_type) == FAIL);
+  CHECK(other.layer->provide(user_am_type + 1) == SUCCESS);
   for (int i = network::am::component_management; i <= network::am::outputs_wanted; ++i)
     CHECK(other.layer->provide(static_cast<std::uint8_t>(i)) == FAIL);
 }
@@ -231,23 +229,23 @@ TEST_CASE("programs of a mote hear their own messages, whatever the others do",
   busy.layer = x.at(id(3)).attach(busy);
   calm.layer = x.at(id(3)).attach(calm);
   sender.layer = x.at(id(2)).attach(sender);
-  REQUIRE(busy.layer->provide(am_type) == SUCCESS);
-  REQUIRE(calm.layer->provide(am_type + 1) == SUCCESS);
+  REQUIRE(busy.layer->provide(user_am_type) == SUCCESS);
+  REQUIRE(calm.layer->provide(user_am_type + 1) == SUCCESS);
   const auto send = [&](std::uint8_t type) {
     return act(x, id(2), [&] { return sender.layer->send(255, 3, bytes{type}, false, type); });
   };
   for (int i = 0; i < 20; ++i) {
     for (int j = 0; j < 3; ++j)
-      CHECK(send(am_type) == SUCCESS);
+      CHECK(send(user_am_type) == SUCCESS);
     if (i % 4 == 0)
-      CHECK(send(am_type + 1) == SUCCESS);
-    CHECK(send(am_type + 2) == SUCCESS); // nobody's
+      CHECK(send(user_am_type + 1) == SUCCESS);
+    CHECK(send(user_am_type + 2) == SUCCESS); // nobody's
     x.run_for(1s);
   }
   CHECK(busy.messages.size() == 60);
   CHECK(calm.messages.size() == 5);
   CHECK(std::ranges::all_of(calm.messages,
-                            [](const auto& each) { return each.am_type == am_type + 1; }));
+                            [](const auto& each) { return each.am_type == user_am_type + 1; }));
   CHECK(x.at(id(3)).above().counters().unowned == 20);
 }
 
@@ -260,19 +258,20 @@ TEST_CASE("held messages wait at their sender, others of the same mote do not",
   settle(x, 2);
   receiver.layer = x.at(id(3)).attach(receiver);
   slow_sender.layer = x.at(id(2)).attach(slow_sender);
-  REQUIRE(receiver.layer->provide(am_type) == SUCCESS);
-  REQUIRE(receiver.layer->provide(am_type + 1) == SUCCESS);
-  receiver.layer->hold(am_type);
+  REQUIRE(receiver.layer->provide(user_am_type) == SUCCESS);
+  REQUIRE(receiver.layer->provide(user_am_type + 1) == SUCCESS);
+  receiver.layer->hold(user_am_type);
   for (int i = 0; i < 3; ++i)
-    CHECK(act(x, id(2), [&] { return slow_sender.layer->send(255, 3, bytes{1}, true, am_type); }) ==
-          SUCCESS);
+    CHECK(act(x, id(2), [&] {
+            return slow_sender.layer->send(255, 3, bytes{1}, true, user_am_type);
+          }) == SUCCESS);
   CHECK(act(x, id(2), [&] {
-          return slow_sender.layer->send(255, 3, bytes{1}, false, am_type + 1);
+          return slow_sender.layer->send(255, 3, bytes{1}, false, user_am_type + 1);
         }) == SUCCESS);
   x.run_for(1min);
   CHECK(receiver.messages.size() == 1);
   CHECK(slow_sender.acks.empty());
-  receiver.layer->release(am_type);
+  receiver.layer->release(user_am_type);
   x.run_for(5s);
   CHECK(receiver.messages.size() == 4);
   CHECK(slow_sender.acks == std::vector<bool>(3, true));
@@ -283,14 +282,14 @@ TEST_CASE("only its owner holds an AM type", "[communication][MCK-18][NFR-04]") 
   recorder other;
   other.layer = x.core.attach(other);
   join(x);
-  REQUIRE(x.api().provide(am_type) == SUCCESS);
-  other.layer->hold(am_type);
-  CHECK(x.api().send(255, own_mote.value, bytes{1}, true, am_type) == SUCCESS);
+  REQUIRE(x.api().provide(user_am_type) == SUCCESS);
+  other.layer->hold(user_am_type);
+  CHECK(x.api().send(255, own_mote.value, bytes{1}, true, user_am_type) == SUCCESS);
   loop_back(x);
   CHECK(x.program.messages.size() == 1);
-  x.api().hold(am_type);
-  other.layer->release(am_type);
-  CHECK(x.api().send(255, own_mote.value, bytes{1}, true, am_type) == SUCCESS);
+  x.api().hold(user_am_type);
+  other.layer->release(user_am_type);
+  CHECK(x.api().send(255, own_mote.value, bytes{1}, true, user_am_type) == SUCCESS);
   loop_back(x);
   CHECK(x.program.messages.size() == 1);
   CHECK(x.core.messages().counters().throttled == 1);
@@ -313,10 +312,10 @@ TEST_CASE("a program hears octets for addresses, and 0 for what is longer",
   listener program;
   auto api = x.core.attach(program);
   join(x);
-  REQUIRE(api.provide(am_type) == SUCCESS);
+  REQUIRE(api.provide(user_am_type) == SUCCESS);
   for (const auto island : {4U, 300U})
-    x.core.on_packet(island_id{island}, am_type, encode(test::plain(no_mote, am_type, bytes{1})),
-                     x.now);
+    x.core.on_packet(island_id{island}, user_am_type,
+                     encode(test::plain(no_mote, user_am_type, bytes{1})), x.now);
   x.core.on_mote_joined(mote_id{9}, bytes{1, 2}, x.now);
   static_cast<void>(x.core.take_outputs());
   REQUIRE(program.sources.size() == 2);
@@ -333,10 +332,10 @@ TEST_CASE("a mote reaches itself without radio", "[communication][ADR-06][SYN-14
   island_fixture x({.width = 2});
   settle(x, 1);
   program.layer = x.at(id(2)).attach(program);
-  REQUIRE(program.layer->provide(am_type) == SUCCESS);
+  REQUIRE(program.layer->provide(user_am_type) == SUCCESS);
   const auto frames = x.frames;
   CHECK(act(x, id(2), [&] {
-          return program.layer->send(255, own_mote.value, bytes{1}, true, am_type);
+          return program.layer->send(255, own_mote.value, bytes{1}, true, user_am_type);
         }) == SUCCESS);
   CHECK(act(x, id(2), [&] {
           return program.layer->create_syn_channel_out(own_mote.value, 1,
@@ -364,8 +363,8 @@ TEST_CASE("commands return at once, and events that a program does not handle do
   auto api = x.core.attach(program);
   join(x);
   x.core.on_tick(1, x.now);
-  CHECK(api.provide(am_type) == SUCCESS);
-  CHECK(api.send(255, 65534, bytes{1}, true, am_type) == SUCCESS);
+  CHECK(api.provide(user_am_type) == SUCCESS);
+  CHECK(api.send(255, 65534, bytes{1}, true, user_am_type) == SUCCESS);
   CHECK(x.core.messages().counters().received == 0); // the command has only begun it
   loop_back(x);
   CHECK(x.core.messages().counters().received == 1);

@@ -13,7 +13,7 @@ using namespace rubicon::test;
 
 namespace {
 
-std::string doubts_in(const std::string& toml) {
+std::string doubt_messages_in(const std::string& toml) {
   const auto x = load_text(toml, "t");
   for (const auto& each : x.problems)
     FAIL_CHECK(to_string(each));
@@ -100,12 +100,13 @@ TEST_CASE("slots have room for the longest back-off of any mote", "[config][radi
 
 TEST_CASE("a mote on a channel of its own is doubted", "[config][radio]") {
   const std::string more = "[[island.mote]]\nid = 3\ntype = \"c\"\nposition_m = [3, 2]\n";
-  CHECK(doubts_in(mote_head + more) == doubts_in(mote_head + "channel = 26\n" + more));
+  CHECK(doubt_messages_in(mote_head + more) ==
+        doubt_messages_in(mote_head + "channel = 26\n" + more));
   CHECK(
-      doubts_in(mote_head + "channel = 15\n" + more)
+      doubt_messages_in(mote_head + "channel = 15\n" + more)
           .find("mote `c-2` cannot reach any radio of its island: no other one is on channel 15") !=
       std::string::npos);
-  const auto two = doubts_in(mote_head + "channel = 15\n" + more + "channel = 15\n");
+  const auto two = doubt_messages_in(mote_head + "channel = 15\n" + more + "channel = 15\n");
   CHECK(two.find("mote `c-2` cannot reach its sink: it is on channel 15, the sink on 26") !=
         std::string::npos);
   CHECK(two.find("mote `c-3` cannot reach its sink") != std::string::npos);

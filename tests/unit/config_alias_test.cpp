@@ -12,17 +12,17 @@ using namespace rubicon::test;
 namespace {
 
 /// After island_head, from line 15 on.
-std::string with(const std::string& rest) {
+std::string island_with(const std::string& rest) {
   return std::string(island_head) + rest;
 }
 
 } // namespace
 
 TEST_CASE("an island may have further gateways, each with a cable of its own", "[config][GW-14]") {
-  const auto x = good(with("[[island.alias]]\nid = 21\nserial.baud = 19200\n"
-                           "[[island.alias]]\nid = 22\nname = \"attic\"\n"
-                           "links = [\"inproc://pc\"]\n"
-                           "[[island]]\nname = \"old\"\nid = 2\n"));
+  const auto x = good(island_with("[[island.alias]]\nid = 21\nserial.baud = 19200\n"
+                                  "[[island.alias]]\nid = 22\nname = \"attic\"\n"
+                                  "links = [\"inproc://pc\"]\n"
+                                  "[[island]]\nname = \"old\"\nid = 2\n"));
   const auto& island = x.islands.at(0);
   REQUIRE(island.aliases.size() == 2);
   CHECK(island.aliases[0].id == peer_id{21});
@@ -39,12 +39,13 @@ TEST_CASE("an island may have further gateways, each with a cable of its own", "
 }
 
 TEST_CASE("aliases are peers for links, faults and references", "[config][GW-14]") {
-  const auto x = good(with("[[island.alias]]\nid = 21\n"
-                           "[[peer]]\nname = \"robot\"\nid = 30\n"
-                           "links = [\"inproc://k-gateway-2\"]\n"
-                           "[[fault]]\nkind = \"kill\"\npeer = \"k-gateway-2\"\nat = \"1s\"\n"
-                           "[[fault]]\nkind = \"unplug\"\ngateway = \"k-gateway-2\"\nat = \"2s\"\n"
-                           "[[fault]]\nkind = \"unplug\"\nisland = \"k\"\nat = \"3s\"\n"));
+  const auto x =
+      good(island_with("[[island.alias]]\nid = 21\n"
+                       "[[peer]]\nname = \"robot\"\nid = 30\n"
+                       "links = [\"inproc://k-gateway-2\"]\n"
+                       "[[fault]]\nkind = \"kill\"\npeer = \"k-gateway-2\"\nat = \"1s\"\n"
+                       "[[fault]]\nkind = \"unplug\"\ngateway = \"k-gateway-2\"\nat = \"2s\"\n"
+                       "[[fault]]\nkind = \"unplug\"\nisland = \"k\"\nat = \"3s\"\n"));
   CHECK(x.peers.at(0).links == std::vector<std::string>{"k-gateway-2"});
   CHECK(std::get<kill_fault>(x.faults.at(0).what).peer == peer_id{21});
   const auto& one = std::get<unplug_fault>(x.faults.at(1).what);
@@ -77,9 +78,9 @@ TEST_CASE("bad aliases are refused where they stand", "[config][GW-14]") {
   for (const auto& [toml, problem] : rows) {
     CAPTURE(toml);
     if (problem != nullptr)
-      CHECK(problem_in(with(toml)) == problem);
+      CHECK(problem_in(island_with(toml)) == problem);
     else
-      CHECK(problem_in(with(toml))
+      CHECK(problem_in(island_with(toml))
                 .find("a gateway has apps only where it is the island's only "
                       "one") != std::string::npos);
   }

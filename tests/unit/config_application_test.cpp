@@ -15,7 +15,7 @@ using namespace rubicon::test;
 namespace {
 
 /// A mote with one app, in line 19.
-std::string mote_with(const std::string& app) {
+std::string mote_running(const std::string& app) {
   return mote_head + "apps = [{ app = " + app + " }]\n";
 }
 
@@ -27,7 +27,7 @@ std::string peer_with(const std::string& app) {
 template <class App>
 App on_mote(const std::string& text) {
   return std::get<App>(
-      std::get<apps::app_config>(good(mote_with(text)).islands.at(0).motes.at(0).apps.at(0)));
+      std::get<apps::app_config>(good(mote_running(text)).islands.at(0).motes.at(0).apps.at(0)));
 }
 
 template <class App>
@@ -64,13 +64,13 @@ TEST_CASE("a switch has two thresholds and a mote that it commands", "[config][D
 TEST_CASE("a program of a mote may have an actor of its own", "[config][PAR-05]") {
   const std::string plain = "\"stream_writer\", transducer = \"temperature\", to = \"k-gateway\"";
   on_mote<apps::stream_writer_config>(plain + ", place = \"mote\"");
-  const auto all = good(mote_with(plain + ", place = \"actor\", stream = 4"));
+  const auto all = good(mote_running(plain + ", place = \"actor\", stream = 4"));
   const auto& app = std::get<separate_app>(all.islands.at(0).motes.at(0).apps.at(0));
   CHECK(std::get<apps::stream_writer_config>(app.program).stream == 4);
-  CHECK(problem_in(mote_with("\"stream_writer\", transducer = \"light\", to = \"k-gateway\", "
-                             "place = \"actor\""))
+  CHECK(problem_in(mote_running("\"stream_writer\", transducer = \"light\", to = \"k-gateway\", "
+                                "place = \"actor\""))
             .find("no transducer `light`") != std::string::npos);
-  CHECK(problem_in(mote_with(plain + ", place = \"moon\"")).starts_with("19:"));
+  CHECK(problem_in(mote_running(plain + ", place = \"moon\"")).starts_with("19:"));
   CHECK(problem_in(peer_with("\"stream_reader\", place = \"actor\"")).find("unknown key `place`") !=
         std::string::npos);
 }
@@ -88,16 +88,17 @@ TEST_CASE("recorders run on peers and gateways", "[config]") {
 }
 
 TEST_CASE("programs that cannot work are told", "[config]") {
-  CHECK(problem_in(mote_with("\"average\", streams = [1], outputs = []")).starts_with("19:"));
-  CHECK(problem_in(mote_with("\"average\", streams = [1, 2, 1], outputs = [{ to = \"pc\", stream = "
-                             "3 }]"))
+  CHECK(problem_in(mote_running("\"average\", streams = [1], outputs = []")).starts_with("19:"));
+  CHECK(problem_in(
+            mote_running("\"average\", streams = [1, 2, 1], outputs = [{ to = \"pc\", stream = "
+                         "3 }]"))
             .find("stream 1 is already listed") != std::string::npos);
   const auto to_self = problem_in(
-      mote_with("\"average\", streams = [1, 2], outputs = [{ to = \"k/c-2\", stream = 2 }]"));
+      mote_running("\"average\", streams = [1, 2], outputs = [{ to = \"k/c-2\", stream = 2 }]"));
   CHECK(to_self.find("stream 2 is read by this average") != std::string::npos);
-  CHECK(problem_in(mote_with("\"stream_switch\", on_at = 3, off_at = 3, to = \"k/c-2\""))
+  CHECK(problem_in(mote_running("\"stream_switch\", on_at = 3, off_at = 3, to = \"k/c-2\""))
             .find("`off_at` must not be equal to `on_at`") != std::string::npos);
-  CHECK(problem_in(mote_with("\"recorder\", streams = [1], file = \"a.csv\""))
+  CHECK(problem_in(mote_running("\"recorder\", streams = [1], file = \"a.csv\""))
             .find("not \"recorder\"") != std::string::npos);
   const std::string twice = "apps = [{ app = \"recorder\", streams = [1], file = \"a.csv\" }, "
                             "{ app = \"recorder\", streams = [2], file = \"a.csv\" }]\n";
@@ -184,7 +185,7 @@ TEST_CASE("applications that the binary brings along have the keys that they lis
     return x.problems.size() == 1 ? to_string(x.problems[0]) : std::to_string(x.problems.size());
   };
 
-  const auto x = load(mote_with("\"guard\", below = 3, loud = true, every = \"2s\""));
+  const auto x = load(mote_running("\"guard\", below = 3, loud = true, every = \"2s\""));
   REQUIRE(x.ecology);
   const auto& app = std::get<apps::app_config>(x.ecology->islands.at(0).motes.at(0).apps.at(0));
   CHECK(kind_of(app) == "guard");
@@ -197,11 +198,12 @@ TEST_CASE("applications that the binary brings along have the keys that they lis
   CHECK(apps::ends_max(4, {app}) == 20);
 
   CHECK(load(peer_with("\"guard\", below = 3")).ecology);
-  const auto beside = load(mote_with("\"guard\", below = 3, place = \"actor\""));
+  const auto beside = load(mote_running("\"guard\", below = 3, place = \"actor\""));
   REQUIRE(beside.ecology);
   CHECK(std::holds_alternative<separate_app>(beside.ecology->islands.at(0).motes.at(0).apps.at(0)));
-  CHECK(problem(mote_with("\"guard\"")).find("`below`") != std::string::npos);
-  CHECK(problem(mote_with("\"guard\", below = 61")).starts_with("test:19:"));
-  CHECK(problem(mote_with("\"guard\", below = 3, above = 4")).find("`above`") != std::string::npos);
-  CHECK(problem_in(mote_with("\"guard\", below = 3")).find("guard") != std::string::npos);
+  CHECK(problem(mote_running("\"guard\"")).find("`below`") != std::string::npos);
+  CHECK(problem(mote_running("\"guard\", below = 61")).starts_with("test:19:"));
+  CHECK(problem(mote_running("\"guard\", below = 3, above = 4")).find("`above`") !=
+        std::string::npos);
+  CHECK(problem_in(mote_running("\"guard\", below = 3")).find("guard") != std::string::npos);
 }

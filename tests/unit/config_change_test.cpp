@@ -48,7 +48,7 @@ ids = ["rfid/"]
 )";
 
 template <class Change>
-Change what(std::string_view keys) {
+Change only_change(std::string_view keys) {
   const auto all = good(change_head + "[[change]]\nat = \"1s\"\n" + std::string(keys)).faults;
   REQUIRE(all.size() == 1);
   CHECK(all[0].at == 1s);
@@ -59,30 +59,31 @@ Change what(std::string_view keys) {
 
 TEST_CASE("changes arrive with their keys", "[config][ACT-10]") {
   using texts = std::vector<std::string>;
-  CHECK(what<debug_change>("kind = \"debug\"\nof = [\"mote/k\", \"gateway\"]\n").of ==
+  CHECK(only_change<debug_change>("kind = \"debug\"\nof = [\"mote/k\", \"gateway\"]\n").of ==
         texts{"mote/k", "gateway"});
-  CHECK(what<debug_change>("kind = \"debug\"\nof = \"mote/k/two, sink\"\n").of ==
+  CHECK(only_change<debug_change>("kind = \"debug\"\nof = \"mote/k/two, sink\"\n").of ==
         texts{"mote/k/two", "sink"});
-  CHECK(what<debug_change>("kind = \"debug\"\nof = \"\"\n").of.empty());
+  CHECK(only_change<debug_change>("kind = \"debug\"\nof = \"\"\n").of.empty());
 
-  const auto only = what<rate_change>("kind = \"rate\"\nmote = \"k/three\"\nperiod = \"5s\"\n");
+  const auto only =
+      only_change<rate_change>("kind = \"rate\"\nmote = \"k/three\"\nperiod = \"5s\"\n");
   CHECK(only.mote == mote_address{island_id{1}, mote_id{3}});
   CHECK(only.sampler == 1);
   CHECK_FALSE(only.messenger);
   CHECK(only.period == 5s);
-  const auto one =
-      what<rate_change>("kind = \"rate\"\nmote = \"k/two\"\nmessenger = 10\nperiod = \"1min\"\n");
+  const auto one = only_change<rate_change>(
+      "kind = \"rate\"\nmote = \"k/two\"\nmessenger = 10\nperiod = \"1min\"\n");
   CHECK(one.messenger == 10);
   CHECK_FALSE(one.sampler);
 
-  const auto link =
-      what<link_change>("kind = \"link\"\nfrom = \"k/two\"\nto = \"k/sink\"\nloss = \"30%\"\n");
+  const auto link = only_change<link_change>(
+      "kind = \"link\"\nfrom = \"k/two\"\nto = \"k/sink\"\nloss = \"30%\"\n");
   CHECK(link.from.mote == mote_id{2});
   CHECK(link.to.mote == mote_id{1});
   CHECK(link.loss == 0.3);
   CHECK_FALSE(link.gain_db);
 
-  const auto settings = what<proxy::class_change>(
+  const auto settings = only_change<proxy::class_change>(
       "kind = \"proxy_class\"\nclass = \"warm\"\nperiod = \"3s\"\nfield = \"temperature\"\n"
       "unit = \"K\"\nadd = 273.15\n");
   CHECK(settings.class_name == "warm");

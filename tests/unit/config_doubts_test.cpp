@@ -15,7 +15,7 @@ namespace {
 
 /// An island `k` with a mote `c-2` of type 7 that sends a temperature on channel 1, its proxy with
 /// the field `temperature`, and what a peer `pc` does beside managing proxies.
-std::string home(const std::string& field, const std::string& app = "") {
+std::string home_with(const std::string& field, const std::string& app = "") {
   return "[ecology]\nname = 't'\n"
          "[mote_type.c]\ntype = 7\n"
          "transducers.temperature = { model = 'constant', value = 20 }\n"
@@ -175,28 +175,31 @@ TEST_CASE("patterns of keys match without letter case", "[config]") {
 }
 
 TEST_CASE("a good file leaves nothing to doubt", "[config]") {
-  CHECK(doubts_of(home("channel = 1\n",
-                       ", { app = 'collector', keys = ['k.*.temperature', 'devices.*.type'] }"))
-            .empty());
+  CHECK(
+      doubts_of(home_with("channel = 1\n",
+                          ", { app = 'collector', keys = ['k.*.temperature', 'devices.*.type'] }"))
+          .empty());
 }
 
 TEST_CASE("what reads or writes a tuple that no component publishes cannot work", "[config]") {
-  CHECK(doubts_of(home("channel = 1\n", ", { app = 'collector', keys = ['k.c-2.temprature'] }")) ==
+  CHECK(doubts_of(
+            home_with("channel = 1\n", ", { app = 'collector', keys = ['k.c-2.temprature'] }")) ==
         std::vector<std::string>{"the collector of pc reads `k.c-2.temprature`, a tuple that no "
                                  "component publishes: did you mean `k.c-2.temperature`?"});
-  const auto rule =
-      doubts_of(home("channel = 1\n", ", { app = 'rules', rules = [{ when = 'k.c-2.temperature', "
-                                      "above = 1, write = 'k.lamp.switch', then = 'on' }] }"));
+  const auto rule = doubts_of(home_with("channel = 1\n",
+                                        ", { app = 'rules', rules = [{ when = 'k.c-2.temperature', "
+                                        "above = 1, write = 'k.lamp.switch', then = 'on' }] }"));
   REQUIRE(rule.size() == 1);
   CHECK(rule[0].starts_with(
       "a rule of pc writes `k.lamp.switch`, a tuple that no component publishes"));
-  CHECK(doubts_of(home("channel = 1\n", ", { app = 'translate', rules = [{ from = 'x.y', "
-                                        "to = 'x.z' }] }, { app = 'collector', keys = ['x.z'] }"))
+  CHECK(doubts_of(home_with("channel = 1\n",
+                            ", { app = 'translate', rules = [{ from = 'x.y', "
+                            "to = 'x.z' }] }, { app = 'collector', keys = ['x.z'] }"))
             .size() == 1);
 }
 
 TEST_CASE("a peer of another process may have any tuple", "[config]") {
-  auto toml = home("channel = 1\n", ", { app = 'collector', keys = ['x.y'] }");
+  auto toml = home_with("channel = 1\n", ", { app = 'collector', keys = ['x.y'] }");
   CHECK(doubts_of(toml).size() == 1);
   toml.insert(toml.find("name = 't'"), "mode = 'wall'\n");
   toml.insert(toml.find("id = 30"), "tcp = true\n");
@@ -204,14 +207,15 @@ TEST_CASE("a peer of another process may have any tuple", "[config]") {
 }
 
 TEST_CASE("a field needs a program that sends it, and enough octets", "[config]") {
-  CHECK(doubts_of(home("channel = 3\n")) ==
+  CHECK(doubts_of(home_with("channel = 3\n")) ==
         std::vector<std::string>{"field `temperature` of [[proxy]] `p`: no program of motes of "
                                  "type c sends on channel 3"});
-  CHECK(doubts_of(home("channel = 1\noffset = 1\n")) ==
+  CHECK(doubts_of(home_with("channel = 1\noffset = 1\n")) ==
         std::vector<std::string>{"field `temperature` of [[proxy]] `p` ends at octet 3, but "
                                  "messages of motes of type c on channel 1 have 2 of counts"});
-  const auto input = doubts_of(home("channel = 1\n[[proxy.input]]\nname = 'switch'\nchannel = 2\n"
-                                    "words = { on = '01' }\n"));
+  const auto input =
+      doubts_of(home_with("channel = 1\n[[proxy.input]]\nname = 'switch'\nchannel = 2\n"
+                          "words = { on = '01' }\n"));
   CHECK(input == std::vector<std::string>{"input `switch` of [[proxy]] `p`: no program of motes "
                                           "of type c listens on channel 2"});
 }
@@ -219,7 +223,7 @@ TEST_CASE("a field needs a program that sends it, and enough octets", "[config]"
 TEST_CASE("messages need a program that takes their AM type", "[config][AM-01]") {
   const auto with = [](const std::string& program) {
     return doubts_of(
-        home("channel = 1\n") +
+        home_with("channel = 1\n") +
         "[[island]]\nname = 'far'\nid = 2\n[[island.mote]]\nid = 5\nname = 'to'\n"
         "type = 'c'\nposition_m = [1, 2]\napps = [" +
         program +
@@ -235,7 +239,7 @@ TEST_CASE("messages need a program that takes their AM type", "[config][AM-01]")
 }
 
 TEST_CASE("a type that nobody claims is told of once", "[config]") {
-  auto toml = home("channel = 1\n");
+  auto toml = home_with("channel = 1\n");
   toml.replace(toml.find("types = [7]"), 11, "types = [8]");
   toml.insert(toml.find("[[peer]]"), "[[island.mote]]\nid = 3\ntype = 'c'\nposition_m = [1, 2]\n");
   const auto found = doubts_of(toml);
@@ -244,7 +248,7 @@ TEST_CASE("a type that nobody claims is told of once", "[config]") {
 }
 
 TEST_CASE("the list has motes, peers and tuples", "[config]") {
-  const auto text = listing(good(home("channel = 1\nunit = 'C'\n")));
+  const auto text = listing(good(home_with("channel = 1\nunit = 'C'\n")));
   CHECK(text.find("  k/c-2   1/2  type 7 (c), proxy p\n") != std::string::npos);
   CHECK(text.find("  k-gateway  1   gateway of k\n") != std::string::npos);
   CHECK(text.find("k.c-2.temperature.unit") != std::string::npos);
@@ -454,9 +458,9 @@ TEST_CASE("a class whose motes have no manager is doubted", "[config][PXY-09]") 
 }
 
 TEST_CASE("doubts of proxies and tuples have their places", "[config][GEN-06]") {
-  const auto found = placed_doubts_of(
-      home("channel = 3\n[[proxy.input]]\nname = 'switch'\nchannel = 2\nwords = { on = '01' }\n",
-           ", { app = 'collector', keys = ['x.y', 'k.c-2.temprature'] }"));
+  const auto found = placed_doubts_of(home_with(
+      "channel = 3\n[[proxy.input]]\nname = 'switch'\nchannel = 2\nwords = { on = '01' }\n",
+      ", { app = 'collector', keys = ['x.y', 'k.c-2.temprature'] }"));
   REQUIRE(found.size() == 4);
   CHECK(to_string(found[0]).starts_with("t.toml:18:65: the collector of pc reads `x.y`"));
   CHECK(to_string(found[1]).starts_with("t.toml:18:72: the collector of pc reads `k.c-2.temp"));

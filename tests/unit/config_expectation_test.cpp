@@ -10,7 +10,7 @@ using namespace rubicon::test;
 namespace {
 
 template <class Expectation>
-Expectation what(std::string_view keys) {
+Expectation only_expectation(std::string_view keys) {
   const auto all = good(mote_head + "[[expect]]\n" + std::string(keys)).expectations;
   REQUIRE(all.size() == 1);
   return std::get<Expectation>(all[0]);
@@ -23,34 +23,38 @@ std::string wrong(std::string_view keys) {
 } // namespace
 
 TEST_CASE("expectations about motes name all, an island or one", "[config][expect]") {
-  const auto all = what<delivery_expectation>("kind = \"delivery\"\nat_least = \"99%\"\n");
+  const auto all =
+      only_expectation<delivery_expectation>("kind = \"delivery\"\nat_least = \"99%\"\n");
   CHECK(all.at_least == 0.99);
   CHECK(all.of.contains({island_id{9}, mote_id{9}}));
-  const auto island =
-      what<delivery_expectation>("kind = \"delivery\"\nof = \"k\"\nat_least = \"99%\"\n");
+  const auto island = only_expectation<delivery_expectation>(
+      "kind = \"delivery\"\nof = \"k\"\nat_least = \"99%\"\n");
   CHECK(island.of.name == "k");
   CHECK(island.of.contains({island_id{1}, mote_id{9}}));
   CHECK_FALSE(island.of.contains({island_id{2}, mote_id{9}}));
   const auto mote =
-      what<battery_expectation>("kind = \"battery\"\nof = \"k/c-2\"\nat_least = 0.8\n");
+      only_expectation<battery_expectation>("kind = \"battery\"\nof = \"k/c-2\"\nat_least = 0.8\n");
   CHECK(mote.of.contains({island_id{1}, mote_id{2}}));
   CHECK_FALSE(mote.of.contains({island_id{1}, mote_id{3}}));
-  CHECK(what<acknowledged_expectation>("kind = \"acknowledged\"\nat_least = 1\n").at_least == 1);
-  CHECK(what<radio_expectation>("kind = \"radio\"\nat_most = \"5%\"\n").at_most == 0.05);
-  CHECK(what<joined_expectation>("kind = \"joined\"\nwithin = \"20s\"\n").within == 20s);
-  CHECK_FALSE(what<members_expectation>("kind = \"members\"\n").at_least);
-  CHECK(what<members_expectation>("kind = \"members\"\nat_least = 3\n").at_least == 3);
+  CHECK(only_expectation<acknowledged_expectation>("kind = \"acknowledged\"\nat_least = 1\n")
+            .at_least == 1);
+  CHECK(only_expectation<radio_expectation>("kind = \"radio\"\nat_most = \"5%\"\n").at_most ==
+        0.05);
+  CHECK(only_expectation<joined_expectation>("kind = \"joined\"\nwithin = \"20s\"\n").within ==
+        20s);
+  CHECK_FALSE(only_expectation<members_expectation>("kind = \"members\"\n").at_least);
+  CHECK(only_expectation<members_expectation>("kind = \"members\"\nat_least = 3\n").at_least == 3);
 }
 
 TEST_CASE("expectations about streams, tuples, clocks and the run arrive with their keys",
           "[config][expect]") {
-  const auto stream = what<stream_expectation>(
+  const auto stream = only_expectation<stream_expectation>(
       "kind = \"stream\"\nstream = 7\nto = \"k/c-2\"\nat_least = \"99.9%\"\n");
   CHECK(stream.stream == 7);
   CHECK(stream.to == mote_address{island_id{1}, mote_id{2}});
   CHECK(stream.to_name == "k/c-2");
   CHECK_FALSE(stream.pause);
-  const auto tuple = what<tuple_expectation>(
+  const auto tuple = only_expectation<tuple_expectation>(
       "kind = \"tuple\"\nkey = \"a.lamp\"\nequals = [\"on\"]\nwithin = \"5s\"\n"
       "when = { key = \"a.door\", above = 1, below = 2 }\n");
   CHECK(tuple.then.key == "a.lamp");
@@ -59,22 +63,23 @@ TEST_CASE("expectations about streams, tuples, clocks and the run arrive with th
   CHECK(tuple.when->above == 1);
   CHECK(tuple.when->below == 2);
   CHECK(tuple.within == 5s);
-  const auto clock = what<clock_expectation>(
+  const auto clock = only_expectation<clock_expectation>(
       "kind = \"clock\"\nat_most = \"1ms\"\nshare = \"99.9%\"\nfrom = \"2min\"\nevery = \"1s\"\n");
   CHECK(clock.at_most == 1ms);
   CHECK(clock.share == Approx(0.999));
   CHECK(clock.from == 2min);
   CHECK(clock.every == 1s);
-  const auto vectors = what<vectors_expectation>(
+  const auto vectors = only_expectation<vectors_expectation>(
       "kind = \"vectors\"\nnode = \"k/c-2\"\nmissed = 3\nfrom = \"2min\"\n");
   CHECK(vectors.node == "k/c-2");
   CHECK(vectors.missed == 3);
-  const auto actuations = what<actuations_expectation>(
+  const auto actuations = only_expectation<actuations_expectation>(
       "kind = \"actuations\"\nproxy = \"k.fan\"\ncount = 60\nat_least = \"99%\"\n");
   CHECK(actuations.proxy == "k.fan");
   CHECK(actuations.count == 60);
-  CHECK(what<events_expectation>("kind = \"events\"\nat_most = 1000\n").at_most == 1000);
-  const auto log = what<event_log_expectation>(
+  CHECK(only_expectation<events_expectation>("kind = \"events\"\nat_most = 1000\n").at_most ==
+        1000);
+  const auto log = only_expectation<event_log_expectation>(
       "kind = \"event_log\"\ntext = \"left\"\nwho = \"k/\"\nat_least = 0\nat_most = 0\n");
   CHECK(log.at_least == 0);
   CHECK(log.at_most == 0);

@@ -21,7 +21,7 @@ fault_description fault_of(std::string_view keys) {
 }
 
 template <class Fault>
-Fault what(std::string_view keys) {
+Fault only_fault(std::string_view keys) {
   return std::get<Fault>(fault_of("at = \"1s\"\n" + std::string(keys)).what);
 }
 
@@ -35,32 +35,37 @@ std::vector<peer_id> ids(std::initializer_list<std::int32_t> numbers) {
 } // namespace
 
 TEST_CASE("faults of peers arrive with their keys", "[config][ACT-04]") {
-  CHECK(what<kill_fault>("kind = \"kill\"\npeer = \"p-2\"\n").peer == peer_id{12});
-  CHECK_FALSE(what<kill_fault>("kind = \"kill\"\npeer = \"q\"\n").length);
-  CHECK(what<kill_fault>("kind = \"kill\"\npeer = \"*\"\nfor = \"5s\"\n").length == 5s);
-  CHECK(what<kill_fault>("kind = \"kill\"\npeer = \"*\"\n").peer == any_peer);
-  CHECK(what<power_off_fault>("kind = \"power_off\"\npeer = \"q\"\nfor = \"1min\"\n").length ==
-        1min);
-  CHECK(what<pause_fault>("kind = \"pause\"\npeer = \"q\"\n").length == 10s);
-  CHECK(what<duplicate_id_fault>("kind = \"duplicate_id\"\npeer = \"q\"\n").peer == peer_id{20});
-  CHECK(what<clock_step_fault>("kind = \"clock_step\"\npeer = \"q\"\nby = \"-1min30s\"\n").by ==
-        -90s);
-  CHECK(what<clock_step_fault>("kind = \"clock_step\"\npeer = \"q\"\nby = \"5ms\"\n").by == 5ms);
+  CHECK(only_fault<kill_fault>("kind = \"kill\"\npeer = \"p-2\"\n").peer == peer_id{12});
+  CHECK_FALSE(only_fault<kill_fault>("kind = \"kill\"\npeer = \"q\"\n").length);
+  CHECK(only_fault<kill_fault>("kind = \"kill\"\npeer = \"*\"\nfor = \"5s\"\n").length == 5s);
+  CHECK(only_fault<kill_fault>("kind = \"kill\"\npeer = \"*\"\n").peer == any_peer);
+  CHECK(
+      only_fault<power_off_fault>("kind = \"power_off\"\npeer = \"q\"\nfor = \"1min\"\n").length ==
+      1min);
+  CHECK(only_fault<pause_fault>("kind = \"pause\"\npeer = \"q\"\n").length == 10s);
+  CHECK(only_fault<duplicate_id_fault>("kind = \"duplicate_id\"\npeer = \"q\"\n").peer ==
+        peer_id{20});
+  CHECK(
+      only_fault<clock_step_fault>("kind = \"clock_step\"\npeer = \"q\"\nby = \"-1min30s\"\n").by ==
+      -90s);
+  CHECK(only_fault<clock_step_fault>("kind = \"clock_step\"\npeer = \"q\"\nby = \"5ms\"\n").by ==
+        5ms);
 }
 
 TEST_CASE("faults of the network name single peers and tables of them", "[config][ACT-04]") {
-  const auto parts =
-      what<partition_fault>("kind = \"partition\"\ngroups = [[\"p\"], [\"q\"]]\nfor = \"10s\"\n");
+  const auto parts = only_fault<partition_fault>(
+      "kind = \"partition\"\ngroups = [[\"p\"], [\"q\"]]\nfor = \"10s\"\n");
   CHECK(parts.groups == std::vector{ids({11, 12, 13}), ids({20})});
   CHECK(parts.length == 10s);
-  const auto one = what<partition_fault>("kind = \"partition\"\ngroups = [[\"p-1\", \"q\"]]\n");
+  const auto one =
+      only_fault<partition_fault>("kind = \"partition\"\ngroups = [[\"p-1\", \"q\"]]\n");
   CHECK(one.groups == std::vector<std::vector<peer_id>>{ids({11, 20})});
   CHECK(one.length == 30s);
-  const auto all = what<link_loss_fault>("kind = \"link_loss\"\nloss = \"20%\"\n");
+  const auto all = only_fault<link_loss_fault>("kind = \"link_loss\"\nloss = \"20%\"\n");
   CHECK(all.loss == 0.2);
   CHECK(all.peers.empty());
   const auto some =
-      what<link_loss_fault>("kind = \"link_loss\"\nloss = 1\npeers = [\"q\", \"p\"]\n");
+      only_fault<link_loss_fault>("kind = \"link_loss\"\nloss = 1\npeers = [\"q\", \"p\"]\n");
   CHECK(some.peers == ids({20, 11, 12, 13}));
 }
 

@@ -34,7 +34,7 @@ private:
   std::filesystem::path path_;
 };
 
-std::string only_problem(const std::string& path) {
+std::string only_problem_of_file(const std::string& path) {
   const auto x = load_file(path);
   CHECK_FALSE(x.ecology);
   REQUIRE(x.problems.size() == 1);
@@ -65,16 +65,16 @@ TEST_CASE("a text without quotes is called that", "[config][GEN-06]") {
 }
 
 TEST_CASE("a file that cannot be an ecology costs one clear line", "[config][GEN-06]") {
-  CHECK(only_problem("/nowhere/x.toml") ==
+  CHECK(only_problem_of_file("/nowhere/x.toml") ==
         "/nowhere/x.toml: cannot be opened: No such file or directory");
-  CHECK(only_problem(".") == ".: is a directory, not a file");
+  CHECK(only_problem_of_file(".") == ".: is a directory, not a file");
   const scratch_file empty("empty.toml", "");
-  CHECK(only_problem(empty.path()) ==
+  CHECK(only_problem_of_file(empty.path()) ==
         empty.path() + ": is empty; an ecology needs [ecology] and an [[island]] or [[peer]]");
   const scratch_file binary("binary.toml", std::string("\x7f"
                                                        "ELF\0\1",
                                                        6));
-  CHECK(only_problem(binary.path()) ==
+  CHECK(only_problem_of_file(binary.path()) ==
         binary.path() + ": is a binary file, not TOML: octet 4 is NUL");
 }
 

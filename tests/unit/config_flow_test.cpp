@@ -21,7 +21,7 @@ const std::string flow_head =
 const std::string flow_tail = "\n] }]\n[[island]]\nname = \"b\"\nid = 2\nstack = \"mac\"\n"
                               "mote = [{ id = 2, name = \"n-2\", position_m = [0, 0] }]\n";
 
-std::string problem_with(const std::string& app) {
+std::string problem_with_app(const std::string& app) {
   return problem_in(flow_head + app + flow_tail);
 }
 
@@ -138,7 +138,7 @@ TEST_CASE("the keys of a sender make sense together", "[config][GEN-06]") {
        "13:31: the receiver of the mote is already taken (line 13, column 9)"},
   }));
   CAPTURE(x.toml);
-  CHECK(problem_with(x.toml) == x.problem);
+  CHECK(problem_with_app(x.toml) == x.problem);
 }
 
 TEST_CASE("relays that go in circles are told", "[config][GEN-06]") {

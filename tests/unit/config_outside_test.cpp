@@ -12,12 +12,12 @@ using namespace rubicon::test;
 namespace {
 
 /// Ends in line 9, in [[island]].
-constexpr std::string_view wall_head = "[ecology]\nname = \"t\"\nmode = \"wall\"\n"
-                                       "[[peer]]\nname = \"pc\"\nid = 300\n"
-                                       "[[island]]\nname = \"k\"\nid = 1\n";
+constexpr std::string_view outside_head = "[ecology]\nname = \"t\"\nmode = \"wall\"\n"
+                                          "[[peer]]\nname = \"pc\"\nid = 300\n"
+                                          "[[island]]\nname = \"k\"\nid = 1\n";
 
-std::string with(const std::string& rest) {
-  return std::string(wall_head) + rest;
+std::string outside_with(const std::string& rest) {
+  return std::string(outside_head) + rest;
 }
 
 /// What a file with such a recording beside it is read as.
@@ -35,7 +35,7 @@ struct row_text {
   std::string problem;
 };
 
-std::string problems_of(const loaded& x) {
+std::string places_of_problems(const loaded& x) {
   std::string text;
   for (const auto& each : x.problems)
     text += each.file + ':' + std::to_string(each.line) + ": " + each.message + '\n';
@@ -45,8 +45,9 @@ std::string problems_of(const loaded& x) {
 } // namespace
 
 TEST_CASE("an island may have a real sink, and then no air", "[config][GW-17]") {
-  const auto x = good(with("serial = { device = \"/dev/ttyUSB0\", baud = \"telosb\" }\n"
-                           "[[island.mote]]\nid = 2\nname = \"stove\"\nposition_m = [900, 0]\n"));
+  const auto x =
+      good(outside_with("serial = { device = \"/dev/ttyUSB0\", baud = \"telosb\" }\n"
+                        "[[island.mote]]\nid = 2\nname = \"stove\"\nposition_m = [900, 0]\n"));
   const auto& island = x.islands.at(0);
   CHECK(island.outside.device == "/dev/ttyUSB0");
   CHECK(island.outside.has_sink());
@@ -54,16 +55,16 @@ TEST_CASE("an island may have a real sink, and then no air", "[config][GW-17]") 
   CHECK(x.airs.empty());
   CHECK(summary(x).find("real sink at /dev/ttyUSB0, 115200 baud") != std::string::npos);
 
-  const auto behind = good(with("serial.forwarder = \"localhost:9002\"\n"
-                                "export.forwarder = \"127.0.0.1:9003\"\n"));
+  const auto behind = good(outside_with("serial.forwarder = \"localhost:9002\"\n"
+                                        "export.forwarder = \"127.0.0.1:9003\"\n"));
   CHECK(behind.islands.at(0).outside.forwarder == "localhost:9002");
   CHECK(behind.islands.at(0).exported.forwarder == "127.0.0.1:9003");
 }
 
 TEST_CASE("an export to other computers is doubted unless it says to which", "[config][security]") {
   const auto doubts = [](const std::string& more) {
-    const auto x =
-        load_text(with("serial.forwarder = \"localhost:9002\"\n[island.export]\n" + more), "t");
+    const auto x = load_text(
+        outside_with("serial.forwarder = \"localhost:9002\"\n[island.export]\n" + more), "t");
     REQUIRE(x.ecology);
     return x.doubts.size();
   };
@@ -71,14 +72,14 @@ TEST_CASE("an export to other computers is doubted unless it says to which", "[c
   CHECK(doubts("forwarder = \"0.0.0.0:9003\"\n") == 1);
   CHECK(doubts("forwarder = \"0.0.0.0:9003\"\nnetworks = [\"10.0.0.0/8\"]\n") == 0);
   const auto listed =
-      good(with("serial.forwarder = \"localhost:9002\"\n"
-                "export = { forwarder = \"10.0.0.1:9003\", networks = [\"10.0.0.7\"] }\n"));
+      good(outside_with("serial.forwarder = \"localhost:9002\"\n"
+                        "export = { forwarder = \"10.0.0.1:9003\", networks = [\"10.0.0.7\"] }\n"));
   CHECK(listed.islands.at(0).exported.networks.size() == 1);
 }
 
 TEST_CASE("an island may leave its gateway to another program", "[config][GW-17]") {
-  const auto x = good(with("serial = { pty = \"run/sink\", octet_error = 0.01 }\n"
-                           "[[island.mote]]\nid = 2\ntype = 1\nposition_m = [1, 2]\n"));
+  const auto x = good(outside_with("serial = { pty = \"run/sink\", octet_error = 0.01 }\n"
+                                   "[[island.mote]]\nid = 2\ntype = 1\nposition_m = [1, 2]\n"));
   CHECK(x.islands.at(0).outside.has_gateway());
   CHECK(!x.islands.at(0).outside.has_sink());
   CHECK(x.airs.size() == 1);
@@ -87,12 +88,14 @@ TEST_CASE("an island may leave its gateway to another program", "[config][GW-17]
 }
 
 TEST_CASE("motes behind a real sink may run plain programs", "[config][GW-17]") {
-  const auto x = good(with("serial = { device = \"/dev/ttyUSB0\", payload = 28 }\n"
-                           "[[island.plain]]\nam_type = 6\nfirst = 100\nlast = 199\ntype = 901\n"
-                           "[[island.plain]]\nam_type = 147\ntype = 902\nchannel = 3\n"));
+  const auto x =
+      good(outside_with("serial = { device = \"/dev/ttyUSB0\", payload = 28 }\n"
+                        "[[island.plain]]\nam_type = 6\nfirst = 100\nlast = 199\ntype = 901\n"
+                        "[[island.plain]]\nam_type = 147\ntype = 902\nchannel = 3\n"));
   const auto& island = x.islands.at(0);
   CHECK(island.outside.payload == 28);
-  CHECK(good(with("serial.device = \"/dev/ttyUSB0\"\n")).islands.at(0).outside.payload == 0);
+  CHECK(good(outside_with("serial.device = \"/dev/ttyUSB0\"\n")).islands.at(0).outside.payload ==
+        0);
   REQUIRE(island.plain.size() == 2);
   CHECK(island.plain[0].am_type == 6);
   CHECK(island.plain[0].first == 100);
@@ -102,12 +105,12 @@ TEST_CASE("motes behind a real sink may run plain programs", "[config][GW-17]") 
   CHECK(island.plain[1].last == mote_id_max);
   CHECK(island.plain[1].channel == 3);
   const auto rule = [](const std::string& rest) {
-    return problem_after(wall_head, "serial.device = \"/dev/ttyS0\"\n[[island.plain]]\n" + rest);
+    return problem_after(outside_head, "serial.device = \"/dev/ttyS0\"\n[[island.plain]]\n" + rest);
   };
   CHECK(rule("am_type = 6\n") == "11:1: `type` is missing in [[island.plain]]");
   CHECK(rule("am_type = 6\ntype = 1\nfirst = 9\nlast = 8\n") ==
         "15:8: `last` must not be below `first`, which is 9");
-  CHECK(problem_after(wall_head, "[[island.plain]]\nam_type = 6\ntype = 1\n") ==
+  CHECK(problem_after(outside_head, "[[island.plain]]\nam_type = 6\ntype = 1\n") ==
         "10:1: `plain` has no effect without a real sink, a base station or `real`");
   CHECK(rule("am_type = 6\ntype = 1\ninput_form = \"blink\"\n") ==
         "14:14: `input_form` has no effect without `input`");
@@ -115,22 +118,22 @@ TEST_CASE("motes behind a real sink may run plain programs", "[config][GW-17]") 
         "14:17: `input_am_type` has no effect without `input`");
   CHECK(rule("am_type = 6\ntype = 1\ninput = 0\n").find("14:9: ") == 0);
   CHECK(rule("am_type = 6\ntype = 1\nid_offset = 113\n").find("14:13: ") == 0);
-  const auto base =
-      good(with("serial.device = \"/dev/ttyUSB0\"\nmote = [{ id = 0, name = \"base\" }]\n"
-                "plain = [{ am_type = 137, type = 9, first = 0, last = 0, id_offset = 4 }]\n"));
+  const auto base = good(
+      outside_with("serial.device = \"/dev/ttyUSB0\"\nmote = [{ id = 0, name = \"base\" }]\n"
+                   "plain = [{ am_type = 137, type = 9, first = 0, last = 0, id_offset = 4 }]\n"));
   CHECK(base.islands.at(0).plain.at(0).first == 0);
   CHECK(base.islands.at(0).plain.at(0).id_offset == 4);
   CHECK(base.islands.at(0).motes.at(0).id == mote_id{0});
-  CHECK(!problem_after(wall_head, "[[island.mote]]\nid = 0\nposition_m = [1, 0]\n").empty());
-  CHECK(problem_after(wall_head, "serial.payload = 28\n") ==
+  CHECK(!problem_after(outside_head, "[[island.mote]]\nid = 0\nposition_m = [1, 0]\n").empty());
+  CHECK(problem_after(outside_head, "serial.payload = 28\n") ==
         "10:18: `payload` has no effect without a real sink");
 }
 
 TEST_CASE("an input of a plain mote becomes packets of a type and a form", "[config][GW-17]") {
-  const auto x = good(with("serial.device = \"/dev/ttyUSB0\"\n"
-                           "[[island.plain]]\nam_type = 6\ntype = 901\ninput = 2\n"
-                           "[[island.plain]]\nam_type = 147\ntype = 902\ninput = 3\n"
-                           "input_am_type = 148\ninput_form = \"oscilloscope\"\n"));
+  const auto x = good(outside_with("serial.device = \"/dev/ttyUSB0\"\n"
+                                   "[[island.plain]]\nam_type = 6\ntype = 901\ninput = 2\n"
+                                   "[[island.plain]]\nam_type = 147\ntype = 902\ninput = 3\n"
+                                   "input_am_type = 148\ninput_form = \"oscilloscope\"\n"));
   const auto& rules = x.islands.at(0).plain;
   CHECK(rules.at(0).input == 2);
   CHECK(rules.at(0).input_am_type == 6);
@@ -141,7 +144,8 @@ TEST_CASE("an input of a plain mote becomes packets of a type and a form", "[con
 
 TEST_CASE("an island may have real motes beside simulated ones", "[config][GW-17]") {
   const auto real = [](const std::string& motes) {
-    return good(with("real = { device = \"/dev/ttyUSB0\", baud = \"telosb\", first = 100, last = "
+    return good(
+        outside_with("real = { device = \"/dev/ttyUSB0\", baud = \"telosb\", first = 100, last = "
                      "199, payload = 28, mote = [{ id = 100, name = \"lamp\" }, { id = 199, name = "
                      "\"desk\" }] }\nplain = [{ am_type = 6, type = 901 }, { am_type = 7, type = "
                      "902, first = 199 }]\n" +
@@ -213,30 +217,31 @@ TEST_CASE("what a line to real motes cannot have is refused", "[config][GW-17]")
   };
   for (const auto& [toml, problem] : rows) {
     CAPTURE(toml);
-    CHECK(problem_after(wall_head, toml) == problem);
+    CHECK(problem_after(outside_head, toml) == problem);
   }
   const auto named = [&](const std::string& id, const std::string& name) {
-    return problem_after(wall_head, "real = { device = \"/dev/ttyS0\", first = 100, last = 199, "
-                                    "mote = [{ id = " +
-                                        id + ", name = \"" + name + "\" }] }\n" + plain +
-                                        "[[island.mote]]\nid = 2\nname = \"stove\"\ntype = 1\n"
-                                        "position_m = [1, 0]\n");
+    return problem_after(outside_head, "real = { device = \"/dev/ttyS0\", first = 100, last = 199, "
+                                       "mote = [{ id = " +
+                                           id + ", name = \"" + name + "\" }] }\n" + plain +
+                                           "[[island.mote]]\nid = 2\nname = \"stove\"\ntype = 1\n"
+                                           "position_m = [1, 0]\n");
   };
   CHECK(named("100", "lamp") == "none");
   CHECK(named("200", "lamp") == "10:73: mote 200 is not in the range of `real`");
   CHECK(named("100", "stove").find("mote name") != std::string::npos);
   for (const std::string key : {"pty = \"run/x\"", "octet_error = 0.1", "latency = \"1ms\""})
-    CHECK(problem_after(wall_head, "real = { device = \"/dev/ttyS0\", first = 100, last = 199, " +
-                                       key + " }\n" + plain)
-              .find("unknown key `" + key.substr(0, key.find(' ')) + "` in [island.real]") !=
-          std::string::npos);
+    CHECK(
+        problem_after(outside_head, "real = { device = \"/dev/ttyS0\", first = 100, last = 199, " +
+                                        key + " }\n" + plain)
+            .find("unknown key `" + key.substr(0, key.find(' ')) + "` in [island.real]") !=
+        std::string::npos);
   CHECK(problem_after(island_head, line + plain).find("needs mode = \"wall\"") !=
         std::string::npos);
 }
 
 TEST_CASE("rates may be called as TinyOS's tools call them", "[config][GW-01]") {
   const auto rate = [](const std::string& name) {
-    return good(with("serial.baud = \"" + name + "\"\n")).islands.at(0).serial.baud;
+    return good(outside_with("serial.baud = \"" + name + "\"\n")).islands.at(0).serial.baud;
   };
   CHECK(rate("micaz") == 57600);
   CHECK(rate("iris") == 57600);
@@ -280,9 +285,9 @@ TEST_CASE("what means nothing beside a real end of a cable is refused", "[config
   for (const auto& [toml, problem] : rows) {
     CAPTURE(toml);
     if (problem != nullptr)
-      CHECK(problem_after(wall_head, toml) == problem);
+      CHECK(problem_after(outside_head, toml) == problem);
     else
-      CHECK(problem_after(wall_head, toml) != "none");
+      CHECK(problem_after(outside_head, toml) != "none");
   }
 }
 
@@ -301,16 +306,17 @@ TEST_CASE("a recording of a sink is read with the file that names it", "[config]
   REQUIRE(x.ecology);
   CHECK(x.ecology->islands.at(0).outside.recorded != nullptr);
   CHECK(x.ecology->islands.at(0).outside.speed == 2);
-  CHECK(problems_of(with_recording(toml, title + "1.0 k up 45 0001\n1.0 k up\n")) ==
+  CHECK(places_of_problems(with_recording(toml, title + "1.0 k up 45 0001\n1.0 k up\n")) ==
         "folder/sink.txt:3: expected the type of a frame, 43, 44, 45 or ff\n");
-  CHECK(problems_of(with_recording(toml, title + "1.0 attic up 45 0001\n"))
+  CHECK(places_of_problems(with_recording(toml, title + "1.0 attic up 45 0001\n"))
             .find("has no recording of an island named `k`") != std::string::npos);
   const auto real = std::string(island_head) +
                     "real = { replay = \"sink.txt\", first = 100, last = 199 }\n"
                     "plain = [{ am_type = 6, type = 901 }]\n";
-  CHECK(problems_of(with_recording(real, title + "1.0 k/real up 45 0001\n")).empty());
-  CHECK(problems_of(with_recording(real, title + "1.0 k up 45 0001\n"))
+  CHECK(places_of_problems(with_recording(real, title + "1.0 k/real up 45 0001\n")).empty());
+  CHECK(places_of_problems(with_recording(real, title + "1.0 k up 45 0001\n"))
             .find("has no recording of an island named `k/real`") != std::string::npos);
   const auto missing = std::string(island_head) + "serial = { replay = \"other.txt\" }\n";
-  CHECK(problems_of(with_recording(missing, title)).find("folder/other.txt") != std::string::npos);
+  CHECK(places_of_problems(with_recording(missing, title)).find("folder/other.txt") !=
+        std::string::npos);
 }

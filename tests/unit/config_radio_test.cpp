@@ -24,7 +24,7 @@ std::string lines_of(int count, const std::string& line) {
 }
 
 /// Files that exist only here.
-const std::map<std::string, std::string> files{
+const std::map<std::string, std::string> radio_files{
     {"lab/grid.txt", "gain 0 1 -60\ngain 1 0 -61.5\nnoise 0 -100 4\nnoise 1 -99 4\n"},
     {"no-floors.txt", "gain 0 1 -60\n"},
     {"broken.txt", "gain 0 1 -60\ngain 0 two -60\n"},
@@ -32,22 +32,12 @@ const std::map<std::string, std::string> files{
     {"short.txt", "-97\n"},
 };
 
-file_text from_memory(const std::string& path, std::size_t /*octets_max*/) {
-  const auto found = files.find(path);
-  if (found == files.end())
-    return {std::nullopt, "cannot be opened: No such file or directory"};
-  return {found->second, {}};
+file_text from_radio_files(const std::string& path, std::size_t /*octets_max*/) {
+  return text_in(radio_files, path);
 }
 
 loaded load_lab(const std::string& toml, const overrides& instead = {}) {
-  return load_text(toml, "lab/x.toml", instead, from_memory);
-}
-
-std::string problems_of(const loaded& x) {
-  std::string text;
-  for (const auto& each : x.problems)
-    text += (text.empty() ? "" : "\n") + to_string(each);
-  return text.empty() ? "none" : text;
+  return load_text(toml, "lab/x.toml", instead, from_radio_files);
 }
 
 /// A file with an island of a sink and one mote, from line 7.
@@ -293,12 +283,12 @@ TEST_CASE("a file that is missing or wrong is told where it is", "[config][GEN-0
             .starts_with("lab/x.toml:5:12: \"lab/../broken.txt\" cannot be opened"));
   CHECK(problem(gains + "topology = 5\n").find("`topology` must be a text") != std::string::npos);
   const auto broken =
-      load_text(lab(gains + "topology = \"broken.txt\"\n"), "x.toml", {}, from_memory);
+      load_text(lab(gains + "topology = \"broken.txt\"\n"), "x.toml", {}, from_radio_files);
   CHECK(problems_of(broken).starts_with("broken.txt:2: "));
   const auto trace = load_text(lab("[radio.propagation]\nmodel = \"friis\"\n[radio.noise]\n"
                                    "model = \"trace\"\nfile = \"short.txt\"\n",
                                    "id = 2\nposition_m = [0, 0]\n"),
-                               "x.toml", {}, from_memory);
+                               "x.toml", {}, from_radio_files);
   CHECK(problems_of(trace).starts_with("short.txt"));
   CHECK(problem(gains + "topology = \"/no-floors.txt\"\n")
             .starts_with("lab/x.toml:5:12: \"/no-floors.txt\" cannot be opened"));
@@ -321,8 +311,8 @@ TEST_CASE("every mote of a topology is one of its nodes", "[config][GEN-06]") {
             .starts_with("lab/x.toml:12:6: mote `mote-2` with the id 2 is node 2"));
   const auto floors = "[radio.noise]\nmodel = \"table\"\n";
   CHECK(problem(grid + floors, "id = 2\n") == "none");
-  const auto none =
-      load_text(lab(gains + "topology = \"no-floors.txt\"\n" + floors), "x.toml", {}, from_memory);
+  const auto none = load_text(lab(gains + "topology = \"no-floors.txt\"\n" + floors), "x.toml", {},
+                              from_radio_files);
   CHECK(problems_of(none) == "x.toml:6:1: the topology has no `noise` lines");
 }
 

@@ -52,7 +52,7 @@ followed_file follow() {
 }
 
 /// The file with another text in the place of one.
-std::string with(std::string_view old, std::string_view now) {
+std::string home_but(std::string_view old, std::string_view now) {
   std::string text(home);
   const auto at = text.find(old);
   REQUIRE(at != std::string::npos);
@@ -87,7 +87,7 @@ TEST_CASE("a file that says the same changes nothing", "[config][ACT-10]") {
 
 TEST_CASE("another period of a program follows, of each mote that has it", "[config][ACT-10]") {
   auto file = follow();
-  const auto x = file.read(with("every = \"10s\"", "every = \"2s\""), 1min);
+  const auto x = file.read(home_but("every = \"10s\"", "every = \"2s\""), 1min);
   CHECK(refused(x).empty());
   REQUIRE(x.changes.size() == 2);
   CHECK(std::get<rate_change>(x.changes[1]).mote.mote == mote_id{3});
@@ -96,10 +96,10 @@ TEST_CASE("another period of a program follows, of each mote that has it", "[con
   CHECK(rate.sampler == 1);
   CHECK(rate.period == 2s);
   // Compared is what was read last.
-  CHECK(file.read(with("every = \"10s\"", "every = \"2s\""), 1min).changes.empty());
+  CHECK(file.read(home_but("every = \"10s\"", "every = \"2s\""), 1min).changes.empty());
   CHECK(file.read(home, 1min).changes.size() == 2);
-  const auto messenger =
-      only<rate_change>(file.read(with("text = \"hi\"", "text = \"hi\", every = \"7s\""), 1min));
+  const auto messenger = only<rate_change>(
+      file.read(home_but("text = \"hi\"", "text = \"hi\", every = \"7s\""), 1min));
   CHECK(messenger.messenger == 10);
   CHECK(messenger.period == 7s);
 }
@@ -121,17 +121,19 @@ TEST_CASE("other network keys follow", "[config][ACT-10][SMP-02]") {
 
 TEST_CASE("another link follows, and one that is new", "[config][ACT-10]") {
   auto file = follow();
-  const auto link = only<link_change>(file.read(with("loss = \"10%\"", "loss = \"60%\""), 1min));
+  const auto link =
+      only<link_change>(file.read(home_but("loss = \"10%\"", "loss = \"60%\""), 1min));
   CHECK(link.from.mote == mote_id{2});
   CHECK(link.loss == 0.6);
-  const auto more = file.read(
-      with("[mote_type.c]", "[[radio.link]]\nfrom = \"k/two\"\nto = \"k/three\"\ngain = \"-70dB\"\n"
-                            "[mote_type.c]"),
-      1min);
+  const auto more =
+      file.read(home_but("[mote_type.c]",
+                         "[[radio.link]]\nfrom = \"k/two\"\nto = \"k/three\"\ngain = \"-70dB\"\n"
+                         "[mote_type.c]"),
+                1min);
   CHECK(refused(more).empty());
   CHECK(more.changes.size() == 2); // the first has its loss of before again
   const auto gone = refused(file.read(
-      with("[[radio.link]]\nfrom = \"k/two\"\nto = \"k/sink\"\nloss = \"10%\"\n", ""), 1min));
+      home_but("[[radio.link]]\nfrom = \"k/two\"\nto = \"k/sink\"\nloss = \"10%\"\n", ""), 1min));
   REQUIRE(gone.size() == 1);
   CHECK(gone[0].starts_with("home.toml:5:1: `radio.link` lacks a link"));
 }
@@ -139,19 +141,19 @@ TEST_CASE("another link follows, and one that is new", "[config][ACT-10]") {
 TEST_CASE("another class of proxies follows", "[config][ACT-10]") {
   auto file = follow();
   const auto unit =
-      only<proxy::class_change>(file.read(with("unit = \"C\"", "unit = \"K\""), 1min));
+      only<proxy::class_change>(file.read(home_but("unit = \"C\"", "unit = \"K\""), 1min));
   CHECK(unit.class_name == "warm");
   CHECK(unit.field == "temperature");
   CHECK(unit.unit == "K");
   CHECK_FALSE(unit.scale);
   const auto both =
-      file.read(with("period = \"5s\"", "period = \"3s\", stale_after = \"9s\""), 1min);
+      file.read(home_but("period = \"5s\"", "period = \"3s\", stale_after = \"9s\""), 1min);
   CHECK(refused(both).empty());
   REQUIRE(both.changes.size() == 2);
   CHECK(proxy::to_text(std::get<proxy::class_change>(both.changes[0])) ==
         "period 3 s, stale_after 9 s");
   CHECK(proxy::to_text(std::get<proxy::class_change>(both.changes[1])) == "temperature in C");
-  const auto first = with("[[proxy]]", "[[proxy]]\nname = \"other\"\ntypes = [8]\n[[proxy]]");
+  const auto first = home_but("[[proxy]]", "[[proxy]]\nname = \"other\"\ntypes = [8]\n[[proxy]]");
   followed_file another(first, "home.toml", {}, {});
   const auto told =
       another.read(std::string(first).insert(first.find("types = [8]"), "qos.retry_for = \"7s\"\n"),
@@ -200,7 +202,7 @@ TEST_CASE("what cannot follow is refused with its place and the reason", "[confi
   auto file = follow();
   using texts = std::vector<std::string>;
   const auto says = [&file](std::string_view old, std::string_view now) {
-    const auto x = file.read(with(old, now), 1min);
+    const auto x = file.read(home_but(old, now), 1min);
     CHECK(x.changes.empty());
     return refused(x);
   };
@@ -224,10 +226,10 @@ TEST_CASE("what cannot follow is refused with its place and the reason", "[confi
 
 TEST_CASE("a file that is wrong changes nothing", "[config][ACT-10][GEN-06]") {
   auto file = follow();
-  const auto broken = file.read(with("every = \"10s\"", "every = \"2 apples\""), 1min);
+  const auto broken = file.read(home_but("every = \"10s\"", "every = \"2 apples\""), 1min);
   CHECK(broken.changes.empty());
   REQUIRE_FALSE(broken.refused.empty());
   CHECK(broken.refused[0].line == 14);
   CHECK_FALSE(file.read("[ecology", 1min).refused.empty());
-  CHECK(file.read(with("every = \"10s\"", "every = \"2s\""), 1min).changes.size() == 2);
+  CHECK(file.read(home_but("every = \"10s\"", "every = \"2s\""), 1min).changes.size() == 2);
 }

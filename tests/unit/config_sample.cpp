@@ -75,6 +75,21 @@ std::vector<std::string> problems_in(const std::string& toml) {
   return all;
 }
 
+std::string problems_of(const config::loaded& x) {
+  std::string text;
+  for (const auto& each : x.problems)
+    text += (text.empty() ? "" : "\n") + to_string(each);
+  return text.empty() ? "none" : text;
+}
+
+config::file_text text_in(const std::map<std::string, std::string>& files,
+                          const std::string& path) {
+  const auto found = files.find(path);
+  if (found == files.end())
+    return {std::nullopt, "cannot be opened: No such file or directory"};
+  return {found->second, {}};
+}
+
 std::string problem_in(const std::string& toml) {
   const auto all = problems_in(toml);
   std::string text = all.empty() ? "none" : all.front();

@@ -1,6 +1,7 @@
 // Small files for the tests of the config room.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,6 +44,13 @@ struct row {
 
 /// Every problem as `line:column: message`.
 [[nodiscard]] std::vector<std::string> problems_in(const std::string& toml);
+
+/// All problems with their files, a line each; `none` without any.
+[[nodiscard]] std::string problems_of(const config::loaded& x);
+
+/// What reading a file gives if there are only these.
+[[nodiscard]] config::file_text text_in(const std::map<std::string, std::string>& files,
+                                        const std::string& path);
 
 /// The only problem; `none` without any, all of them in one text if there are several.
 [[nodiscard]] std::string problem_in(const std::string& toml);

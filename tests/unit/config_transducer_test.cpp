@@ -11,7 +11,7 @@ using namespace rubicon::test;
 namespace {
 
 /// Files that exist only here.
-const std::map<std::string, std::string> files{
+const std::map<std::string, std::string> trace_files{
     {"lab/room.csv", "time,light,temperature\n0,100,20\n60,200,21\n"},
     {"lab/data.txt", "2004-02-28 00:59:16 3 2 19.9 37 45 2.7\n"
                      "2004-02-28 01:00:16 11 3 19.3 38 4000 2.7\n"
@@ -21,28 +21,18 @@ const std::map<std::string, std::string> files{
 
 int files_read = 0;
 
-file_text from_memory(const std::string& path, std::size_t /*octets_max*/) {
+file_text count_and_read(const std::string& path, std::size_t /*octets_max*/) {
   ++files_read;
-  const auto found = files.find(path);
-  if (found == files.end())
-    return {std::nullopt, "cannot be opened: No such file or directory"};
-  return {found->second, {}};
+  return text_in(trace_files, path);
 }
 
-loaded load_lab(const std::string& toml) {
-  return load_text(toml, "lab/x.toml", {}, from_memory);
-}
-
-std::string problems_of(const loaded& x) {
-  std::string text;
-  for (const auto& each : x.problems)
-    text += (text.empty() ? "" : "\n") + to_string(each);
-  return text.empty() ? "none" : text;
+loaded load_traced(const std::string& toml) {
+  return load_text(toml, "lab/x.toml", {}, count_and_read);
 }
 
 /// What is wrong with a mote whose keys, from line 19, are `keys`.
 std::string problem_with(const std::string& keys) {
-  return problems_of(load_lab(mote_head + keys));
+  return problems_of(load_traced(mote_head + keys));
 }
 
 std::string light(const std::string& keys) {
@@ -52,7 +42,7 @@ std::string light(const std::string& keys) {
 /// The light of the first mote.
 template <class Model>
 Model model_of(const std::string& keys) {
-  const auto x = load_lab(mote_head + light(keys));
+  const auto x = load_traced(mote_head + light(keys));
   CAPTURE(problems_of(x));
   REQUIRE(x.ecology);
   return std::get<Model>(x.ecology->islands[0].motes[0].transducers.at(1).model);
@@ -125,7 +115,7 @@ TEST_CASE("each mote replays its own readings of a trace, or those of the one na
                            "layout = \"grid\"\nspacing = \"1m\"\n"
                            "[[island.mote]]\nid = 4\ntype = \"c\"\nposition_m = [1, 2]\n";
   files_read = 0;
-  const auto x = load_lab(
+  const auto x = load_traced(
       toml +
       "transducers.light = { model = \"trace\", file = \"data.txt\", resolution = 1, mote = "
       "3, mote_column = \"mote\", " +
@@ -144,9 +134,9 @@ TEST_CASE("each mote replays its own readings of a trace, or those of the one na
   CHECK(trace(0).table == trace(2).table);
   CHECK(trace(0).table->skipped == 1);
   CHECK(trace(1).table->of_mote.at(3) == device::time_series{{60s, 4000}});
-  CHECK(problems_of(load_lab(toml)) == "lab/x.toml:20:6: the trace of `light` has no readings of "
+  CHECK(problems_of(load_traced(toml)) == "lab/x.toml:20:6: the trace of `light` has no readings of "
                                        "mote 4: choose one of its motes with `mote`");
-  CHECK(problems_of(load_lab(toml.substr(0, toml.find("[[island.mote]]")) +
+  CHECK(problems_of(load_traced(toml.substr(0, toml.find("[[island.mote]]")) +
                              "[[island.group]]\ncount = 3\nfirst = 2\ntype = \"c\"\n"
                              "layout = \"grid\"\nspacing = \"1m\"\n")) ==
         "lab/x.toml:11:9: the trace of `light` has no readings of mote 4: choose one of its motes "

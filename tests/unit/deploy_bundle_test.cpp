@@ -30,7 +30,7 @@ struct folder : test::scratch_folder {
   }
 };
 
-const std::string house = R"([ecology]
+const std::string house_toml = R"([ecology]
 name = "house"
 seed = 5
 duration = "2min"
@@ -69,7 +69,7 @@ config::overrides wall() {
 
 TEST_CASE("a bundle is the same ecology where its files are not", "[deploy][GEN-05]") {
   const folder in;
-  const auto path = in.with("house.toml", house);
+  const auto path = in.with("house.toml", house_toml);
   static_cast<void>(in.with("stove.csv", "time,t\n0,20\n10,25\n"));
   const auto packed = pack(path, wall(), 30s, {});
   REQUIRE(packed.loaded.problems.empty());
@@ -283,7 +283,7 @@ TEST_CASE("a file that is not there is a problem", "[deploy]") {
 
 TEST_CASE("all hosts on one computer have ports of their own", "[deploy][GEN-05]") {
   const folder in;
-  const auto path = in.with("house.toml", house);
+  const auto path = in.with("house.toml", house_toml);
   static_cast<void>(in.with("stove.csv", "time,t\n0,20\n"));
   auto packed = pack(path, wall(), std::nullopt, {});
   REQUIRE(packed.loaded.ecology);

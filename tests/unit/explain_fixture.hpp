@@ -19,10 +19,14 @@
 #include "radio/frame.hpp"
 #include "serial/frame.hpp"
 #include "serial/packet.hpp"
+#include "support/text.hpp"
 #include "transport/fragments.hpp"
 #include "transport/segment.hpp"
 
 namespace rubicon::test {
+
+inline const bytes reading{0x00, 0xd7};
+inline constexpr explain::paper wide{200, false};
 
 inline const std::string near_mote = "mote/kitchen/near";
 inline const std::string far_mote = "mote/kitchen/far";
@@ -303,9 +307,5 @@ private:
   std::array<std::deque<std::uint64_t>, 2> written_; ///< and not come out of the line, by direction
   std::int32_t packages_ = 0;
 };
-
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 } // namespace rubicon::test

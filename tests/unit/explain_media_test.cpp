@@ -9,8 +9,6 @@ using namespace rubicon::test;
 
 namespace {
 
-const bytes reading{0x00, 0xd7};
-
 struct followers {
   growth all{explain_fixture().x.about};
   message_follower messages{all};

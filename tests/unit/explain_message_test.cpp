@@ -8,9 +8,6 @@ using namespace rubicon::test;
 
 namespace {
 
-const bytes reading{0x00, 0xd7};
-constexpr paper wide{200, false};
-
 /// The way of one segment from mote 7 to the gateway, and of the answer back.
 struct delivery {
   explain_fixture& world;

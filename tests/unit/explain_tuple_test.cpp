@@ -8,7 +8,6 @@ using namespace rubicon::test;
 
 namespace {
 
-constexpr paper wide{200, false};
 const std::string rules = "peer_app/robot/rules-1";
 const std::string proxy = "proxy/kitchen.near";
 

@@ -1,17 +1,18 @@
 #include "gateway/directory.hpp"
+#include "gateway_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using gateway::announcement;
 using gateway::directory;
+using test::kitchen;
 
 namespace {
 
-constexpr island_id kitchen{1};
 constexpr peer_id kitchen_gateway{1};
 constexpr peer_id spare{101};
 
-directory make() {
+directory make_directory() {
   directory x({}, random_stream(1));
   x.start({});
   return x;
@@ -48,7 +49,7 @@ TEST_CASE("an announcement tells island, form and incarnation", "[gateway][GW-13
 }
 
 TEST_CASE("a gateway announces itself often at first, then once a period", "[gateway][GW-13]") {
-  auto x = make();
+  auto x = make_directory();
   const auto all = announcements(x, instant{120s});
   REQUIRE(all.size() > 10);
   CHECK(all[0] <= instant{1s});
@@ -58,7 +59,7 @@ TEST_CASE("a gateway announces itself often at first, then once a period", "[gat
 }
 
 TEST_CASE("a new gateway gets an answer at once, a known one none", "[gateway][GW-13]") {
-  auto x = make();
+  auto x = make_directory();
   static_cast<void>(announcements(x, instant{60s}));
   const auto regular = *x.deadline();
   const instant now{61s};
@@ -75,7 +76,7 @@ TEST_CASE("a new gateway gets an answer at once, a known one none", "[gateway][G
 }
 
 TEST_CASE("any gateway of an island addresses it; a dead one is passed over", "[gateway][GW-14]") {
-  auto x = make();
+  auto x = make_directory();
   CHECK(x.gateway_for(kitchen) == kitchen_gateway); // not heard yet: the id says it
   x.on_announcement(spare, encode(announcement{kitchen}), instant{1s});
   CHECK(x.gateway_for(kitchen) == spare);
@@ -97,7 +98,7 @@ TEST_CASE("any gateway of an island addresses it; a dead one is passed over", "[
 }
 
 TEST_CASE("a gateway of another make speaks 5.4 to the letter", "[gateway][WIR-04][GW-13]") {
-  auto x = make();
+  auto x = make_directory();
   CHECK(x.form_of(peer_id{9}) == wire_form::segment);
   x.on_announcement(peer_id{9}, bytes{'h', 'e', 'l', 'l', 'o'}, instant{1s});
   CHECK(x.form_of(peer_id{9}) == wire_form::strict54);
@@ -124,7 +125,7 @@ TEST_CASE("an announcement of one among several gateways tells its role", "[gate
 }
 
 TEST_CASE("an island is reached through the gateway that last said it leads", "[gateway][GW-14]") {
-  auto x = make();
+  auto x = make_directory();
   const auto says = [&x](peer_id who, bool leads, instant now) {
     x.on_announcement(who, encode(announcement{kitchen, wire_form::segment, 0, leads}), now);
   };

@@ -1,6 +1,7 @@
 // One gateway among several of an island.
 #include "core/device_keys.hpp"
 #include "gateway/gateway.hpp"
+#include "gateway_fixture.hpp"
 #include "network/am.hpp"
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
@@ -15,32 +16,26 @@ using gateway::publish;
 using gateway::relay_to;
 using gateway::to_sink;
 using kind = transport::segment::kind;
+using test::fan;
+using test::join;
 using test::pick;
+using test::published;
+using test::tell;
 
 namespace {
 
-constexpr island_id kitchen{20};
+constexpr island_id shared_kitchen{20};
 constexpr peer_id first{20};
 constexpr peer_id second{21};
-constexpr mote_id fan{7};
-constexpr mote_id the_sink{1};
 
-gateway::gateway make(std::uint32_t life = 0) {
+gateway::gateway make_standby(std::uint32_t life = 0) {
   gateway::gateway_config config;
-  config.island = kitchen;
+  config.island = shared_kitchen;
   config.gateways = {first, second};
   config.incarnation = life;
   gateway::gateway x(config, random_stream(1));
   static_cast<void>(x.start({}));
   return x;
-}
-
-gateway::outputs tell(gateway::gateway& x, const network::sink_event& event, instant now = {}) {
-  return x.on_packet(the_sink, network::am::sink_event, encode(event), now);
-}
-
-void join(gateway::gateway& x, mote_id mote) {
-  static_cast<void>(tell(x, network::mote_joined{mote, 0, 301, bytes{0xaa}}));
 }
 
 gateway::outputs lead(gateway::gateway& x, std::uint32_t term = 1, instant now = {}) {
@@ -49,26 +44,19 @@ gateway::outputs lead(gateway::gateway& x, std::uint32_t term = 1, instant now =
 
 /// That another gateway says it leads.
 void hear_leader(gateway::gateway& x, peer_id who) {
-  x.on_announcement(who, encode(gateway::announcement{kitchen, wire_form::segment, 0, true}), {});
-}
-
-std::string published(const gateway::outputs& out, std::string_view key) {
-  std::string value = "nothing";
-  for (const auto& x : pick<publish>(out)) {
-    if (x.key == key)
-      value = x.text ? to_string(x.value) : to_hex(x.value);
-  }
-  return value;
+  x.on_announcement(who, encode(gateway::announcement{shared_kitchen, wire_form::segment, 0, true}),
+                    {});
 }
 
 gateway::outputs send_up(gateway::gateway& x, const transport::segment& segment) {
   return x.on_packet(
       fan, network::am::to_gateway,
-      encode(network::island_packet{kitchen, no_mote, segment.am_type, encode(segment)}), {});
+      encode(network::island_packet{shared_kitchen, no_mote, segment.am_type, encode(segment)}),
+      {});
 }
 
 /// The only segment that goes down.
-transport::segment segment_down(const gateway::outputs& out) {
+transport::segment first_segment_down(const gateway::outputs& out) {
   for (const auto& x : pick<to_sink>(out)) {
     if (x.am_type == network::am::from_gateway)
       return *transport::decode_segment(network::decode_island_packet(x.payload)->body);
@@ -112,7 +100,7 @@ TEST_CASE("a gateway leads while its sink says so", "[gateway][GW-14]") {
 TEST_CASE("an only gateway always leads, and answers no polls", "[gateway][GW-14]") {
   CHECK(leadership(gateway::leadership_config{}).leads());
   gateway::gateway_config config;
-  config.island = kitchen;
+  config.island = shared_kitchen;
   gateway::gateway x(config, random_stream(1));
   CHECK(published(x.start({}), "devices.role") == "nothing");
   CHECK(pick<answer_sink>(lead(x)).empty());
@@ -121,7 +109,7 @@ TEST_CASE("an only gateway always leads, and answers no polls", "[gateway][GW-14
 
 TEST_CASE("a gateway that stands by knows the motes and publishes no outputs",
           "[gateway][GW-14][GW-03]") {
-  auto x = make();
+  auto x = make_standby();
   const auto out = x.start({});
   CHECK(published(out, "devices.role") == "stands_by 0.000000");
   CHECK(published(out, "devices.gateways") == "{20,21}");
@@ -134,7 +122,7 @@ TEST_CASE("a gateway that stands by knows the motes and publishes no outputs",
 }
 
 TEST_CASE("its output tuples and what was in flight end with the lead", "[gateway][GW-14][IF-07]") {
-  auto x = make();
+  auto x = make_standby();
   join(x, fan);
   static_cast<void>(lead(x));
   static_cast<void>(send_up(x, test::plain(fan, 1, bytes{5})));
@@ -153,22 +141,22 @@ TEST_CASE("its output tuples and what was in flight end with the lead", "[gatewa
 }
 
 TEST_CASE("each term is another incarnation of the PC of the island", "[gateway][GW-14][MCK-11]") {
-  auto x = make();
+  auto x = make_standby();
   join(x, fan);
   static_cast<void>(lead(x, 1));
-  const auto answer = segment_down(send_up(x, test::hello(fan, 0, 64)));
+  const auto answer = first_segment_down(send_up(x, test::hello(fan, 0, 64)));
   CHECK(answer.receiver == 1);
   static_cast<void>(x.on_time(instant{2s}));
   static_cast<void>(lead(x, 3, instant{2s}));
   // what another one was sent is not taken for ours
   auto late = test::reliable(fan, 1, 64, bytes{1});
   late.receiver = 2;
-  CHECK(segment_down(send_up(x, late)).what == kind::refused);
-  CHECK(segment_down(send_up(x, test::hello(fan, 2, 64))).receiver == 3);
+  CHECK(first_segment_down(send_up(x, late)).what == kind::refused);
+  CHECK(first_segment_down(send_up(x, test::hello(fan, 2, 64))).receiver == 3);
 }
 
 TEST_CASE("who stands by passes inputs on and tells their outcomes", "[gateway][GW-14][IF-07]") {
-  auto standby = make();
+  auto standby = make_standby();
   join(standby, fan);
   SECTION("nobody leads") {
     const auto out = standby.on_input(fan, 2, bytes{1}, {});
@@ -176,7 +164,7 @@ TEST_CASE("who stands by passes inputs on and tells their outcomes", "[gateway][
   }
   SECTION("another one leads") {
     hear_leader(standby, first);
-    auto leader = make();
+    auto leader = make_standby();
     join(leader, fan);
     static_cast<void>(lead(leader));
     const auto asked = standby.on_input(fan, 2, bytes{1}, {});
@@ -184,10 +172,10 @@ TEST_CASE("who stands by passes inputs on and tells their outcomes", "[gateway][
     const auto relays = pick<relay_to>(asked);
     REQUIRE(relays.size() == 1);
     CHECK(relays[0].peer == first);
-    const auto down = segment_down(leader.on_relay(second, relays[0].octets, {}));
+    const auto down = first_segment_down(leader.on_relay(second, relays[0].octets, {}));
     CHECK(down.what == kind::hello);
     auto answered = send_up(leader, test::acknowledgement(fan, down));
-    answered = send_up(leader, test::acknowledgement(fan, segment_down(answered)));
+    answered = send_up(leader, test::acknowledgement(fan, first_segment_down(answered)));
     const auto back = pick<relay_to>(answered);
     REQUIRE(back.size() == 1);
     CHECK(back[0].peer == second);
@@ -211,8 +199,8 @@ TEST_CASE("who stands by passes inputs on and tells their outcomes", "[gateway][
 }
 
 TEST_CASE("a message to either gateway arrives", "[gateway][GW-14]") {
-  auto standby = make();
-  auto leader = make();
+  auto standby = make_standby();
+  auto leader = make_standby();
   join(standby, fan);
   join(leader, fan);
   static_cast<void>(lead(leader));
@@ -232,7 +220,7 @@ TEST_CASE("a message to either gateway arrives", "[gateway][GW-14]") {
 }
 
 TEST_CASE("motes may call their island by any of its ids", "[gateway][GW-14]") {
-  auto x = make();
+  auto x = make_standby();
   join(x, fan);
   static_cast<void>(lead(x));
   const auto out = x.on_packet(
@@ -243,12 +231,12 @@ TEST_CASE("motes may call their island by any of its ids", "[gateway][GW-14]") {
 }
 
 TEST_CASE("who takes the lead asks motes for their outputs anew", "[gateway][GW-14][GW-10]") {
-  auto x = make();
+  auto x = make_standby();
   join(x, fan);
   x.on_subscribers(std::vector<std::string>{"devices.7.output.1"}, {});
   CHECK(pick<to_sink>(x.on_time(instant{1s})).empty()); // it is for the other one to ask
   static_cast<void>(lead(x, 2, instant{1s}));
-  CHECK(segment_down(x.on_time(instant{1s})).am_type == network::am::outputs_wanted);
+  CHECK(first_segment_down(x.on_time(instant{1s})).am_type == network::am::outputs_wanted);
 }
 
 TEST_CASE("relays have their octets", "[gateway][GW-14]") {
@@ -276,14 +264,17 @@ TEST_CASE("answers to what was sent to an alias come from it", "[gateway][GW-14]
   gateway::alias_talks x;
   const mote_id caller{3};
   auto said = test::reliable(caller, 5, 10, bytes{1});
-  x.note(island_id{21}, kitchen, fan, encode(said));
+  x.note(island_id{21}, shared_kitchen, fan, encode(said));
   const auto answer = test::acknowledgement(fan, said);
-  CHECK(x.source_of(kitchen, caller, encode(answer)) == island_id{21});
-  CHECK(x.source_of(kitchen, mote_id{4}, encode(answer)) == kitchen);
+  CHECK(x.source_of(shared_kitchen, caller, encode(answer)) == island_id{21});
+  CHECK(x.source_of(shared_kitchen, mote_id{4}, encode(answer)) == shared_kitchen);
   said.counter = 6;
-  CHECK(x.source_of(kitchen, caller, encode(test::acknowledgement(fan, said))) == kitchen);
-  CHECK(x.source_of(kitchen, caller, encode(test::plain(fan, 10, bytes{1}))) == kitchen);
+  CHECK(x.source_of(shared_kitchen, caller, encode(test::acknowledgement(fan, said))) ==
+        shared_kitchen);
+  CHECK(x.source_of(shared_kitchen, caller, encode(test::plain(fan, 10, bytes{1}))) ==
+        shared_kitchen);
   for (std::uint16_t i = 0; i < gateway::alias_talks::talks_max; ++i) // the oldest is forgotten
-    x.note(island_id{21}, kitchen, fan, encode(test::reliable(caller, 100 + i, 10, bytes{1})));
-  CHECK(x.source_of(kitchen, caller, encode(answer)) == kitchen);
+    x.note(island_id{21}, shared_kitchen, fan,
+           encode(test::reliable(caller, 100 + i, 10, bytes{1})));
+  CHECK(x.source_of(shared_kitchen, caller, encode(answer)) == shared_kitchen);
 }

@@ -2,16 +2,17 @@
 
 #include "core/random.hpp"
 #include "gateway/output_requests.hpp"
+#include "gateway_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using communication::any_channel;
 using gateway::output_requests;
+using test::fan;
 using wanted = output_requests::wanted;
 
 namespace {
 
-constexpr mote_id fan{7};
 constexpr mote_id lamp{8};
 
 struct fixture {

@@ -8,15 +8,16 @@
 #include "serial/packet.hpp"
 #include "serial/raw_packet.hpp"
 #include "support/catch.hpp"
+#include "support/start.hpp"
 
 using namespace rubicon;
 using namespace rubicon::gateway;
+using test::start;
 
 namespace {
 
 constexpr std::uint8_t blink = 6;
 constexpr std::uint8_t oscilloscope = 147;
-constexpr instant start{};
 
 plain_motes two_rules() {
   plain_config x;

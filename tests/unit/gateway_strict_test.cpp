@@ -1,5 +1,6 @@
 // A gateway among gateways that speak D1.1 5.4 to the letter.
 #include "gateway/gateway.hpp"
+#include "gateway_fixture.hpp"
 #include "network/am.hpp"
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
@@ -10,16 +11,16 @@
 using namespace rubicon;
 using gateway::to_gateway;
 using gateway::to_sink;
+using test::fan;
 using test::pick;
 using test::plain;
 using test::reliable;
 
 namespace {
 
-constexpr mote_id fan{7};
 constexpr island_id bedroom{2};
 
-gateway::gateway make(wire_form form) {
+gateway::gateway with_fan(wire_form form) {
   gateway::gateway x({.island = island_id{1}, .form = form}, random_stream(1));
   static_cast<void>(x.start({}));
   static_cast<void>(
@@ -40,7 +41,7 @@ gateway::outputs send_up(gateway::gateway& x, const transport::segment& segment,
 TEST_CASE("messages to a gateway of another make are the bytes of D1.1 5.4",
           "[gateway][WIR-02][WIR-04][WIR-01]") {
   const bool by_discovery = GENERATE(true, false);
-  auto x = make(by_discovery ? wire_form::segment : wire_form::strict54);
+  auto x = with_fan(by_discovery ? wire_form::segment : wire_form::strict54);
   if (by_discovery)
     x.on_announcement(peer_id{2}, bytes{'?'}, {});
   const auto sent = pick<to_gateway>(send_up(x, plain(fan, 1, bytes{'h', 'i'}), 1));
@@ -55,7 +56,7 @@ TEST_CASE("messages to a gateway of another make are the bytes of D1.1 5.4",
 
 TEST_CASE("messages from a gateway of another make reach their mote as from an unknown one",
           "[gateway][WIR-04]") {
-  auto x = make(wire_form::segment);
+  auto x = with_fan(wire_form::segment);
   x.on_announcement(peer_id{2}, bytes{'?'}, {});
   const auto said = *from_hex("000700016869");
   const auto first = pick<to_sink>(x.on_message(peer_id{2}, said, {}));
@@ -78,8 +79,8 @@ TEST_CASE("messages from a gateway of another make reach their mote as from an u
 
 TEST_CASE("two gateways told to speak 5.4 to the letter understand each other",
           "[gateway][WIR-04]") {
-  auto a = make(wire_form::strict54);
-  auto b = make(wire_form::strict54);
+  auto a = with_fan(wire_form::strict54);
+  auto b = with_fan(wire_form::strict54);
   const auto sent = pick<to_gateway>(send_up(a, plain(fan, 10, bytes{1, 2, 3}), 10));
   REQUIRE(sent.size() == 1);
   auto octets = sent[0].octets;
@@ -91,7 +92,7 @@ TEST_CASE("two gateways told to speak 5.4 to the letter understand each other",
 }
 
 TEST_CASE("an island is left through any gateway of the other one", "[gateway][GW-14]") {
-  auto x = make(wire_form::segment);
+  auto x = with_fan(wire_form::segment);
   x.on_announcement(peer_id{102}, encode(gateway::announcement{bedroom}), {});
   CHECK(pick<to_gateway>(send_up(x, plain(fan, 1, bytes{1}), 1))[0].peer == peer_id{102});
   x.on_announcement(peer_id{2}, encode(gateway::announcement{bedroom}), {});

@@ -1,5 +1,6 @@
 #include "core/device_keys.hpp"
 #include "gateway/gateway.hpp"
+#include "gateway_fixture.hpp"
 #include "network/am.hpp"
 #include "network/island_packet.hpp"
 #include "network/wire.hpp"
@@ -20,16 +21,18 @@ using gateway::to_gateway;
 using gateway::to_sink;
 using kind = transport::segment::kind;
 using test::acknowledgement;
+using test::fan;
 using test::hello;
+using test::join;
+using test::kitchen;
 using test::pick;
 using test::plain;
+using test::published;
 using test::reliable;
+using test::tell;
+using test::the_sink;
 
 namespace {
-
-constexpr island_id kitchen{1};
-constexpr mote_id fan{7};
-constexpr mote_id the_sink{1};
 
 gateway::gateway make_unheard() {
   gateway_config config;
@@ -39,28 +42,10 @@ gateway::gateway make_unheard() {
   return x;
 }
 
-gateway::outputs tell(gateway::gateway& x, const network::sink_event& event) {
-  return x.on_packet(the_sink, network::am::sink_event, encode(event), {});
-}
-
-gateway::gateway make() {
+gateway::gateway make_gateway() {
   auto x = make_unheard();
   static_cast<void>(tell(x, network::sink_started{}));
   return x;
-}
-
-void join(gateway::gateway& x, mote_id mote, std::uint32_t incarnation = 0) {
-  static_cast<void>(tell(x, network::mote_joined{mote, incarnation, 301, bytes{0xaa}}));
-}
-
-/// The value last published under a key among the outputs.
-std::string published(const gateway::outputs& out, std::string_view key) {
-  std::string value = "nothing";
-  for (const auto& x : pick<publish>(out)) {
-    if (x.key == key)
-      value = x.text ? to_string(x.value) : to_hex(x.value);
-  }
-  return value;
 }
 
 bytes up(mote_address to, const transport::segment& segment) {
@@ -91,7 +76,7 @@ gateway::outputs accept(gateway::gateway& x, mote_id mote, const transport::segm
 } // namespace
 
 TEST_CASE("a gateway publishes its devices as D1.1 5.4 says", "[gateway][GW-03][GW-04][GW-09]") {
-  auto x = make();
+  auto x = make_gateway();
   CHECK(published(x.start({}), "devices") == "{}");
   join(x, mote_id{11});
   const auto out = tell(x, network::mote_joined{fan, 0, 42, bytes{0xaa, 0xbb}});
@@ -103,7 +88,7 @@ TEST_CASE("a gateway publishes its devices as D1.1 5.4 says", "[gateway][GW-03][
 }
 
 TEST_CASE("a leaving mote takes its tuples with it", "[gateway][DIS-06]") {
-  auto x = make();
+  auto x = make_gateway();
   join(x, fan);
   static_cast<void>(x.on_packet(fan, network::am::to_gateway,
                                 up({kitchen, no_mote}, plain(fan, 2, bytes{1})), {}));
@@ -122,7 +107,7 @@ TEST_CASE("a leaving mote takes its tuples with it", "[gateway][DIS-06]") {
 
 TEST_CASE("what a mote sends to its gateway becomes an output tuple, each message once",
           "[gateway][GW-06][GW-08][RTG-03]") {
-  auto x = make();
+  auto x = make_gateway();
   join(x, fan);
   greet(x, fan, 2);
   const auto message = up({kitchen, no_mote}, reliable(fan, 1, 2, bytes{0x01, 0x56}));
@@ -137,7 +122,7 @@ TEST_CASE("what a mote sends to its gateway becomes an output tuple, each messag
 
 TEST_CASE("a message of a mote whose join was lost is not acknowledged; the sink is asked",
           "[gateway][GW-15]") {
-  auto x = make();
+  auto x = make_gateway();
   const auto message = up({kitchen, no_mote}, reliable(fan, 1, 2, bytes{1}));
   const auto out = x.on_packet(fan, network::am::to_gateway, message, {});
   CHECK(pick<publish>(out).empty());
@@ -151,7 +136,7 @@ TEST_CASE("a message of a mote whose join was lost is not acknowledged; the sink
 }
 
 TEST_CASE("an input is sent reliably and its status told", "[gateway][GW-05][GW-12][IF-07]") {
-  auto x = make();
+  auto x = make_gateway();
   join(x, fan);
   const auto out = x.on_input(fan, 2, bytes{1}, {});
   CHECK(published(out, "devices.7.input.2.status") == "1 pending");
@@ -188,7 +173,7 @@ TEST_CASE("an input is sent reliably and its status told", "[gateway][GW-05][GW-
 
 TEST_CASE("an input for a mote that is not there, or for no AM type, fails visibly",
           "[gateway][GW-12]") {
-  auto x = make();
+  auto x = make_gateway();
   const auto refused = x.on_input(fan, 2, bytes{1}, {});
   CHECK(to_string(pick<publish>(refused).at(0).value) == "1 pending");
   CHECK(published(refused, "devices.7.input.2.status") == "1 unreachable");
@@ -201,7 +186,7 @@ TEST_CASE("an input for a mote that is not there, or for no AM type, fails visib
 TEST_CASE("messages between islands change only their header, and stay as reliable as they were",
           "[gateway][RTG-02][WIR-02][ACK-09]") {
   const bool is_reliable = GENERATE(true, false);
-  auto x = make();
+  auto x = make_gateway();
   join(x, fan);
   const auto segment =
       is_reliable ? reliable(fan, 9, 10, bytes{'h', 'i'}) : plain(fan, 10, bytes{'h', 'i'});
@@ -213,7 +198,7 @@ TEST_CASE("messages between islands change only their header, and stay as reliab
   CHECK(across.reliable == is_reliable);
   CHECK(to_hex(across.octets) == "0005000a" + to_hex(encode(segment)));
 
-  auto other = make();
+  auto other = make_gateway();
   join(other, mote_id{5});
   const auto down = other.on_message(peer_id{2}, across.octets, {});
   REQUIRE(pick<to_sink>(down).size() == 1);
@@ -223,7 +208,7 @@ TEST_CASE("messages between islands change only their header, and stay as reliab
 
 TEST_CASE("messages of other islands for absent motes or nobody are dropped and counted",
           "[gateway][RTG-05]") {
-  auto x = make();
+  auto x = make_gateway();
   CHECK(x.on_message(peer_id{2}, *from_hex("0005000a"), {}).empty());
   CHECK(x.counters().undeliverable == 1);
   CHECK(x.on_message(peer_id{2}, bytes{0}, {}).empty());
@@ -234,7 +219,7 @@ TEST_CASE("messages of other islands for absent motes or nobody are dropped and 
 
 TEST_CASE("an output of another island's mote is not that of ours with its number",
           "[gateway][GW-04][RTG-05]") {
-  auto x = make();
+  auto x = make_gateway();
   join(x, fan);
   const auto output = encode(network::gateway_packet{no_mote, 2, encode(plain(fan, 2, bytes{1}))});
   CHECK(x.on_message(peer_id{2}, output, {}).empty());
@@ -244,7 +229,7 @@ TEST_CASE("an output of another island's mote is not that of ours with its numbe
 
 TEST_CASE("programs of a gateway hear of motes that join, once in each life",
           "[gateway][MCK-15][DIS-03]") {
-  auto x = make();
+  auto x = make_gateway();
   test::recorder program;
   program.layer = x.attach(program);
   const auto joins = [&](mote_id mote, std::uint32_t incarnation, bytes descriptor) {
@@ -262,7 +247,7 @@ TEST_CASE("programs of a gateway hear of motes that join, once in each life",
 
 TEST_CASE("what a gateway's program provides it gets, and the tuples the rest",
           "[gateway][GW-06][AM-05]") {
-  auto x = make();
+  auto x = make_gateway();
   test::recorder program;
   program.layer = x.attach(program);
   REQUIRE(program.layer->provide(10) == communication::SUCCESS);
@@ -280,7 +265,7 @@ TEST_CASE("what a gateway's program provides it gets, and the tuples the rest",
 }
 
 TEST_CASE("a roster brings a gateway's list back to the truth", "[gateway][GW-15]") {
-  auto x = make();
+  auto x = make_gateway();
   join(x, fan);
   join(x, mote_id{8});
   join(x, mote_id{9}, 1);
@@ -303,7 +288,7 @@ TEST_CASE("a roster brings a gateway's list back to the truth", "[gateway][GW-15
 }
 
 TEST_CASE("what a gateway cannot read it drops and counts", "[gateway]") {
-  auto x = make();
+  auto x = make_gateway();
   CHECK(x.on_packet(fan, network::am::to_gateway, bytes{0}, {}).empty());
   CHECK(x.on_packet(the_sink, network::am::sink_event, bytes{9}, {}).empty());
   CHECK(x.counters().malformed == 2);
@@ -339,7 +324,7 @@ TEST_CASE("no more channels are remembered than there is room for", "[gateway]")
 
 TEST_CASE("packets longer than a serial packet go up and down in fragments",
           "[gateway][NET-14][WIR-04]") {
-  auto x = make();
+  auto x = make_gateway();
   join(x, fan);
   const bytes reading(256, 0x5a);
   const auto octets = up({kitchen, no_mote}, plain(fan, 2, reading));
@@ -405,7 +390,7 @@ TEST_CASE("a silent line makes motes stale, not gone; what is heard again is not
 }
 
 TEST_CASE("a sink that was started again gets time to find its motes", "[gateway][GW-15]") {
-  auto x = make();
+  auto x = make_gateway();
   join(x, fan);
   join(x, mote_id{11});
   const auto started = tell(x, network::sink_started{});
@@ -422,7 +407,7 @@ TEST_CASE("a sink that was started again gets time to find its motes", "[gateway
 }
 
 TEST_CASE("motes hear which of their outputs somebody subscribes to", "[gateway][GW-10][IF-04]") {
-  auto x = make();
+  auto x = make_gateway();
   join(x, fan);
   const std::vector<std::string> keys{"devices.*.type", "devices.7.output.2"};
   x.on_subscribers(keys, {});
@@ -444,7 +429,7 @@ TEST_CASE("motes hear which of their outputs somebody subscribes to", "[gateway]
 }
 
 TEST_CASE("a mote that has left is asked for no outputs", "[gateway][GW-10]") {
-  auto x = make();
+  auto x = make_gateway();
   join(x, fan);
   x.on_subscribers(std::vector<std::string>{"devices.7.output.2"}, {});
   static_cast<void>(tell(x, network::mote_left{fan, network::leave_cause::notice}));
@@ -458,7 +443,7 @@ TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
                                          encode(network::sink_event(network::time_request{7})),
                                          now));
   };
-  auto x = make();
+  auto x = make_gateway();
   CHECK(ask(x, instant(1s)).empty()); // its kernel has not told it
   static_cast<void>(x.on_clock(1000s, instant(1s)));
   const auto out = ask(x, instant(5s + 1us));
@@ -494,7 +479,7 @@ TEST_CASE("a gateway lists no more motes than a sink has room for", "[gateway][G
 }
 
 TEST_CASE("of two descriptors of one life of a mote the sink says which is right", "[gateway]") {
-  auto x = make();
+  auto x = make_gateway();
   join(x, fan);
   const auto asks = [](const gateway::outputs& out) {
     return pick<to_sink>(out).size() == 1 && to_hex(pick<to_sink>(out)[0].payload) == "040007";

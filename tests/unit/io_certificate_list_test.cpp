@@ -116,7 +116,7 @@ TEST_CASE("a certificate that was tampered with is never good, and never a crash
       changed[random.below(changed.size())] ^= static_cast<unsigned char>(1 + random.below(255));
     if (changed == octets)
       continue;
-    const open_file file(std::fopen(path.c_str(), "we"), &std::fclose);
+    const opened_file file(std::fopen(path.c_str(), "we"), &std::fclose);
     REQUIRE(PEM_write(file.get(), "CERTIFICATE", "", changed.data(),
                       static_cast<long>(changed.size())) > 0);
     REQUIRE(std::fflush(file.get()) == 0);

@@ -37,10 +37,10 @@ struct openssl_free {
 
 template <class T>
 using owned = std::unique_ptr<T, openssl_free>;
-using open_file = std::unique_ptr<std::FILE, decltype(&std::fclose)>;
+using opened_file = std::unique_ptr<std::FILE, decltype(&std::fclose)>;
 
 inline owned<X509> certificate_of(const std::string& path) {
-  const open_file file(std::fopen(path.c_str(), "re"), &std::fclose);
+  const opened_file file(std::fopen(path.c_str(), "re"), &std::fclose);
   REQUIRE(file);
   owned<X509> x(PEM_read_X509(file.get(), nullptr, nullptr, nullptr));
   REQUIRE(x);
@@ -48,7 +48,7 @@ inline owned<X509> certificate_of(const std::string& path) {
 }
 
 inline owned<EVP_PKEY> key_of(const std::string& path) {
-  const open_file file(std::fopen(path.c_str(), "re"), &std::fclose);
+  const opened_file file(std::fopen(path.c_str(), "re"), &std::fclose);
   REQUIRE(file);
   owned<EVP_PKEY> x(PEM_read_PrivateKey(file.get(), nullptr, nullptr, nullptr));
   REQUIRE(x);

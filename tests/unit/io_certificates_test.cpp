@@ -290,7 +290,7 @@ TEST_CASE("nobody is asked for the password of a key", "[io]") {
   const auto ca = good(make_authority(folder, {}, today));
   const auto key = key_of(ca.key_file);
   {
-    const open_file file(std::fopen(ca.key_file.c_str(), "we"), &std::fclose);
+    const opened_file file(std::fopen(ca.key_file.c_str(), "we"), &std::fclose);
     const std::string word = "secret";
     REQUIRE(PEM_write_PrivateKey(file.get(), key.get(), EVP_aes_128_cbc(),
                                  reinterpret_cast<const unsigned char*>(word.data()),

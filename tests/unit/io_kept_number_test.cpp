@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-io::kept_number opened(const std::string& path) {
+io::kept_number kept_in(const std::string& path) {
   return std::get<io::kept_number>(io::kept_number::open(path));
 }
 
@@ -23,11 +23,11 @@ io::kept_number opened(const std::string& path) {
 
 TEST_CASE("a number is kept for who opens the file again", "[io]") {
   const test::scratch_folder in;
-  auto first = opened(in.file("n"));
+  auto first = kept_in(in.file("n"));
   CHECK(first.value() == 0);
   CHECK(first.keep(7).empty());
   CHECK(first.keep(4'294'967'295).empty());
-  CHECK(opened(in.file("n")).value() == 4'294'967'295);
+  CHECK(kept_in(in.file("n")).value() == 4'294'967'295);
   CHECK_FALSE(fs::exists(in.file("n.new")));
 }
 
@@ -44,7 +44,7 @@ TEST_CASE("a file that holds something else is told, and stays", "[io]") {
 
 TEST_CASE("a number that cannot be kept is told", "[io]") {
   const test::scratch_folder in;
-  auto x = opened(in.file("no/such/folder"));
+  auto x = kept_in(in.file("no/such/folder"));
   CHECK(x.keep(1).find("cannot be written: No such file") != std::string::npos);
   CHECK(x.value() == 0);
 }

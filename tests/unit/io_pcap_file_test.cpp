@@ -65,7 +65,7 @@ bytes golden(const std::string& name) {
   throw std::runtime_error(name);
 }
 
-io::pcap_file open_file(const std::string& path) {
+io::pcap_file open_pcap(const std::string& path) {
   auto x = io::pcap_file::open(path);
   if (const auto* reason = std::get_if<std::string>(&x))
     FAIL(*reason);
@@ -92,7 +92,7 @@ std::vector<captured> sample() {
 }
 
 void write_sample(const std::string& path) {
-  auto file = open_file(path);
+  auto file = open_pcap(path);
   for (const auto& x : sample())
     file.write(instant(duration(x.ns)), x.psdu);
   file.flush();
@@ -114,7 +114,7 @@ TEST_CASE("a capture holds each frame and its time to the nanosecond", "[io]") {
 TEST_CASE("a capture without frames is a capture", "[io]") {
   const test::scratch_folder folder;
   const auto path = folder.file("air.pcap");
-  open_file(path).flush();
+  open_pcap(path).flush();
   CHECK(read_back(path).frames.empty());
 }
 
@@ -122,7 +122,7 @@ TEST_CASE("a capture that is closed without a flush is whole", "[io]") {
   const test::scratch_folder folder;
   const auto path = folder.file("air.pcap");
   {
-    auto file = open_file(path);
+    auto file = open_pcap(path);
     file.write(instant{}, golden("rad-03"));
     auto moved = std::move(file);
     moved.write(instant(1ns), golden("rad-01"));
@@ -135,7 +135,7 @@ TEST_CASE("a capture replaces the file of its name", "[io]") {
   const test::scratch_folder folder;
   const auto path = folder.file("air.pcap");
   write_sample(path);
-  open_file(path).flush();
+  open_pcap(path).flush();
   CHECK(read_back(path).frames.empty());
 }
 
@@ -150,7 +150,7 @@ TEST_CASE("a capture that cannot be opened says why", "[io]") {
 TEST_CASE("a full disk is told at the flush at the latest, and stays told", "[io]") {
   if (!std::filesystem::exists("/dev/full"))
     return;
-  auto file = open_file("/dev/full");
+  auto file = open_pcap("/dev/full");
   const auto psdu = golden("rad-05");
   file.write(instant{}, psdu);
   file.flush();
@@ -165,7 +165,7 @@ TEST_CASE("a full disk is told at the flush at the latest, and stays told", "[io
 TEST_CASE("a full disk is told without a flush once the buffer is full", "[io]") {
   if (!std::filesystem::exists("/dev/full"))
     return;
-  auto file = open_file("/dev/full");
+  auto file = open_pcap("/dev/full");
   const auto psdu = golden("rad-05");
   for (int i = 0; i < 10'000 && file.error().empty(); ++i)
     file.write(instant(duration(i)), psdu);
@@ -188,7 +188,7 @@ TEST_CASE("tshark finds nothing wrong with a capture", "[io]") {
                              "1.500864001,0x0002,1,,,\n"
                              "1.999999999,0x0001,1,0xffff,0x0003,\n"
                              "86400.000000000,0x0001,1,0x0001,0xbeef,\n");
-  auto broken = open_file(path);
+  auto broken = open_pcap(path);
   broken.write(instant{}, golden("rad-90"));
   broken.flush();
   CHECK(output_of(fields).starts_with("0.000000000,0x0001,0,"));

@@ -22,7 +22,7 @@ bytes hex(std::string_view text) {
   return from_hex(digits).value();
 }
 
-io::pcapng_file open_file(const std::string& path) {
+io::pcapng_file open_pcapng(const std::string& path) {
   auto x = io::pcapng_file::open(path, "kitchen");
   if (const auto* reason = std::get_if<std::string>(&x))
     FAIL(*reason);
@@ -66,7 +66,7 @@ TEST_CASE("libpcap reads a file of commented frames", "[io]") {
   const test::scratch_folder folder;
   const auto path = folder.file("air.pcapng");
   {
-    auto file = open_file(path);
+    auto file = open_pcapng(path);
     file.write(instant(1'500'000'001ns), bytes{2, 0, 7, 0xaa, 0xbb}, "");
     auto moved = std::move(file);
     moved.write(instant(24h), bytes(127, 'x'), "lost: collision, from fan (4) to sink (1)");
@@ -98,7 +98,7 @@ TEST_CASE("what cannot be written into a pcapng file is told", "[io]") {
   const auto none = io::pcapng_file::open(folder.file("a/b.pcapng"), "x");
   REQUIRE(std::holds_alternative<std::string>(none));
   CHECK(std::get<std::string>(none).ends_with("a/b.pcapng: No such file or directory"));
-  auto full = open_file("/dev/full");
+  auto full = open_pcapng("/dev/full");
   full.write(instant{}, bytes(5), "");
   full.flush();
   CHECK(full.error() == "/dev/full: No space left on device");

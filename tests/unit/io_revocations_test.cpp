@@ -12,6 +12,7 @@
 #include "io/tls_keeper.hpp"
 #include "io/tls_session.hpp"
 #include "unit/io_certificates_fixture.hpp"
+#include "unit/io_tls_fixture.hpp"
 
 using namespace rubicon;
 using namespace rubicon::test;
@@ -27,11 +28,6 @@ namespace {
 std::string text_of(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
-}
-
-bool has(const std::string& text, const std::string& part) {
-  INFO(text);
-  return text.find(part) != std::string::npos;
 }
 
 /// A folder of certificates as `rubicon certs` makes it.
@@ -72,24 +68,8 @@ std::string why_unfit(const tls_files& x, const std::string& name, const std::st
   }
 }
 
-struct outcome {
-  std::string server; ///< why it has closed; empty: it has not
-  std::string client;
-};
-
-outcome meet(const io::tls_keeper& host, const io::tls_keeper& coordinator) {
-  tls_session server(*host.identity(), side::server);
-  tls_session client(*coordinator.identity(), side::client);
-  for (;;) {
-    const auto from_client = client.outgoing();
-    const auto from_server = server.outgoing();
-    if (from_client.empty() && from_server.empty())
-      break;
-    static_cast<void>(server.take(from_client));
-    static_cast<void>(client.take(from_server));
-  }
-  return {server.now() == phase::closed ? server.why() : "",
-          client.now() == phase::closed ? client.why() : ""};
+tls_outcome meet(const io::tls_keeper& host, const io::tls_keeper& coordinator) {
+  return test::meet(*host.identity(), *coordinator.identity());
 }
 
 } // namespace

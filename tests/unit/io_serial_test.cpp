@@ -19,20 +19,14 @@
 #include "io/serial_port.hpp"
 #include "support/catch.hpp"
 #include "support/scratch_folder.hpp"
+#include "unit/io_run.hpp"
 
 using namespace rubicon;
+using test::run;
 
 namespace {
 
 constexpr std::size_t room = 4096;
-
-/// Runs the loop until something has happened; far too long a wait is a failure.
-void run(io::loop& loop, const std::function<bool()>& done) {
-  const auto end = std::chrono::steady_clock::now() + 20s;
-  while (!done() && std::chrono::steady_clock::now() < end)
-    loop.wait_until(end);
-  REQUIRE(done());
-}
 
 /// A terminal and everything that happened to it.
 struct offered {

@@ -16,18 +16,12 @@
 #include "io/tcp_connect.hpp"
 #include "io/tcp_listener.hpp"
 #include "support/catch.hpp"
+#include "unit/io_run.hpp"
 
 using namespace rubicon;
+using test::run;
 
 namespace {
-
-/// Runs the loop until something has happened; far too long a wait is a failure.
-void run(io::loop& loop, const std::function<bool()>& done) {
-  const auto end = std::chrono::steady_clock::now() + 20s;
-  while (!done() && std::chrono::steady_clock::now() < end)
-    loop.wait_until(end);
-  REQUIRE(done());
-}
 
 /// One end of a connection and everything that happened to it.
 struct recorded {

@@ -7,6 +7,7 @@
 #include "io/certificates.hpp"
 #include "io/tls_keeper.hpp"
 #include "unit/io_certificates_fixture.hpp"
+#include "unit/io_tls_fixture.hpp"
 
 using namespace rubicon;
 using namespace rubicon::test;
@@ -44,37 +45,6 @@ private:
 
 tls_identity identity(const tls_files& x, std::chrono::sys_seconds now = io::system_time()) {
   return good(tls_identity::load(x, now));
-}
-
-/// Carries octets to and fro until nobody has any.
-void talk(tls_session& a, tls_session& b) {
-  for (;;) {
-    const auto from_a = a.outgoing();
-    const auto from_b = b.outgoing();
-    if (from_a.empty() && from_b.empty())
-      return;
-    static_cast<void>(b.take(from_a));
-    static_cast<void>(a.take(from_b));
-  }
-}
-
-struct outcome {
-  std::string server; ///< why it has closed; empty: it has not
-  std::string client;
-};
-
-outcome meet(const tls_identity& host, const tls_identity& coordinator,
-             const std::string& name = {}) {
-  tls_session server(host, side::server);
-  tls_session client(coordinator, side::client, name);
-  talk(client, server);
-  return {server.now() == phase::closed ? server.why() : "",
-          client.now() == phase::closed ? client.why() : ""};
-}
-
-bool has(const std::string& text, const std::string& part) {
-  INFO(text);
-  return text.find(part) != std::string::npos;
 }
 
 } // namespace

@@ -8,8 +8,10 @@
 #include "io/tcp_connect.hpp"
 #include "io/udp_socket.hpp"
 #include "support/catch.hpp"
+#include "unit/io_run.hpp"
 
 using namespace rubicon;
+using test::run;
 
 namespace {
 
@@ -32,14 +34,6 @@ io::udp_socket open(io::loop& loop, io::udp_socket::callbacks x, std::uint16_t p
   return std::get<io::udp_socket>(io::udp_socket::open(loop, "127.0.0.1", port, std::move(x)));
 }
 
-template <class Done>
-bool run(io::loop& loop, Done done) {
-  const auto end = std::chrono::steady_clock::now() + 20s;
-  while (!done() && std::chrono::steady_clock::now() < end)
-    loop.wait_until(end);
-  return done();
-}
-
 } // namespace
 
 TEST_CASE("datagrams that are sent together come as they were", "[io][UDP-01]") {
@@ -54,7 +48,7 @@ TEST_CASE("datagrams that are sent together come as they were", "[io][UDP-01]") 
   many.insert(many.end(), 7, 99);
   from.send(many, 1400, {127, 0, 0, 1}, to.port());
   from.send(to_bytes("alone"), 5, {127, 0, 0, 1}, to.port());
-  REQUIRE(run(loop, [&] { return b.datagrams.size() == 42; }));
+  run(loop, [&] { return b.datagrams.size() == 42; });
   for (std::uint8_t i = 0; i < 40; ++i)
     CHECK(b.datagrams[i] == bytes(1400, i));
   CHECK(b.datagrams[40] == bytes(7, 99));
@@ -91,10 +85,10 @@ TEST_CASE("the address of a host is found, or it is said why not", "[io][LNK-07]
   const auto take = [&](auto x) { found.push_back(std::move(x)); };
   const io::host_lookup numeric(loop, "10.1.2.3", take);
   CHECK(found.empty());
-  REQUIRE(run(loop, [&] { return found.size() == 1; }));
+  run(loop, [&] { return found.size() == 1; });
   CHECK(std::get<ipv4_address>(found[0]) == ipv4_address{10, 1, 2, 3});
   { const io::host_lookup given_up(loop, "10.1.2.4", take); }
   const io::host_lookup named(loop, "localhost", take);
-  REQUIRE(run(loop, [&] { return found.size() == 2; }));
+  run(loop, [&] { return found.size() == 2; });
   CHECK(std::get<ipv4_address>(found[1]) == ipv4_address{127, 0, 0, 1});
 }

@@ -5,19 +5,17 @@
 #include "network/wire.hpp"
 #include "support/catch.hpp"
 #include "support/island_fixture.hpp"
+#include "support/mote_ids.hpp"
 #include "support/programs.hpp"
 #include "support/seeds.hpp"
 #include "support/segments.hpp"
 
 using namespace rubicon;
+using test::id;
 using test::island_fixture;
 using test::island_fixture_config;
 
 namespace {
-
-mote_id id(int x) {
-  return mote_id{static_cast<std::uint16_t>(x)};
-}
 
 /// Everybody is a member, and neighbours and the sink know where everybody is.
 std::unique_ptr<island_fixture> settled(const island_fixture_config& config) {
@@ -32,7 +30,7 @@ std::unique_ptr<island_fixture> settled(const island_fixture_config& config) {
   return world;
 }
 
-std::size_t packets_up(const island_fixture& x) {
+std::size_t count_of_packets_up(const island_fixture& x) {
   return static_cast<std::size_t>(std::ranges::count_if(x.up, [](const auto& each) {
     return each.am_type == network::am::to_gateway || each.am_type == network::am::packet;
   }));
@@ -149,7 +147,7 @@ TEST_CASE("messages inside the island never touch the serial line",
   x.run_for(30s);
   CHECK(x.received.size() == 16);
   CHECK(x.outcomes.size() == 16);
-  CHECK(packets_up(x) == 0);
+  CHECK(count_of_packets_up(x) == 0);
   CHECK(x.root().counters().up == 0);
   CHECK(x.root().counters().turned > 0); // those who are no neighbours
 }
@@ -173,7 +171,7 @@ TEST_CASE("everybody receives once what is sent to all, of this island or anothe
   }
   for (int i = 2; i <= 12; ++i)
     CHECK(reached.count(id(i)) == (i < 12 || from_outside ? 1U : 0U));
-  CHECK(packets_up(x) == 0);
+  CHECK(count_of_packets_up(x) == 0);
 }
 
 TEST_CASE("reliable messages survive a lossy line of motes in both directions",
@@ -218,7 +216,7 @@ TEST_CASE("a mote that is started again joins again and is told apart from its l
   x.run_for(30s);
   REQUIRE(x.send(id(4), {own_island, no_mote}, 1, bytes{1}, false));
   x.run_for(5s);
-  CHECK(packets_up(x) == 1);
+  CHECK(count_of_packets_up(x) == 1);
 }
 
 TEST_CASE("motes whose sink has started again join it again", "[mote][network][DIS-05][GW-15]") {

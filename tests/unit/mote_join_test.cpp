@@ -1,16 +1,16 @@
 #include "mote/join_client.hpp"
 #include "support/catch.hpp"
+#include "support/mote_ids.hpp"
 #include "support/pick.hpp"
 
 using namespace rubicon;
 using namespace rubicon::mote;
 using test::pick;
+using test::the_sink;
 
 namespace {
 
-constexpr mote_id the_sink{1};
-
-join_client make() {
+join_client make_client() {
   join_config config;
   config.start_jitter = 0s;
   return {config, bytes{0xaa}, 3, random_stream(1)};
@@ -30,7 +30,7 @@ join_request request_in(const join_outputs& out) {
 } // namespace
 
 TEST_CASE("a mote asks, is answered, confirms and is in", "[mote][DIS-08]") {
-  auto client = make();
+  auto client = make_client();
   instant now{};
   CHECK(client.start(1, now).empty());
   const auto out = wait(client, now);
@@ -84,7 +84,7 @@ TEST_CASE("a mote asks, is answered, confirms and is in", "[mote][DIS-08]") {
 
 TEST_CASE("an unanswered mote asks five times, pauses longer and longer, and never gives up",
           "[mote][DIS-08]") {
-  auto client = make();
+  auto client = make_client();
   instant now{};
   static_cast<void>(client.start(1, now));
   std::vector<duration> pauses;
@@ -104,7 +104,7 @@ TEST_CASE("an unanswered mote asks five times, pauses longer and longer, and nev
 }
 
 TEST_CASE("a reply to an older request is ignored", "[mote][DIS-08]") {
-  auto client = make();
+  auto client = make_client();
   instant now{};
   static_cast<void>(client.start(1, now));
   const auto first = request_in(wait(client, now));
@@ -164,7 +164,7 @@ TEST_CASE("where frames wait for their turn, a mote waits longer for its answer,
 }
 
 TEST_CASE("a mote many hops away waits longer for its answer", "[mote][DIS-08][NET-11]") {
-  auto client = make();
+  auto client = make_client();
   instant now{};
   static_cast<void>(client.start(4, now));
   CHECK(*client.deadline() <= instant{3s}); // spread over a second for each further hop
@@ -174,7 +174,7 @@ TEST_CASE("a mote many hops away waits longer for its answer", "[mote][DIS-08][N
 
 TEST_CASE("a mote whose address another has is silent, and asks again ever more rarely",
           "[mote][ADR-04]") {
-  auto client = make();
+  auto client = make_client();
   instant now{};
   static_cast<void>(client.start(1, now));
   duration last{};

@@ -9,6 +9,7 @@
 #include "network/island_packet.hpp"
 #include "support/catch.hpp"
 #include "support/island_fixture.hpp"
+#include "support/mote_ids.hpp"
 #include "support/pick.hpp"
 #include "support/segments.hpp"
 
@@ -18,17 +19,17 @@ using namespace rubicon::device;
 using namespace rubicon::mote;
 using test::island_fixture;
 using test::pick;
+using test::the_island;
 
 namespace {
 
 constexpr mote_id self{2};
 constexpr mote_id neighbour{3};
-constexpr island_id island{1};
 
 /// A sink, a mote and its neighbour, each in reach of the others, who have joined.
 std::unique_ptr<island_fixture> joined_island() {
   auto world = std::make_unique<island_fixture>(
-      test::island_fixture_config{.width = 2, .height = 2, .island = island});
+      test::island_fixture_config{.width = 2, .height = 2, .island = the_island});
   auto& x = *world;
   REQUIRE(x.run_until([&x] { return x.joined() == 3; }, 1min));
   x.run_for(30s); // neighbours know each other
@@ -110,7 +111,7 @@ TEST_CASE("a mote joins the island whose sink it hears and tells so", "[mote][DI
   REQUIRE(x.memberships.size() == 3);
   for (const auto& [who, what] : x.memberships) {
     CHECK(what.joined);
-    CHECK(what.island == island);
+    CHECK(what.island == the_island);
   }
 }
 
@@ -121,7 +122,7 @@ TEST_CASE("a joined mote sends readings to its gateway through the sink", "[mote
   x.run_for(1s);
   const auto packets = packets_up(x);
   REQUIRE(packets.size() == 1);
-  CHECK(packets[0].island == island);
+  CHECK(packets[0].island == the_island);
   CHECK(packets[0].mote == no_mote);
   CHECK(packets[0].channel == 1);
   CHECK(transport::decode_segment(packets[0].body)->payload == bytes{0, 5});
@@ -130,14 +131,14 @@ TEST_CASE("a joined mote sends readings to its gateway through the sink", "[mote
 
 TEST_CASE("a mote decides by the address: own island, else its sink", "[mote][RTG-04][ADR-03]") {
   const auto to = GENERATE(mote_address{island_id{2}, neighbour}, mote_address{own_island, no_mote},
-                           mote_address{island, no_mote}, mote_address{own_island, neighbour},
-                           mote_address{island, neighbour}, mote_address{own_island, own_mote},
-                           mote_address{island, self});
+                           mote_address{the_island, no_mote}, mote_address{own_island, neighbour},
+                           mote_address{the_island, neighbour}, mote_address{own_island, own_mote},
+                           mote_address{the_island, self});
   const auto world = joined_island();
   auto& x = *world;
   REQUIRE(x.send(self, to, 10, bytes{1}, false));
   x.run_for(1s);
-  const bool is_here = (to.island == own_island || to.island == island) && to.mote != no_mote;
+  const bool is_here = (to.island == own_island || to.island == the_island) && to.mote != no_mote;
   CHECK(packets_up(x).size() == (is_here ? 0 : 1));
   REQUIRE(x.received.size() == (is_here ? 1 : 0));
   if (is_here)
@@ -155,7 +156,7 @@ TEST_CASE("what a mote sends to itself touches no radio", "[mote][ADR-06]") {
     REQUIRE(x.send(self, {own_island, to}, 10, bytes{1}, reliable));
     CHECK(x.frames == frames);
     REQUIRE(x.received.size() == 1);
-    CHECK(x.received[0].second.source == mote_address{island, self});
+    CHECK(x.received[0].second.source == mote_address{the_island, self});
     CHECK(x.outcomes == std::vector(reliable ? 1 : 0, std::pair(self, true)));
   }
 }
@@ -266,7 +267,7 @@ TEST_CASE("a mote takes no packet that is for another, and none before it has jo
           "[mote][RTG-06]") {
   const auto frame_for = [](mote_id to) {
     const auto octets =
-        encode(network::island_packet{island, to, 10, encode(test::plain(neighbour, 10, {}))});
+        encode(network::island_packet{the_island, to, 10, encode(test::plain(neighbour, 10, {}))});
     bytes frame{network::am::packet, 0}; // the only fragment
     frame.insert(frame.end(), octets.begin(), octets.end());
     return network::frame_out{0, self, network::am::local, frame, {}};

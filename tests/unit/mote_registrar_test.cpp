@@ -13,13 +13,13 @@ using network::mote_left;
 
 namespace {
 
-constexpr mote_id lamp{7};
+constexpr mote_id newcomer{7};
 
 bytes description(std::uint32_t type = 301, std::uint32_t keep_alive_ms = 3000) {
   return encode(descriptor{type, 0, 1, keep_alive_ms});
 }
 
-registrar make() {
+registrar make_registrar() {
   registrar_config config;
   config.island = island_id{1};
   return registrar(config);
@@ -32,12 +32,12 @@ std::vector<T> events(const registrar_outputs& out) {
 }
 
 registrar_outputs request(registrar& x, instant now, std::uint32_t incarnation = 0,
-                          mote_id mote = lamp, std::uint16_t sequence = 1) {
+                          mote_id mote = newcomer, std::uint16_t sequence = 1) {
   return x.on_frame(mote, encode(join_request{sequence, incarnation, description()}), now);
 }
 
 registrar_outputs confirm(registrar& x, instant now, std::uint32_t incarnation = 0,
-                          mote_id mote = lamp) {
+                          mote_id mote = newcomer) {
   return x.on_frame(mote, encode(join_confirm{1, incarnation, description()}), now);
 }
 
@@ -45,22 +45,22 @@ registrar_outputs confirm(registrar& x, instant now, std::uint32_t incarnation =
 
 TEST_CASE("a sink answers a request and announces the mote once it confirms",
           "[mote][DIS-03][DIS-08]") {
-  auto x = make();
+  auto x = make_registrar();
   const auto out = request(x, instant{2s});
   REQUIRE(test::pick<to_mote>(out).size() == 1);
   CHECK(std::get<join_reply>(test::pick<to_mote>(out)[0].message) ==
-        join_reply{1, island_id{1}, lamp, 2000, {}});
+        join_reply{1, island_id{1}, newcomer, 2000, {}});
   CHECK(events<mote_joined>(out).empty());
   CHECK(x.members() == 0);
   const auto in = events<mote_joined>(confirm(x, instant{2s}));
   REQUIRE(in.size() == 1);
-  CHECK(in[0] == mote_joined{lamp, 0, 301, description()});
+  CHECK(in[0] == mote_joined{newcomer, 0, 301, description()});
   CHECK(x.members() == 1);
   CHECK(events<mote_joined>(confirm(x, instant{3s})).empty());
 }
 
 TEST_CASE("a reply is repeated until confirmed, five times at most", "[mote][DIS-08]") {
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(request(x, instant{}));
   int replies = 1;
   while (x.deadline())
@@ -70,32 +70,32 @@ TEST_CASE("a reply is repeated until confirmed, five times at most", "[mote][DIS
 }
 
 TEST_CASE("any frame of a mote with our reply confirms it", "[mote][DIS-08]") {
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(request(x, instant{}));
-  CHECK(events<mote_joined>(x.on_heard(lamp, instant{1s})).size() == 1);
+  CHECK(events<mote_joined>(x.on_heard(newcomer, instant{1s})).size() == 1);
 }
 
 TEST_CASE("a silent mote leaves after its window, a heard one stays", "[mote][DIS-06]") {
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(request(x, instant{}));
   static_cast<void>(confirm(x, instant{}));
   CHECK(x.on_time(instant{9999ms}).empty());
-  CHECK(x.on_heard(lamp, instant{9999ms}).empty());
+  CHECK(x.on_heard(newcomer, instant{9999ms}).empty());
   CHECK(x.on_time(instant{19998ms}).empty());
   const auto left = events<mote_left>(x.on_time(instant{19999ms}));
   REQUIRE(left.size() == 1);
-  CHECK(left[0] == mote_left{lamp, network::leave_cause::silence});
+  CHECK(left[0] == mote_left{newcomer, network::leave_cause::silence});
   CHECK(x.members() == 0);
 }
 
 TEST_CASE("a silent mote has left for the reason that it has told last", "[mote][DIS-06][IF-13]") {
   using network::leave_cause;
   const auto cause_after = [](std::vector<keep_alive> told) {
-    auto x = make();
+    auto x = make_registrar();
     static_cast<void>(request(x, instant{}));
     static_cast<void>(confirm(x, instant{}));
     for (const auto& each : told)
-      static_cast<void>(x.on_frame(lamp, encode(each), instant{1s}));
+      static_cast<void>(x.on_frame(newcomer, encode(each), instant{1s}));
     return events<mote_left>(x.on_time(instant{11s})).at(0).cause;
   };
   constexpr mote_condition low{true, false};
@@ -109,10 +109,10 @@ TEST_CASE("a silent mote has left for the reason that it has told last", "[mote]
 }
 
 TEST_CASE("what a mote has told of itself ends when it joins anew", "[mote][DIS-06][IF-13]") {
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(request(x, instant{}));
   static_cast<void>(confirm(x, instant{}));
-  static_cast<void>(x.on_frame(lamp, encode(keep_alive{0, {true, false}}), instant{1s}));
+  static_cast<void>(x.on_frame(newcomer, encode(keep_alive{0, {true, false}}), instant{1s}));
   static_cast<void>(request(x, instant{2s}, 1)); // with another battery
   static_cast<void>(confirm(x, instant{2s}, 1));
   const auto left = events<mote_left>(x.on_time(instant{12s}));
@@ -121,35 +121,35 @@ TEST_CASE("what a mote has told of itself ends when it joins anew", "[mote][DIS-
 }
 
 TEST_CASE("a mote that was never announced leaves no trace", "[mote][DIS-06][GW-15]") {
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(request(x, instant{}));
   const auto roster = events<network::roster>(x.on_describe(broadcast_mote, instant{}));
   REQUIRE(roster.size() == 1);
   CHECK(roster[0].entries.empty());
-  CHECK(x.on_frame(lamp, encode(leave_notice{}), instant{1s}).empty());
+  CHECK(x.on_frame(newcomer, encode(leave_notice{}), instant{1s}).empty());
 }
 
 TEST_CASE("a mote that reports rarely has three of its periods", "[mote][DIS-06]") {
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(
-      x.on_frame(lamp, encode(join_request{1, 0, description(101, 31'000)}), instant{}));
+      x.on_frame(newcomer, encode(join_request{1, 0, description(101, 31'000)}), instant{}));
   static_cast<void>(confirm(x, instant{}));
   CHECK(events<mote_left>(x.on_time(instant{92'999ms})).empty());
   CHECK(events<mote_left>(x.on_time(instant{93s})).size() == 1);
 }
 
 TEST_CASE("a mote that says goodbye leaves at once", "[mote][DIS-06]") {
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(request(x, instant{}));
   static_cast<void>(confirm(x, instant{}));
-  const auto left = events<mote_left>(x.on_frame(lamp, encode(leave_notice{}), instant{1s}));
+  const auto left = events<mote_left>(x.on_frame(newcomer, encode(leave_notice{}), instant{1s}));
   REQUIRE(left.size() == 1);
   CHECK(left[0].cause == network::leave_cause::notice);
-  CHECK(x.on_frame(lamp, encode(leave_notice{}), instant{1s}).empty());
+  CHECK(x.on_frame(newcomer, encode(leave_notice{}), instant{1s}).empty());
 }
 
 TEST_CASE("a rebooted mote is announced again without ever leaving", "[mote][DIS-07]") {
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(x.start(instant{}));
   static_cast<void>(request(x, instant{}));
   static_cast<void>(confirm(x, instant{}));
@@ -163,7 +163,7 @@ TEST_CASE("a rebooted mote is announced again without ever leaving", "[mote][DIS
 }
 
 TEST_CASE("a member that reboots and then dies is told to have left", "[mote][DIS-06]") {
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(request(x, instant{}));
   static_cast<void>(confirm(x, instant{}));
   static_cast<void>(request(x, instant{1s}, 1));
@@ -173,22 +173,22 @@ TEST_CASE("a member that reboots and then dies is told to have left", "[mote][DI
       left.push_back(event);
   }
   REQUIRE(left.size() == 1);
-  CHECK(left[0].mote == lamp);
+  CHECK(left[0].mote == newcomer);
 }
 
 TEST_CASE("an unknown mote is asked to join, not more than once a second", "[mote][GW-15]") {
-  auto x = make();
+  auto x = make_registrar();
   const auto prompts = [&](duration t) {
-    return test::pick<to_mote>(x.on_heard(lamp, instant{t})).size();
+    return test::pick<to_mote>(x.on_heard(newcomer, instant{t})).size();
   };
   CHECK(prompts(0s) == 1);
   CHECK(prompts(999ms) == 0);
   CHECK(prompts(1s) == 1);
-  CHECK(test::pick<to_mote>(x.on_frame(lamp, encode(keep_alive{}), instant{2s})).size() == 1);
+  CHECK(test::pick<to_mote>(x.on_frame(newcomer, encode(keep_alive{}), instant{2s})).size() == 1);
 }
 
 TEST_CASE("the roster names every member, in pages that fit", "[mote][GW-15]") {
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(x.start(instant{}));
   for (std::uint16_t i = 2; i < 42; ++i) {
     static_cast<void>(request(x, instant{}, 0, mote_id{i}));
@@ -217,7 +217,7 @@ TEST_CASE("the roster names every member, in pages that fit", "[mote][GW-15]") {
 
 TEST_CASE("a roster that takes longer than its period is completed before the next begins",
           "[mote][GW-15]") {
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(x.start(instant{}));
   for (std::uint16_t i = 2; i < 1002; ++i) {
     static_cast<void>(request(x, instant{}, 0, mote_id{i}));
@@ -244,16 +244,16 @@ TEST_CASE("a roster that takes longer than its period is completed before the ne
 }
 
 TEST_CASE("the gateway's question about a mote is answered either way", "[mote][GW-15]") {
-  auto x = make();
-  CHECK(events<mote_left>(x.on_describe(lamp, instant{})).size() == 1);
+  auto x = make_registrar();
+  CHECK(events<mote_left>(x.on_describe(newcomer, instant{})).size() == 1);
   static_cast<void>(request(x, instant{}));
-  CHECK(x.on_describe(lamp, instant{}).empty());
+  CHECK(x.on_describe(newcomer, instant{}).empty());
   static_cast<void>(confirm(x, instant{}));
-  CHECK(events<mote_joined>(x.on_describe(lamp, instant{})).size() == 1);
+  CHECK(events<mote_joined>(x.on_describe(newcomer, instant{})).size() == 1);
 }
 
 TEST_CASE("a gateway that was started may ask for the roster at once", "[mote][GW-15]") {
-  auto x = make();
+  auto x = make_registrar();
   for (std::uint16_t mote = 10; mote < 30; ++mote) {
     static_cast<void>(request(x, instant{}, 0, mote_id{mote}));
     static_cast<void>(confirm(x, instant{}, 0, mote_id{mote}));
@@ -275,12 +275,12 @@ TEST_CASE("a gateway that was started may ask for the roster at once", "[mote][G
 
 TEST_CASE("a member that sends vectors gets a slot for a while after it says so",
           "[mote][SYN-16]") {
-  auto x = make();
+  auto x = make_registrar();
   x.set_slot_room(400);
   const auto notice = [&x](std::uint16_t units, network::slot_run has, instant now) {
     std::vector<slot_grant> grants;
     for (const auto& each :
-         test::pick<to_mote>(x.on_frame(lamp, encode(slot_notice{units, has}), now)))
+         test::pick<to_mote>(x.on_frame(newcomer, encode(slot_notice{units, has}), now)))
       if (const auto* grant = std::get_if<slot_grant>(&each.message))
         grants.push_back(*grant);
     return grants;
@@ -292,7 +292,7 @@ TEST_CASE("a member that sends vectors gets a slot for a while after it says so"
   CHECK(notice(30, {}, instant{2s}) == std::vector{slot_grant{{0, 30}}});
   CHECK(notice(30, {0, 30}, instant{60s}).empty()); // it knows
   for (auto now = instant{60s}; now < instant{260s}; now += 2s) {
-    static_cast<void>(x.on_heard(lamp, now));
+    static_cast<void>(x.on_heard(newcomer, now));
     static_cast<void>(x.on_time(now));
     CHECK(x.slots().used() == 30);
   }
@@ -300,7 +300,7 @@ TEST_CASE("a member that sends vectors gets a slot for a while after it says so"
   static_cast<void>(x.on_time(instant{260s}));
   CHECK(x.slots().used() == 0);
   CHECK(notice(8, {0, 30}, instant{260s}) == std::vector{slot_grant{{0, 8}}});
-  static_cast<void>(x.on_frame(lamp, encode(leave_notice{}), instant{261s}));
+  static_cast<void>(x.on_frame(newcomer, encode(leave_notice{}), instant{261s}));
   CHECK(x.slots().used() == 0);
 }
 
@@ -312,8 +312,8 @@ TEST_CASE("a sink takes no more members than it has room for", "[mote]") {
   CHECK(test::pick<to_mote>(request(x, instant{}, 0, mote_id{3})).size() == 1);
   CHECK(request(x, instant{}, 0, mote_id{4}).empty());
   CHECK(x.counters().refused == 1);
-  CHECK(x.on_frame(lamp, bytes{0xff}, instant{}).empty());
-  CHECK(x.on_frame(lamp, encode(join_request{1, 0, bytes{9}}), instant{}).empty());
+  CHECK(x.on_frame(newcomer, bytes{0xff}, instant{}).empty());
+  CHECK(x.on_frame(newcomer, encode(join_request{1, 0, bytes{9}}), instant{}).empty());
   CHECK(x.counters().malformed == 2);
 }
 
@@ -339,26 +339,27 @@ TEST_CASE("a full list loses whoever has been silent for long", "[mote]") {
 TEST_CASE("what somebody else has said about a mote does not last", "[mote][DIS-03]") {
   const auto prompts = [](const registrar_outputs& out) {
     return std::ranges::count_if(test::pick<to_mote>(out), [](const to_mote& y) {
-      return y.mote == lamp && std::holds_alternative<rejoin_prompt>(y.message);
+      return y.mote == newcomer && std::holds_alternative<rejoin_prompt>(y.message);
     });
   };
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(request(x, instant{}));
   static_cast<void>(confirm(x, instant{}));
   SECTION("a life that it does not live") {
     static_cast<void>(request(x, instant{20s}, 77));
     CHECK(events<mote_joined>(confirm(x, instant{20s}, 77)).size() == 1);
-    CHECK(prompts(x.on_frame(lamp, encode(keep_alive{0, {}}), instant{21s})) == 1);
-    CHECK(prompts(x.on_frame(lamp, encode(keep_alive{0, {}}), instant{21500ms})) == 0);
+    CHECK(prompts(x.on_frame(newcomer, encode(keep_alive{0, {}}), instant{21s})) == 1);
+    CHECK(prompts(x.on_frame(newcomer, encode(keep_alive{0, {}}), instant{21500ms})) == 0);
     static_cast<void>(request(x, instant{22s}));
     CHECK(events<mote_joined>(confirm(x, instant{22s})).at(0).incarnation == 0);
-    CHECK(prompts(x.on_frame(lamp, encode(keep_alive{0, {}}), instant{24s})) == 0);
+    CHECK(prompts(x.on_frame(newcomer, encode(keep_alive{0, {}}), instant{24s})) == 0);
   }
   SECTION("a descriptor that is not its own") {
-    CHECK(prompts(x.on_frame(lamp, encode(join_request{9, 0, description(5)}), instant{20s})) == 1);
+    CHECK(prompts(x.on_frame(newcomer, encode(join_request{9, 0, description(5)}), instant{20s})) ==
+          1);
     CHECK(prompts(request(x, instant{22s})) == 1); // now this one contradicts
     CHECK(prompts(request(x, instant{24s})) == 0);
-    CHECK(events<mote_joined>(x.on_describe(lamp, instant{25s})).at(0).type == 301);
+    CHECK(events<mote_joined>(x.on_describe(newcomer, instant{25s})).at(0).type == 301);
   }
 }
 
@@ -369,17 +370,17 @@ TEST_CASE(
     return encode(descriptor{301, 0, 1, 3000, device});
   };
   const auto ask = [&](registrar& x, std::uint32_t device, std::uint32_t life, instant now) {
-    return x.on_frame(lamp, encode(join_request{9, life, of_device(device)}), now);
+    return x.on_frame(newcomer, encode(join_request{9, life, of_device(device)}), now);
   };
   const auto refusals = [](const registrar_outputs& out) {
     return std::ranges::count_if(test::pick<to_mote>(out), [](const to_mote& y) {
-      return y.mote == lamp && y.message == management(join_refusal{9});
+      return y.mote == newcomer && y.message == management(join_refusal{9});
     });
   };
-  auto x = make();
+  auto x = make_registrar();
   static_cast<void>(ask(x, 0xa1, 3, instant{}));
-  const auto joined =
-      events<mote_joined>(x.on_frame(lamp, encode(join_confirm{9, 3, of_device(0xa1)}), instant{}));
+  const auto joined = events<mote_joined>(
+      x.on_frame(newcomer, encode(join_confirm{9, 3, of_device(0xa1)}), instant{}));
   REQUIRE(joined.size() == 1);
 
   SECTION("refused while the member is heard, whatever life it claims") {
@@ -400,19 +401,19 @@ TEST_CASE(
     static_cast<void>(ask(x, 0xb2, 9, instant{5s}));
     CHECK(refusals(ask(x, 0xa1, 4, instant{6s})) == 0);
     const auto reborn = events<mote_joined>(
-        x.on_frame(lamp, encode(join_confirm{9, 4, of_device(0xa1)}), instant{6s}));
+        x.on_frame(newcomer, encode(join_confirm{9, 4, of_device(0xa1)}), instant{6s}));
     REQUIRE(reborn.size() == 1);
     CHECK(reborn[0].incarnation == 4);
     CHECK(ask(x, 0xa1, 3, instant{7s}).empty()); // it was on the way for long
     CHECK(x.counters().outdated == 1);
-    CHECK(events<mote_joined>(x.on_describe(lamp, instant{8s})).at(0).incarnation == 4);
+    CHECK(events<mote_joined>(x.on_describe(newcomer, instant{8s})).at(0).incarnation == 4);
   }
   SECTION("a second one that has been a member is asked to join, and refused then") {
-    const auto out = x.on_frame(lamp, encode(keep_alive{3, {}, 0xb2}), instant{5s});
+    const auto out = x.on_frame(newcomer, encode(keep_alive{3, {}, 0xb2}), instant{5s});
     CHECK(test::pick<double_refused>(out).size() == 1);
     REQUIRE(test::pick<to_mote>(out).size() == 1);
     CHECK(std::holds_alternative<rejoin_prompt>(test::pick<to_mote>(out)[0].message));
-    CHECK(test::pick<to_mote>(x.on_frame(lamp, encode(keep_alive{3, {}, 0xa1}), instant{6s}))
+    CHECK(test::pick<to_mote>(x.on_frame(newcomer, encode(keep_alive{3, {}, 0xa1}), instant{6s}))
               .empty());
   }
   SECTION("who does not tell its device is taken for the member, as before") {

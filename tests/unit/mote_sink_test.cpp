@@ -4,6 +4,7 @@
 #include "network/wire.hpp"
 #include "support/catch.hpp"
 #include "support/island_fixture.hpp"
+#include "support/mote_ids.hpp"
 #include "support/pick.hpp"
 #include "support/segments.hpp"
 #include "transport/fragments.hpp"
@@ -12,23 +13,23 @@ using namespace rubicon;
 using namespace rubicon::mote;
 using test::island_fixture;
 using test::pick;
+using test::the_island;
 
 namespace {
 
-constexpr island_id island{1};
 constexpr mote_id lamp{2};
 
-sink make() {
+sink make_sink() {
   registrar_config config;
-  config.island = island;
+  config.island = the_island;
   network::router_config network;
   network.self = island_fixture::sink_id;
   return {network, config, duty_config{}, random_stream(1), {}};
 }
 
 std::unique_ptr<island_fixture> with_lamp() {
-  auto world =
-      std::make_unique<island_fixture>(test::island_fixture_config{.width = 2, .island = island});
+  auto world = std::make_unique<island_fixture>(
+      test::island_fixture_config{.width = 2, .island = the_island});
   auto& x = *world;
   REQUIRE(x.run_until([&x] { return x.root().members() == 1; }, 1min));
   x.run_for(5s);
@@ -93,7 +94,7 @@ TEST_CASE("long packets cross the serial line in fragments that fit it", "[mote]
 }
 
 TEST_CASE("a sink drops and counts what it cannot read", "[mote]") {
-  auto x = make();
+  auto x = make_sink();
   CHECK(x.on_packet(network::am::from_gateway, bytes{0}, {}).empty());
   CHECK(x.on_packet(network::am::sink_event, bytes{9}, {}).empty());
   CHECK(x.on_packet(network::am::sink_event, encode(network::sink_event(network::roster{})), {})
@@ -106,7 +107,7 @@ TEST_CASE("a sink drops and counts what it cannot read", "[mote]") {
 
 TEST_CASE("a packet for a mote to which a sink knows no way is dropped and counted",
           "[mote][RTG-05]") {
-  auto x = make();
+  auto x = make_sink();
   CHECK(x.on_packet(network::am::from_gateway,
                     encode(network::island_packet{island_id{2}, mote_id{9}, 10, bytes{1}}), {})
             .empty());
@@ -123,7 +124,7 @@ TEST_CASE("what is for the sink itself goes no further", "[mote]") {
 }
 
 TEST_CASE("a sink answers its gateway's question about a mote", "[mote][GW-15]") {
-  auto x = make();
+  auto x = make_sink();
   const auto out = pick<to_gateway>(x.on_packet(
       network::am::sink_event, encode(network::sink_event(network::describe{mote_id{7}})), {}));
   REQUIRE(out.size() == 1);
@@ -132,7 +133,7 @@ TEST_CASE("a sink answers its gateway's question about a mote", "[mote][GW-15]")
 }
 
 TEST_CASE("a sink asks for the time and gives it to its island's clock", "[mote][CLK-08]") {
-  auto x = make();
+  auto x = make_sink();
   static_cast<void>(x.start({}));
   std::vector<to_gateway> asked;
   instant now;
@@ -183,7 +184,8 @@ TEST_CASE("fragments of packets of two motes do not mix", "[mote][NET-14]") {
   packet_service x(network, random_stream(1), {});
   const auto cut = [](char octet) {
     const auto value = static_cast<std::uint8_t>(octet);
-    return *transport::cut(encode(network::island_packet{island, lamp, 10, bytes(50, value)}), 40,
+    return *transport::cut(encode(network::island_packet{the_island, lamp, 10, bytes(50, value)}),
+                           40,
                            7); // each mote counts its packets from the same number
   };
   std::vector<bytes> whole;

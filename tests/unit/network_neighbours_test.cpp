@@ -1,12 +1,12 @@
 #include "network/neighbours.hpp"
 #include "support/catch.hpp"
+#include "support/start.hpp"
 
 using namespace rubicon;
 using namespace rubicon::network;
+using test::start;
 
 namespace {
-
-constexpr instant start{};
 
 /// Beacons of one neighbour, a second apart.
 struct sender {

@@ -9,31 +9,29 @@
 #include "network/router.hpp"
 #include "support/agenda.hpp"
 #include "support/catch.hpp"
+#include "support/mote_ids.hpp"
 
 namespace rubicon::network {
 
 namespace {
 
-constexpr mote_id sink{1};
-
-mote_id mote(int x) {
-  return mote_id{static_cast<std::uint16_t>(x)};
-}
+using test::id;
+using test::the_sink;
 
 /// Routers on a grid whose radios reach the eight motes around them, with a crystal each that runs
 /// too fast or too slow. A unicast is tried four times.
-class island {
+class routed_grid {
 public:
-  island(int width, int height, double delivery, std::uint64_t seed = 1)
+  routed_grid(int width, int height, double delivery, std::uint64_t seed = 1)
       : width_(width), delivery_(delivery), rng_(seed) {
     for (int i = 1; i <= width * height; ++i)
-      start(mote(i));
+      start(id(i));
   }
 
   void start(mote_id x) {
     router_config config;
     config.self = x;
-    config.is_sink = x == sink;
+    config.is_sink = x == the_sink;
     auto& here = nodes_[x];
     here.ppm = rng_.unit() * 100 - 50;
     here.ahead = duration(rng_.below(100'000'000'000));
@@ -179,7 +177,7 @@ private:
 
 TEST_CASE("an island organises itself: ways up and down, places, one clock",
           "[network][NET-11][CLK-01]") {
-  island x(5, 5, 0.95);
+  routed_grid x(5, 5, 0.95);
   x.run_for(5min);
   std::chrono::microseconds worst{};
   for (const auto id : x.motes()) {
@@ -187,24 +185,24 @@ TEST_CASE("an island organises itself: ways up and down, places, one clock",
     CHECK(x.at(id).place().place().has_value());
     REQUIRE(x.at(id).clock().synchronised());
     const auto error =
-        x.at(id).clock().at(x.own_time(id)) - x.at(sink).clock().at(x.own_time(sink));
+        x.at(id).clock().at(x.own_time(id)) - x.at(the_sink).clock().at(x.own_time(the_sink));
     worst = std::max(worst, std::chrono::abs(error));
   }
   CHECK(worst < std::chrono::microseconds{1000});
 }
 
 TEST_CASE("packets go up from everybody and down to everybody", "[network][NET-05]") {
-  island x(5, 5, 0.9);
+  routed_grid x(5, 5, 0.9);
   x.run_for(2min);
   x.arrived.clear();
   for (std::uint8_t i = 2; i <= 25; ++i) {
-    x.send(mote(i), sink, {i});
+    x.send(id(i), the_sink, {i});
     x.run_for(200ms);
   }
   x.run_for(20s);
   std::set<mote_id> origins;
   for (const auto& [where, what] : x.arrived) {
-    CHECK(where == sink);
+    CHECK(where == the_sink);
     CHECK(what.content == bytes{static_cast<std::uint8_t>(what.origin->value)});
     origins.insert(*what.origin);
   }
@@ -212,8 +210,8 @@ TEST_CASE("packets go up from everybody and down to everybody", "[network][NET-0
   CHECK(x.arrived.size() == 24);
   x.arrived.clear();
   for (std::uint8_t i = 2; i <= 25; ++i) {
-    REQUIRE(x.at(sink).room_to(mote(i)));
-    x.send(sink, mote(i), {i});
+    REQUIRE(x.at(the_sink).room_to(id(i)));
+    x.send(the_sink, id(i), {i});
     x.run_for(200ms);
   }
   x.run_for(20s);
@@ -225,39 +223,39 @@ TEST_CASE("packets go up from everybody and down to everybody", "[network][NET-0
 }
 
 TEST_CASE("neighbours reach each other directly, others through the sink", "[network][ADR-01]") {
-  island x(5, 1, 1);
+  routed_grid x(5, 1, 1);
   x.run_for(2min);
   x.arrived.clear();
-  x.send(mote(4), mote(5), {1});
-  x.send(mote(5), mote(3), {2});
+  x.send(id(4), id(5), {1});
+  x.send(id(5), id(3), {2});
   x.run_for(5s);
   REQUIRE(x.arrived.size() == 2);
-  CHECK(x.arrived[0].first == mote(5));
-  CHECK(x.arrived[0].second.origin == mote(4));
-  CHECK(x.arrived[1].first == sink); // whose user sends it down
-  x.kill(mote(5));
-  x.send(mote(4), mote(5), {3});
+  CHECK(x.arrived[0].first == id(5));
+  CHECK(x.arrived[0].second.origin == id(4));
+  CHECK(x.arrived[1].first == the_sink); // whose user sends it down
+  x.kill(id(5));
+  x.send(id(4), id(5), {3});
   x.run_for(5s);
   CHECK(x.arrived.size() == 3);
-  CHECK(x.at(mote(4)).counters().detours == 1);
+  CHECK(x.at(id(4)).counters().detours == 1);
 }
 
 TEST_CASE("everybody hears what is sent to all", "[network][ADR-05]") {
-  island x(4, 4, 0.9);
+  routed_grid x(4, 4, 0.9);
   x.run_for(1min);
   x.arrived.clear();
-  x.perform(mote(6), x.at(mote(6)).send_to_all({9}, x.own_time(mote(6))));
+  x.perform(id(6), x.at(id(6)).send_to_all({9}, x.own_time(id(6))));
   x.run_for(5s);
   CHECK(x.arrived.size() == 15);
 }
 
 TEST_CASE("channels open between any two motes of an island", "[network][NET-10][STR-18]") {
-  island x(5, 5, 0.95, 2);
+  routed_grid x(5, 5, 0.95, 2);
   x.run_for(6min);
   random_stream rng(5);
   for (int i = 0; i < 30; ++i) {
-    const auto from = mote(1 + static_cast<int>(rng.below(25)));
-    const auto to = mote(1 + static_cast<int>(rng.below(25)));
+    const auto from = id(1 + static_cast<int>(rng.below(25)));
+    const auto to = id(1 + static_cast<int>(rng.below(25)));
     if (from == to)
       continue;
     const auto id = x.connect(from, to);
@@ -277,7 +275,7 @@ TEST_CASE("channels open between any two motes of an island", "[network][NET-10]
 
 TEST_CASE("a settled grid floods for few of its channels, and asks once where a mote is",
           "[network][NET-10][NET-12]") {
-  island x(8, 8, 1);
+  routed_grid x(8, 8, 1);
   x.run_for(10min);
   const auto count = [&x](auto counter) {
     std::uint64_t sum = 0;
@@ -295,8 +293,8 @@ TEST_CASE("a settled grid floods for few of its channels, and asks once where a 
   random_stream rng(5);
   int opened = 0;
   for (int i = 0; i < 60; ++i) {
-    const auto from = mote(2 + static_cast<int>(rng.below(63)));
-    const auto to = mote(2 + static_cast<int>(rng.below(63)));
+    const auto from = id(2 + static_cast<int>(rng.below(63)));
+    const auto to = id(2 + static_cast<int>(rng.below(63)));
     if (from == to)
       continue;
     const auto try_it = [&] {
@@ -316,12 +314,12 @@ TEST_CASE("a settled grid floods for few of its channels, and asks once where a 
 }
 
 TEST_CASE("motes that have just started open channels without a flood", "[network][NET-12]") {
-  island x(6, 6, 0.95, 3);
+  routed_grid x(6, 6, 0.95, 3);
   x.run_for(10min);
   std::uint64_t floods = 0;
   for (const auto from : {8, 15, 22, 29, 36, 31}) { // one of them an anchor
-    const auto to = mote(38 - from);
-    x.start(mote(from));
+    const auto to = id(38 - from);
+    x.start(id(from));
     x.run_for(3s); // it has a route, and no good links
     const auto counted = [&] {
       std::uint64_t sum = 0;
@@ -330,9 +328,9 @@ TEST_CASE("motes that have just started open channels without a flood", "[networ
       return sum;
     };
     const auto before = counted();
-    const auto id = x.connect(mote(from), to);
+    const auto channel = x.connect(id(from), to);
     x.run_for(15s);
-    CHECK(x.connected.contains(id));
+    CHECK(x.connected.contains(channel));
     floods += counted() - before;
     x.run_for(1min);
   }
@@ -341,10 +339,10 @@ TEST_CASE("motes that have just started open channels without a flood", "[networ
 
 TEST_CASE("without a route to the sink a place that was known once is good enough",
           "[network][NET-12]") {
-  island x(3, 3, 1);
+  routed_grid x(3, 3, 1);
   x.run_for(8min);
-  const auto from = mote(9);
-  const auto to = mote(7);
+  const auto from = id(9);
+  const auto to = id(7);
   const bool was_known = GENERATE(false, true);
   if (was_known) {
     const auto id = x.connect(from, to);
@@ -354,7 +352,7 @@ TEST_CASE("without a route to the sink a place that was known once is good enoug
     x.run_for(11min); // that place must be learnt again by now
   }
   for (const auto each : {1, 2, 3, 4, 5, 6})
-    x.kill(mote(each));
+    x.kill(id(each));
   x.run_for(30min);
   REQUIRE_FALSE(x.at(from).has_route());
   const auto floods = x.at(from).paths().counters().floods_place_unknown;
@@ -366,13 +364,13 @@ TEST_CASE("without a route to the sink a place that was known once is good enoug
 
 TEST_CASE("a channel that is given up while its way is asked for is not opened",
           "[network][NET-10]") {
-  island x(3, 3, 1);
+  routed_grid x(3, 3, 1);
   x.run_for(2min);
-  const auto from = mote(9); // who is two hops from the other
+  const auto from = id(9); // who is two hops from the other
   const auto asked = x.at(from).counters().questions;
-  const auto id = x.connect(from, mote(3));
+  const auto channel = x.connect(from, id(3));
   CHECK(x.at(from).counters().questions == asked + 1);
-  x.perform(from, x.at(from).disconnect(id, x.own_time(from)));
+  x.perform(from, x.at(from).disconnect(channel, x.own_time(from)));
   x.run_for(15s);
   CHECK(x.connected.empty());
   for (const auto each : x.motes())
@@ -380,17 +378,17 @@ TEST_CASE("a channel that is given up while its way is asked for is not opened",
 }
 
 TEST_CASE("a relay that dies is replaced", "[network][NET-09]") {
-  island x(3, 3, 1);
+  routed_grid x(3, 3, 1);
   x.run_for(2min);
   x.arrived.clear();
-  const auto relay = x.at(mote(9)).tree().parent();
+  const auto relay = x.at(id(9)).tree().parent();
   x.kill(relay);
   for (int i = 0; i < 20; ++i) {
-    x.send(mote(9), sink, {1});
+    x.send(id(9), the_sink, {1});
     x.run_for(5s);
   }
   CHECK(x.arrived.size() >= 18);
-  CHECK(x.at(mote(9)).tree().parent() != relay);
+  CHECK(x.at(id(9)).tree().parent() != relay);
 }
 
 namespace {
@@ -401,7 +399,7 @@ public:
   explicit alone(mote_id self) {
     router_config config;
     config.self = self;
-    config.is_sink = self == sink;
+    config.is_sink = self == the_sink;
     config.duty.period = 4s;
     life = router(config, random_stream(1), now);
   }
@@ -444,24 +442,24 @@ private:
 
 TEST_CASE("one who asks for the time is answered twice where it listens for a moment only",
           "[network][CLK-04]") {
-  alone x(sink);
+  alone x(the_sink);
   x.run_for(4min + 2s); // its rounds come once a minute
   x.beacons.clear();
   beacon asks;
   asks.sequence = 1;
   asks.clock.doubt = doubt_asks;
-  x.receive(mote(2), asks);
+  x.receive(id(2), asks);
   x.run_for(300ms);
   REQUIRE(x.beacons.size() == 2);
   for (const auto& each : x.beacons)
-    CHECK(each.second.clock.root == sink);
+    CHECK(each.second.clock.root == the_sink);
   CHECK(x.beacons[1].first - x.beacons[0].first >= 40ms); // another frame may lie between
   CHECK(x.now - x.beacons[1].first >= 150ms);             // it listens for so long
 }
 
 TEST_CASE("who rests from a search listens after each beacon, and asks in it",
           "[network][CLK-04]") {
-  alone x(mote(2));
+  alone x(id(2));
   x.run_for(1h);
   CHECK(x.life.search().rests());
   CHECK(x.beacons.size() > 200);
@@ -469,8 +467,8 @@ TEST_CASE("who rests from a search listens after each beacon, and asks in it",
 }
 
 TEST_CASE("the state of a mote's Network module fits its budget", "[network][SMP-30]") {
-  island x(2, 2, 1);
-  CHECK(x.at(mote(2)).footprint() < 2320);
+  routed_grid x(2, 2, 1);
+  CHECK(x.at(id(2)).footprint() < 2320);
 }
 
 TEST_CASE("messages of the Network modules keep their layout", "[network][golden]") {

@@ -3,10 +3,12 @@
 
 #include "page/run_page.hpp"
 #include "support/catch.hpp"
+#include "support/text.hpp"
 #include "unit/report_sample.hpp"
 
 using namespace rubicon;
 using namespace rubicon::report;
+using rubicon::test::contains;
 using rubicon::test::large_report;
 using rubicon::test::sample_report;
 
@@ -35,10 +37,6 @@ config::ecology_description sample_ecology(const run_report& of) {
 
 std::string page_of(const run_report& x, const history& seen = {}) {
   return page::html_of({sample_ecology(x), x, seen, "rubicon run a.toml --seed 42", "00ff"});
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 /// Values of attributes are texts.

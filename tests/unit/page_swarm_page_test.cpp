@@ -2,17 +2,11 @@
 
 #include "page/swarm_page.hpp"
 #include "support/catch.hpp"
+#include "support/text.hpp"
 
 using namespace rubicon;
 using namespace rubicon::page;
-
-namespace {
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-} // namespace
+using rubicon::test::contains;
 
 TEST_CASE("a swarm's page shows how figures differ between seeds", "[page]") {
   seed_figures figures;

@@ -11,7 +11,7 @@ using parallel::never;
 
 namespace {
 
-instant at(std::int64_t ms) {
+instant at_ms(std::int64_t ms) {
   return instant(ms * 1ms);
 }
 
@@ -44,19 +44,19 @@ instant first_arrival(const std::vector<std::vector<std::optional<duration>>>& l
 
 TEST_CASE("who hears of nobody may run to the end of time", "[parallel][NFR-08]") {
   horizons x;
-  CHECK(safe_for(x, {at(3), at(1)}) == std::vector{never, never});
+  CHECK(safe_for(x, {at_ms(3), at_ms(1)}) == std::vector{never, never});
   x.link(0, 1, 2ms);
-  CHECK(safe_for(x, {at(3), at(1)}) == std::vector{never, at(5)});
-  CHECK(safe_for(x, {never, at(1)}) == std::vector{never, never});
+  CHECK(safe_for(x, {at_ms(3), at_ms(1)}) == std::vector{never, at_ms(5)});
+  CHECK(safe_for(x, {never, at_ms(1)}) == std::vector{never, never});
 }
 
 TEST_CASE("what a process causes elsewhere may come back to it", "[parallel][NFR-08]") {
   horizons x;
   x.link(0, 1, 2ms);
   x.link(1, 0, 3ms);
-  CHECK(safe_for(x, {at(1), never}) == std::vector{at(6), at(3)});
-  CHECK(safe_for(x, {at(1), at(100)}) == std::vector{at(6), at(3)});
-  CHECK(safe_for(x, {at(1), at(2)}) == std::vector{at(5), at(3)});
+  CHECK(safe_for(x, {at_ms(1), never}) == std::vector{at_ms(6), at_ms(3)});
+  CHECK(safe_for(x, {at_ms(1), at_ms(100)}) == std::vector{at_ms(6), at_ms(3)});
+  CHECK(safe_for(x, {at_ms(1), at_ms(2)}) == std::vector{at_ms(5), at_ms(3)});
 }
 
 TEST_CASE("nothing comes before the horizon, over any chain of links, and something may come at it",
@@ -90,5 +90,5 @@ TEST_CASE("of several links the shortest counts, and without a link there is no 
   x.link(0, 1, 2ms);
   CHECK(x.delay(0, 1) == 2ms);
   CHECK(x.delay(1, 0) == duration::max());
-  CHECK(safe_for(x, {at(0), never}) == std::vector{never, at(2)});
+  CHECK(safe_for(x, {at_ms(0), never}) == std::vector{never, at_ms(2)});
 }

@@ -13,7 +13,7 @@ namespace {
 
 using queue = parallel::timer_queue<std::shared_ptr<int>>;
 
-instant at(std::int64_t ns) {
+instant at_ns(std::int64_t ns) {
   return instant(duration(ns));
 }
 
@@ -35,7 +35,7 @@ TEST_CASE("timers come out by time, equal times in the order they went in", "[pa
   queue timers;
   std::multimap<instant, int> expected; // keeps the order of equal keys
   for (int i = 0; i < 5000; ++i) {
-    const auto due = at(static_cast<std::int64_t>(rng.below(500)));
+    const auto due = at_ns(static_cast<std::int64_t>(rng.below(500)));
     add(timers, due, std::make_shared<int>(i));
     expected.emplace(due, i);
   }
@@ -53,7 +53,7 @@ TEST_CASE("timers behave like a sorted list under any mixture of operations",
     random_stream rng(seed);
     queue timers;
     std::multimap<instant, std::pair<int, queue::ticket>> expected;
-    auto now = at(0);
+    auto now = at_ns(0);
     for (int i = 0; i < 3000; ++i) {
       const auto what = rng.below(10);
       if (what < 5) {
@@ -87,9 +87,9 @@ TEST_CASE("timers behave like a sorted list under any mixture of operations",
 TEST_CASE("a timer that is moved comes after those that are due then already",
           "[parallel][GEN-07]") {
   queue timers;
-  const auto first = add(timers, at(1), std::make_shared<int>(1));
-  add(timers, at(2), std::make_shared<int>(2));
-  timers.move(first, in_turn(at(2)));
+  const auto first = add(timers, at_ns(1), std::make_shared<int>(1));
+  add(timers, at_ns(2), std::make_shared<int>(2));
+  timers.move(first, in_turn(at_ns(2)));
   CHECK(*timers.pop() == 2);
   CHECK(*timers.pop() == 1);
 }
@@ -97,15 +97,15 @@ TEST_CASE("a timer that is moved comes after those that are due then already",
 TEST_CASE("a cancelled timer is destroyed at once and its memory is used again", "[parallel]") {
   queue timers;
   const auto value = std::make_shared<int>(1);
-  add(timers, at(5), std::make_shared<int>(0));
+  add(timers, at_ns(5), std::make_shared<int>(0));
   for (int i = 0; i < 1'000'000; ++i) {
-    const auto ticket = add(timers, at(1'000'000'000 + i), value);
+    const auto ticket = add(timers, at_ns(1'000'000'000 + i), value);
     timers.cancel(ticket);
     if (value.use_count() != 1)
       FAIL("a cancelled timer holds its value");
   }
   CHECK(timers.size() == 1);
-  CHECK(add(timers, at(7), value) < 2);
+  CHECK(add(timers, at_ns(7), value) < 2);
   CHECK(*timers.pop() == 0);
   CHECK(timers.pop() == value);
   CHECK(!timers.next());
@@ -115,13 +115,13 @@ TEST_CASE("clearing timers destroys them all", "[parallel]") {
   queue timers;
   const auto value = std::make_shared<int>(1);
   for (int i = 0; i < 10; ++i)
-    add(timers, at(i), value);
+    add(timers, at_ns(i), value);
   CHECK(value.use_count() == 11);
   timers.clear();
   CHECK(value.use_count() == 1);
   CHECK(timers.empty());
-  add(timers, at(3), value);
-  CHECK(timers.next() == at(3));
+  add(timers, at_ns(3), value);
+  CHECK(timers.next() == at_ns(3));
 }
 
 TEST_CASE("the ready queue is first in, first out while it grows and wraps around", "[parallel]") {

@@ -14,15 +14,13 @@
 #include "peis/routing_page.hpp"
 #include "peis/tuple_record.hpp"
 #include "peis/tuple_space.hpp"
+#include "peis_capture.hpp"
 #include "support/catch.hpp"
-#include "support/vectors.hpp"
 
 namespace rubicon::peis {
 namespace {
 
-bytes golden(const std::string& name) {
-  return test::read_hex_file("peis/" + name + ".hex");
-}
+using test::capture;
 
 struct captured {
   package_header header;
@@ -30,7 +28,7 @@ struct captured {
 };
 
 std::vector<captured> packages(const std::string& name) {
-  const auto stream = golden(name);
+  const auto stream = capture(name);
   stream_decoder decoder;
   decoder.feed(stream);
   std::vector<captured> all;
@@ -71,7 +69,7 @@ TEST_CASE("headers of all captured packages decode and encode back", "[peis][P2P
                "dead-host-reborn", "hostinfo-broadcast", "hostinfo-link", "push-appended",
                "push-fragments", "query-host", "routing-two-pages", "set-remote",
                "subscribe-forwarded", "timesync-master", "trace", "unsubscribe-any-owner");
-  const auto stream = golden(file);
+  const auto stream = capture(file);
   std::size_t at = 0;
   for (const auto& x : packages(file)) {
     CHECK(is_legal(x.header));
@@ -109,7 +107,7 @@ TEST_CASE("a forwarded package differs in counter and hops only", "[peis][P2P-01
 }
 
 TEST_CASE("the connect request of a real kernel decodes and encodes back", "[peis][LNK-06]") {
-  const auto octets = golden("connect-from-real");
+  const auto octets = capture("connect-from-real");
   const auto x = decode_connect_request(octets);
   REQUIRE(x);
   CHECK(*x == connect_request{500, peer_id{20}, connect_request::for_merge, "default"});

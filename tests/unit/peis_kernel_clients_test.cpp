@@ -1,14 +1,15 @@
 // Components that share one kernel.
 #include "peis/kernel_clients.hpp"
+#include "peis_ids.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {
 namespace {
 
+using test::start;
+
 constexpr client_id gateway{7};
 constexpr client_id rules{8};
-constexpr instant start{10s};
-
 kernel make_kernel() {
   kernel_config config;
   config.network.id = peer_id{11};

@@ -11,14 +11,11 @@
 
 #include "peis/package.hpp"
 #include "peis/tuple_space.hpp"
+#include "peis_ids.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis::test {
 
-inline constexpr peer_id me{1};
-inline constexpr peer_id robot{2};
-inline constexpr peer_id hostile{3};
-inline constexpr instant start{100s};
 inline constexpr duration offset = 1'000'000'000s;
 
 inline key name_of(std::string_view text) {

@@ -4,19 +4,17 @@
 #include "peis/link_url.hpp"
 #include "peis/network_clock.hpp"
 #include "peis/trace.hpp"
+#include "peis_capture.hpp"
 #include "support/catch.hpp"
-#include "support/vectors.hpp"
 
 namespace rubicon::peis {
 namespace {
 
-bytes golden(const std::string& name) {
-  return test::read_hex_file("peis/" + name + ".hex");
-}
+using test::capture;
 
 /// The data of the only package of a capture, whose header encodes back to its octets.
 bytes only_data(const std::string& name, package_header& header) {
-  const auto stream = golden(name);
+  const auto stream = capture(name);
   stream_decoder decoder;
   decoder.feed(stream);
   const auto x = decoder.next();
@@ -32,7 +30,7 @@ bytes only_data(const std::string& name, package_header& header) {
 } // namespace
 
 TEST_CASE("an announcement of a real kernel", "[peis][TCP-03][golden]") {
-  const auto octets = golden("announce");
+  const auto octets = capture("announce");
   const auto x = decode_announcement(octets);
   REQUIRE(x);
   CHECK(x->version == 500);

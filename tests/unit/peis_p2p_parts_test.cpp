@@ -3,14 +3,16 @@
 #include "peis/route_probes.hpp"
 #include "peis/stranger_table.hpp"
 #include "peis/traffic_meter.hpp"
+#include "peis_ids.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {
 namespace {
 
-constexpr instant start{100s};
-constexpr peer_id first{11};
-constexpr peer_id second{12};
+using test::start;
+
+constexpr peer_id left_peer{11};
+constexpr peer_id right_peer{12};
 
 host_record other_with(std::int32_t magic, bool marked = true) {
   host_record x;
@@ -100,80 +102,80 @@ TEST_CASE("who has left its id comes back, and stays away longer if it must leav
 
 TEST_CASE("traffic to a host is smoothed, and that of services does not count", "[peis][CM-02]") {
   traffic_meter x(1, start);
-  x.count(package(first, 30, 1000 - header_size));
-  x.count(package(first, port::trace, 1000));
-  x.count(package(second, 30, 1000)); // there is no room for it
-  CHECK(x.octets_per_second(first) == 0);
+  x.count(package(left_peer, 30, 1000 - header_size));
+  x.count(package(left_peer, port::trace, 1000));
+  x.count(package(right_peer, 30, 1000)); // there is no room for it
+  CHECK(x.octets_per_second(left_peer) == 0);
   x.measure(start + 1s);
-  CHECK(x.octets_per_second(first) == Approx(300));
-  CHECK(x.octets_per_second(second) == 0);
+  CHECK(x.octets_per_second(left_peer) == Approx(300));
+  CHECK(x.octets_per_second(right_peer) == 0);
   x.measure(start + 2s);
-  CHECK(x.octets_per_second(first) == Approx(210));
-  x.forget(first);
-  x.count(package(second, 30, 1000));
+  CHECK(x.octets_per_second(left_peer) == Approx(210));
+  x.forget(left_peer);
+  x.count(package(right_peer, 30, 1000));
   x.measure(start + 3s);
-  CHECK(x.octets_per_second(second) > 0);
+  CHECK(x.octets_per_second(right_peer) > 0);
   for (int i = 4; i < 60; ++i)
     x.measure(start + std::chrono::seconds(i));
-  CHECK(x.octets_per_second(second) == 0); // and it is forgotten: there is room again
-  x.count(package(first, 30, 1000));
+  CHECK(x.octets_per_second(right_peer) == 0); // and it is forgotten: there is room again
+  x.count(package(left_peer, 30, 1000));
   x.measure(start + 60s);
-  CHECK(x.octets_per_second(first) > 0);
+  CHECK(x.octets_per_second(left_peer) > 0);
 }
 
 TEST_CASE("a stranger is asked about at once, then ever more rarely", "[peis][RTE-08]") {
   stranger_table x(5s);
-  x.note(second, false, start);
-  x.note(first, true, start);
-  x.note(first, false, start + 1s); // known already
+  x.note(right_peer, false, start);
+  x.note(left_peer, true, start);
+  x.note(left_peer, false, start + 1s); // known already
   auto now = start;
   for (const auto wait : {1s, 2s, 4s, 5s, 5s}) {
-    REQUIRE(x.next() == std::pair(now, first));
-    CHECK(x.ask(first, now).misled);
-    x.forget(second);
+    REQUIRE(x.next() == std::pair(now, left_peer));
+    CHECK(x.ask(left_peer, now).misled);
+    x.forget(right_peer);
     now += wait;
   }
-  REQUIRE(x.next() == std::pair(now, first));
-  CHECK(x.ask(first, now).before == 5);
-  x.forget(first);
-  CHECK(!x.contains(first));
+  REQUIRE(x.next() == std::pair(now, left_peer));
+  CHECK(x.ask(left_peer, now).before == 5);
+  x.forget(left_peer);
+  CHECK(!x.contains(left_peer));
   CHECK(!x.next());
 }
 
 TEST_CASE("a stranger about whom somebody is wrong is asked about anew, once", "[peis][RTE-08]") {
   stranger_table x(10s);
-  x.note(first, false, start);
-  CHECK(!x.ask(first, start).misled);
-  x.mislead(first, start + 100ms);
-  CHECK(x.next() == std::pair(start + 100ms, first));
-  const auto asked = x.ask(first, start + 100ms);
+  x.note(left_peer, false, start);
+  CHECK(!x.ask(left_peer, start).misled);
+  x.mislead(left_peer, start + 100ms);
+  CHECK(x.next() == std::pair(start + 100ms, left_peer));
+  const auto asked = x.ask(left_peer, start + 100ms);
   CHECK(asked.misled);
   CHECK(asked.before == 1);
-  x.mislead(first, start + 200ms);
-  CHECK(x.next() == std::pair(start + 2100ms, first));
-  x.mislead(second, start); // no stranger
-  CHECK(!x.contains(second));
+  x.mislead(left_peer, start + 200ms);
+  CHECK(x.next() == std::pair(start + 2100ms, left_peer));
+  x.mislead(right_peer, start); // no stranger
+  CHECK(!x.contains(right_peer));
 }
 
 TEST_CASE("a way is probed until there is a sign of life, or the time is over", "[peis][RTE-08]") {
   route_probes x(2, 1500ms);
-  x.begin(first, start);
-  x.begin(first, start + 100ms);
-  x.begin(second, start);
+  x.begin(left_peer, start);
+  x.begin(left_peer, start + 100ms);
+  x.begin(right_peer, start);
   x.begin(peer_id{13}, start); // one too many
   const auto probed = x.on_time(start);
   REQUIRE(probed.size() == 2);
-  CHECK(std::get<probe_host>(probed[0]).host == first);
-  CHECK(std::get<probe_host>(probed[1]).host == second);
+  CHECK(std::get<probe_host>(probed[0]).host == left_peer);
+  CHECK(std::get<probe_host>(probed[1]).host == right_peer);
   CHECK(x.deadline() == start + 600ms);
   CHECK(x.on_time(start + 599ms).empty());
-  x.end(second);
+  x.end(right_peer);
   REQUIRE(x.on_time(start + 600ms).size() == 1);
   REQUIRE(x.on_time(start + 1200ms).size() == 1);
   CHECK(x.deadline() == start + 1500ms);
   const auto end = x.on_time(start + 1500ms);
   REQUIRE(end.size() == 1);
-  CHECK(std::get<way_disproved>(end[0]).host == first);
+  CHECK(std::get<way_disproved>(end[0]).host == left_peer);
   CHECK(!x.deadline());
 }
 

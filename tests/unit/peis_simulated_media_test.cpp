@@ -6,10 +6,13 @@
 #include "peis/simulated_bluetooth.hpp"
 #include "peis/simulated_lan.hpp"
 #include "peis/simulated_link.hpp"
+#include "peis_numbered_package.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {
 namespace {
+
+using test::numbered_package;
 
 constexpr peer_id first{11};
 constexpr peer_id second{12};
@@ -44,17 +47,6 @@ simulated_lan network(double loss = 0) {
 /// A link from the first to the second.
 link_made connect(simulated_lan& x) {
   return all<link_made>(x.connect(a, attempt_id{5}, second)).at(1);
-}
-
-bytes package(std::uint8_t id, std::size_t length) {
-  package_header header;
-  header.id = id;
-  header.source = peer_id{1};
-  header.length = static_cast<std::uint16_t>(length);
-  bytes out;
-  encode(header, out);
-  out.resize(out.size() + length, id);
-  return out;
 }
 
 } // namespace
@@ -97,7 +89,7 @@ TEST_CASE("a lossy link loses whole packages, and never an initiator's request",
   random_stream rng;
   auto octets = role == link_role::initiator ? encode(connect_request{}) : bytes{};
   const auto request = octets;
-  const auto lost = package(1, 7);
+  const auto lost = numbered_package(1, 7);
   octets.insert(octets.end(), lost.begin(), lost.end());
   const auto sent = x.send(octets, instant(1s), rng);
   REQUIRE(sent.size() == (request.empty() ? 2 : 3));
@@ -195,14 +187,14 @@ TEST_CASE("links of a process that has ended are reset, once its computer can sa
 
 namespace {
 
-constexpr bluetooth_address phone{{0, 0x1b, 0x44, 0x11, 0x3a, 0xb7}};
+constexpr bluetooth_address phone_adapter{{0, 0x1b, 0x44, 0x11, 0x3a, 0xb7}};
 const auto desk = address_of_adapter("desk", "hci0");
-const auto robot = address_of_adapter("robot", "hci0");
+const auto robot_adapter = address_of_adapter("robot", "hci0");
 
 /// Two peers that share the desk's adapter, a robot 5 m away, a phone.
 simulated_bluetooth room(bool takeover = false) {
   simulated_bluetooth x({10, 40, 3, takeover});
-  x.add_device(phone, {-10, 0, 0});
+  x.add_device(phone_adapter, {-10, 0, 0});
   x.join(a, "desk", {"hci0"}, {}, 1);
   x.join(b, "desk", {"hci0"}, {}, 3);
   x.join(c, "robot", {"hci0"}, {5, 0, 0}, 1);
@@ -223,12 +215,12 @@ using strengths = std::vector<std::pair<bluetooth_address, int>>;
 
 TEST_CASE("an adapter sees what is in range and on, more weakly the farther it is", "[peis]") {
   auto x = room();
-  CHECK(seen(x, a) == strengths{{phone, -70}, {robot, -61}});
+  CHECK(seen(x, a) == strengths{{phone_adapter, -70}, {robot_adapter, -61}});
   CHECK(seen(x, c) == strengths{{desk, -61}}); // the phone is 15 m away
   CHECK(x.move("robot", {0.5, 0, 0}).empty());
-  CHECK(seen(x, a) == strengths{{phone, -70}, {robot, -40}});
+  CHECK(seen(x, a) == strengths{{phone_adapter, -70}, {robot_adapter, -40}});
   CHECK(x.set_power(c, false).empty());
-  CHECK(seen(x, a) == strengths{{phone, -70}});
+  CHECK(seen(x, a) == strengths{{phone_adapter, -70}});
   CHECK(x.scan(a, "hci1").empty()); // not one of its own
   CHECK(x.scan(station_id{9}, "hci0").empty());
 }
@@ -242,7 +234,7 @@ TEST_CASE("a HELLO comes to all who share an announced adapter, and is else not 
   CHECK(heard[1].station == b);
   CHECK(heard[1].from == c);
   CHECK(heard[1].question.octets == payload(bytes{7}));
-  CHECK(one<hello_unheard>(x.hello(a, {"hci0", phone, {}})).question.to == phone);
+  CHECK(one<hello_unheard>(x.hello(a, {"hci0", phone_adapter, {}})).question.to == phone_adapter);
   static_cast<void>(x.end(a)); // which has announced
   const auto after = x.hello(c, {"hci0", desk, {}});
   if (takeover)

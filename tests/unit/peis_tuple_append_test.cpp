@@ -3,27 +3,27 @@
 
 #include "peis/package.hpp"
 #include "peis_fixture.hpp"
+#include "peis_ids.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {
 namespace {
 
+using test::robot;
+using test::start;
 using test::world;
-
-constexpr peer_id other{2};
-constexpr instant start{100s};
 
 prototype log_of(peer_id owner) {
   return prototype_of(owner, *key::parse("log"));
 }
 
-struct pair_of_peers {
+struct pair_with_log {
   world w{7};
   peer_id a = w.add(1);
   peer_id b = w.add(2);
   link_id link = w.connect(a, b);
 
-  pair_of_peers() {
+  pair_with_log() {
     w.run_for(1s);
     w.perform(b, w.at(b).subscribe(log_of(a), subscription_id{1}, w.now()));
     w.run_for(100ms);
@@ -52,10 +52,10 @@ struct lone_subscriber {
   tuple content;
 
   explicit lone_subscriber(bool marked) {
-    static_cast<void>(x.on_host_appeared(other, marked, start));
+    static_cast<void>(x.on_host_appeared(robot, marked, start));
     static_cast<void>(x.subscribe(log_of(any_peer), subscription_id{1},
                                   tuple_space::interest::subscription, start));
-    content.owner = content.creator = other;
+    content.owner = content.creator = robot;
     content.name = *key::parse("log");
     content.written = {1000, 0};
     content.append_seqno = 77123; // garbage, as real kernels send
@@ -67,7 +67,7 @@ struct lone_subscriber {
     auto octets = encode_tuple_head(content, tuple_message_kind::push);
     const auto body = encode_tuple_value(content);
     octets.insert(octets.end(), body.view().begin(), body.view().end());
-    return x.on_push(other, octets, start);
+    return x.on_push(robot, octets, start);
   }
   tuple_events notice(std::string_view before, std::string_view added) {
     auto old = content;
@@ -75,17 +75,17 @@ struct lone_subscriber {
     const auto tail = text_content(added).value;
     auto octets = encode_append_notice_head(old, tail.size());
     octets.insert(octets.end(), tail.view().begin(), tail.view().end());
-    return x.on_append_notice(other, octets, start);
+    return x.on_append_notice(robot, octets, start);
   }
   [[nodiscard]] std::string held() const {
-    return std::string(x.find(other, *key::parse("log"))->text());
+    return std::string(x.find(robot, *key::parse("log"))->text());
   }
 };
 
 } // namespace
 
 TEST_CASE("appends of owner and writer reach everybody in one order", "[peis][TUP-07]") {
-  pair_of_peers p;
+  pair_with_log p;
   const auto c = p.w.add(3);
   p.w.connect(c, p.b);
   p.w.perform(c, p.w.at(c).subscribe(log_of(any_peer), subscription_id{1}, p.w.now()));
@@ -110,7 +110,7 @@ TEST_CASE("appends of owner and writer reach everybody in one order", "[peis][TU
 }
 
 TEST_CASE("an append to what does not exist or is reserved has no effect", "[peis][TUP-07]") {
-  pair_of_peers p;
+  pair_with_log p;
   p.append(p.a, "x", request_id{1});
   p.append(p.b, "x", request_id{2});
   const auto name = std::string(p.w.at(p.a).find_tuple(p.a, "kernel.name")->text());
@@ -128,7 +128,7 @@ TEST_CASE("an append to what does not exist or is reserved has no effect", "[pei
 }
 
 TEST_CASE("an append for any owner reaches all that hold a match", "[peis][TUP-07]") {
-  pair_of_peers p;
+  pair_with_log p;
   p.set("a");
   p.w.perform(p.b, p.w.at(p.b).set_tuple("log", text_content("b"), p.w.now()));
   p.w.perform(p.b, p.w.at(p.b).append_tuple(log_of(any_peer), to_bytes("+"), p.w.now()));
@@ -139,7 +139,7 @@ TEST_CASE("an append for any owner reaches all that hold a match", "[peis][TUP-0
 
 TEST_CASE("prototypes narrow what is appended to; a MIME type cannot travel",
           "[peis][TUP-07][TUP-24]") {
-  pair_of_peers p;
+  pair_with_log p;
   p.set("a");
   auto wanted = log_of(p.a);
   wanted.mimetype = "text/html";
@@ -158,7 +158,7 @@ TEST_CASE("prototypes narrow what is appended to; a MIME type cannot travel",
 }
 
 TEST_CASE("text keeps one trailing NUL, octets are joined as they are", "[peis][TUP-07]") {
-  pair_of_peers p;
+  pair_with_log p;
   p.set("a");
   p.append(p.a, "b");
   p.w.perform(p.a, p.w.at(p.a).append_tuple(log_of(p.a), text_content("c").value, p.w.now()));
@@ -174,7 +174,7 @@ TEST_CASE("text keeps one trailing NUL, octets are joined as they are", "[peis][
 }
 
 TEST_CASE("the next notice leaves after the one before is acknowledged", "[peis][TUP-07]") {
-  pair_of_peers p;
+  pair_with_log p;
   p.set("0");
   p.append(p.a, "1"); // as a whole value
   p.w.run_for(1s);
@@ -191,7 +191,7 @@ TEST_CASE("the next notice leaves after the one before is acknowledged", "[peis]
 }
 
 TEST_CASE("appends over a lossy link end in the same value", "[peis][TUP-07][TUP-17]") {
-  pair_of_peers p;
+  pair_with_log p;
   random_stream rng(3, "loss");
   p.w.keep = [&](const package_header&) { return rng.below(100) >= 30; };
   p.set("begin ");
@@ -209,7 +209,7 @@ TEST_CASE("appends over a lossy link end in the same value", "[peis][TUP-07][TUP
 }
 
 TEST_CASE("too many waiting notices become one push of the whole value", "[peis][TUP-07]") {
-  pair_of_peers p;
+  pair_with_log p;
   p.set("0");
   p.append(p.a, "1");
   p.w.run_for(1s);
@@ -224,7 +224,7 @@ TEST_CASE("too many waiting notices become one push of the whole value", "[peis]
 }
 
 TEST_CASE("a notice that is never delivered is made up for", "[peis][TUP-07]") {
-  pair_of_peers p;
+  pair_with_log p;
   p.set("0");
   p.append(p.a, "1");
   p.w.run_for(1s);
@@ -236,7 +236,7 @@ TEST_CASE("a notice that is never delivered is made up for", "[peis][TUP-07]") {
 }
 
 TEST_CASE("who subscribes between appends gets all of them once", "[peis][TUP-07][TUP-08]") {
-  pair_of_peers p;
+  pair_with_log p;
   p.set("0");
   p.append(p.a, "1");
   p.append(p.a, "2");
@@ -251,7 +251,7 @@ TEST_CASE("who subscribes between appends gets all of them once", "[peis][TUP-07
 
 TEST_CASE("who asked for a certain value is not told of appends it may not hold",
           "[peis][TUP-07]") {
-  pair_of_peers p;
+  pair_with_log p;
   const auto c = p.w.add(3);
   p.w.connect(c, p.a);
   auto wanted = log_of(p.a);
@@ -299,10 +299,10 @@ TEST_CASE("a missing notice is made up for by a fresh value from the owner", "[p
   const auto asked = s.notice("one two", " three"); // " two" was overtaken
   REQUIRE(asked.size() == 1);
   const auto& question = std::get<transmit>(asked[0]);
-  CHECK(question.destination == other);
+  CHECK(question.destination == robot);
   const auto message = decode_subscribe(question.content.head.view(), {});
   REQUIRE(message);
-  CHECK(message->wanted == log_of(other));
+  CHECK(message->wanted == log_of(robot));
   CHECK(s.held() == "one");
   s.value("one two"); // written before the last append: still incomplete
   CHECK(s.push().size() == 1);
@@ -332,7 +332,7 @@ TEST_CASE("notices of nobody's interest or in somebody's name are dropped", "[pe
   CHECK(s.notice("one", " two").empty());
   CHECK(s.x.counters().unwanted == 1);
   CHECK(s.x.on_append_notice(peer_id{3}, encode_append_notice_head(s.content, 0), start).empty());
-  CHECK(s.x.on_append_notice(other, bytes(3), start).empty());
+  CHECK(s.x.on_append_notice(robot, bytes(3), start).empty());
   CHECK(s.x.counters().malformed == 2);
 }
 

@@ -1,13 +1,13 @@
 // Prototypes, inserting, reading, callbacks, and why each may fail.
 #include "peis_fixture.hpp"
+#include "peis_ids.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {
 namespace {
 
+using test::start;
 using test::world;
-
-constexpr instant start{100s};
 
 key named(std::string_view text) {
   return *key::parse(text);

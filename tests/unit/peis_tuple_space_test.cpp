@@ -1,13 +1,14 @@
 #include "peis/package.hpp"
 #include "peis/tuple_space.hpp"
+#include "peis_ids.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::peis {
 namespace {
 
-constexpr peer_id me{1};
-constexpr peer_id other{2};
-constexpr instant start{100s};
+using test::me;
+using test::robot;
+using test::start;
 
 tuple_space space() {
   return {tuple_space_config{}, me, 1'000'000'000s};
@@ -16,7 +17,7 @@ tuple_space space() {
 bytes pushed(std::int32_t seqno, std::int32_t written, std::string_view text,
              timestamp expiry = never) {
   tuple x;
-  x.owner = x.creator = other;
+  x.owner = x.creator = robot;
   x.name = *key::parse("x");
   x.mimetype = "text/plain";
   x.written = {written, 0};
@@ -28,7 +29,7 @@ bytes pushed(std::int32_t seqno, std::int32_t written, std::string_view text,
   return octets;
 }
 
-bytes subscription(std::string_view pattern, std::optional<lifetime_tag> lifetime = {}) {
+bytes subscription_for(std::string_view pattern, std::optional<lifetime_tag> lifetime = {}) {
   subscribe_message message;
   message.wanted.name = *key::parse(pattern);
   message.lifetime = lifetime;
@@ -45,43 +46,43 @@ void subscribe(tuple_space& x, std::string_view pattern) {
 TEST_CASE("an older value never replaces a newer one", "[peis][TUP-17]") {
   auto x = space();
   subscribe(x, "x");
-  const auto text = [&] { return std::string(x.find(other, *key::parse("x"))->text()); };
-  static_cast<void>(x.on_push(other, pushed(5, 1000, "five"), start));
-  static_cast<void>(x.on_push(other, pushed(4, 999, "four"), start));
+  const auto text = [&] { return std::string(x.find(robot, *key::parse("x"))->text()); };
+  static_cast<void>(x.on_push(robot, pushed(5, 1000, "five"), start));
+  static_cast<void>(x.on_push(robot, pushed(4, 999, "four"), start));
   CHECK(text() == "five");
-  static_cast<void>(x.on_push(other, pushed(5, 1000, "again"), start));
+  static_cast<void>(x.on_push(robot, pushed(5, 1000, "again"), start));
   CHECK(text() == "five");
   CHECK(x.counters().outdated == 2);
-  static_cast<void>(x.on_push(other, pushed(0, 1001, "restarted"), start)); // peis-wire.md 15.3
+  static_cast<void>(x.on_push(robot, pushed(0, 1001, "restarted"), start)); // peis-wire.md 15.3
   CHECK(text() == "restarted");
 }
 
 TEST_CASE("a late deletion does not remove a newer value", "[peis][TUP-16][TUP-17]") {
   auto x = space();
   subscribe(x, "x");
-  static_cast<void>(x.on_push(other, pushed(0, 1001, "created anew"), start));
-  CHECK(x.on_push(other, pushed(9, 1000, "", deleted), start).empty());
-  CHECK(x.find(other, *key::parse("x")) != nullptr);
-  CHECK(x.on_push(other, pushed(1, 1002, "", deleted), start).size() == 1);
-  CHECK(x.find(other, *key::parse("x")) == nullptr);
+  static_cast<void>(x.on_push(robot, pushed(0, 1001, "created anew"), start));
+  CHECK(x.on_push(robot, pushed(9, 1000, "", deleted), start).empty());
+  CHECK(x.find(robot, *key::parse("x")) != nullptr);
+  CHECK(x.on_push(robot, pushed(1, 1002, "", deleted), start).size() == 1);
+  CHECK(x.find(robot, *key::parse("x")) == nullptr);
 }
 
 TEST_CASE("pushes of nobody's interest or in somebody's name are dropped", "[peis][TUP-08]") {
   auto x = space();
-  CHECK(x.on_push(other, pushed(0, 1, "v"), start).empty());
+  CHECK(x.on_push(robot, pushed(0, 1, "v"), start).empty());
   CHECK(x.counters().unwanted == 1);
   subscribe(x, "");
   CHECK(x.on_push(peer_id{3}, pushed(0, 1, "v"), start).empty());
   CHECK(x.counters().malformed == 1);
-  CHECK(x.on_push(other, pushed(0, 1, "v"), start).size() == 1);
+  CHECK(x.on_push(robot, pushed(0, 1, "v"), start).size() == 1);
 }
 
 TEST_CASE("a repeated subscription of a real kernel pushes again but is stored once",
           "[peis][TUP-08]") {
   auto x = space();
   static_cast<void>(x.set(*key::parse("a.b"), text_content("1"), start));
-  CHECK(x.on_subscribe(other, subscription("A.*"), start).size() == 1);
-  CHECK(x.on_subscribe(other, subscription("a.*"), start).size() == 1);
+  CHECK(x.on_subscribe(robot, subscription_for("A.*"), start).size() == 1);
+  CHECK(x.on_subscribe(robot, subscription_for("a.*"), start).size() == 1);
   CHECK(x.counters().subscribers == 1);
   CHECK(x.set(*key::parse("a.b"), text_content("2"), start).second.size() == 1);
 }
@@ -89,9 +90,9 @@ TEST_CASE("a repeated subscription of a real kernel pushes again but is stored o
 TEST_CASE("a refresh of an unknown subscription counts as a new one", "[peis][TUP-10]") {
   auto x = space();
   static_cast<void>(x.set(*key::parse("a"), text_content("1"), start));
-  const auto refresh = subscription("a", lifetime_tag{true, 60});
-  CHECK(x.on_subscribe(other, refresh, start).size() == 1);
-  CHECK(x.on_subscribe(other, refresh, start + 20s).empty());
+  const auto refresh = subscription_for("a", lifetime_tag{true, 60});
+  CHECK(x.on_subscribe(robot, refresh, start).size() == 1);
+  CHECK(x.on_subscribe(robot, refresh, start + 20s).empty());
   REQUIRE(x.deadline());
   while (x.deadline() && *x.deadline() <= start + 120s)
     static_cast<void>(x.on_time(*x.deadline()));
@@ -118,25 +119,25 @@ TEST_CASE("real kernels are told nothing of lifetimes and nothing twice", "[peis
 
 TEST_CASE("subscribers of a vanished host are forgotten", "[peis][TUP-19]") {
   auto x = space();
-  static_cast<void>(x.on_host_appeared(other, false, start));
-  static_cast<void>(x.on_subscribe(other, subscription("a"), start));
-  static_cast<void>(x.on_subscribe(other, subscription("*"), start));
+  static_cast<void>(x.on_host_appeared(robot, false, start));
+  static_cast<void>(x.on_subscribe(robot, subscription_for("a"), start));
+  static_cast<void>(x.on_subscribe(robot, subscription_for("*"), start));
   CHECK(x.has_subscriber(*key::parse("a")));
-  static_cast<void>(x.on_host_vanished(other, start));
+  static_cast<void>(x.on_host_vanished(robot, start));
   CHECK(!x.has_subscriber(*key::parse("a")));
 }
 
 TEST_CASE("a subscriber to whom no route is known yet gets its values later", "[peis][TUP-18]") {
   auto x = space();
   static_cast<void>(x.set(*key::parse("x"), text_content("1"), start));
-  auto sent = x.on_subscribe(other, subscription("x"), start);
+  auto sent = x.on_subscribe(robot, subscription_for("x"), start);
   REQUIRE(sent.size() == 1);
   const auto& push = std::get<transmit>(sent[0]);
-  x.on_undelivered(other, push.port, push.content.head.view(), push.request, start);
+  x.on_undelivered(robot, push.port, push.content.head.view(), push.request, start);
   REQUIRE(x.deadline() == start + 1s);
   const auto again = x.on_time(start + 1s);
   REQUIRE(again.size() == 1);
-  CHECK(std::get<transmit>(again[0]).destination == other);
+  CHECK(std::get<transmit>(again[0]).destination == robot);
   CHECK(std::get<transmit>(again[0]).port == port::push);
 }
 
@@ -151,7 +152,7 @@ TEST_CASE("a full tuple space refuses new tuples, not new values", "[peis][TUP-2
 TEST_CASE("everything held is found in order of key and owner", "[peis][TUP-13]") {
   auto x = space();
   subscribe(x, "");
-  static_cast<void>(x.on_push(other, pushed(0, 1, "v"), start));
+  static_cast<void>(x.on_push(robot, pushed(0, 1, "v"), start));
   for (const auto* name : {"x", "b.c", "A.z"})
     static_cast<void>(x.set(*key::parse(name), text_content("1"), start));
   std::string order;
@@ -159,7 +160,7 @@ TEST_CASE("everything held is found in order of key and owner", "[peis][TUP-13]"
     order += t->name.text() + to_string(t->owner) + ' ';
   CHECK(order == "A.z1 b.c1 x1 x2 ");
   CHECK(x.find_all(prototype_of(any_peer, *key::parse("*.*"))).size() == 2);
-  CHECK(x.find_all(prototype_of(other, *key::parse("X"))).size() == 1);
+  CHECK(x.find_all(prototype_of(robot, *key::parse("X"))).size() == 1);
 }
 
 } // namespace rubicon::peis

@@ -7,13 +7,13 @@ namespace {
 
 using test::world;
 
-struct pair_of_peers {
+struct observed_pair {
   world w;
   peer_id a = w.add(1);
   peer_id b = w.add(2);
   link_id link = w.connect(a, b);
 
-  pair_of_peers() { w.run_for(12s); }
+  observed_pair() { w.run_for(12s); }
 
   [[nodiscard]] std::string read(std::string_view name) {
     const auto x = w.at(a).get_tuple(a, name, read_mode::keep_old, w.now());
@@ -34,7 +34,7 @@ struct pair_of_peers {
 } // namespace
 
 TEST_CASE("statistics have the formats of real kernels", "[peis][TUP-22]") {
-  pair_of_peers p;
+  observed_pair p;
   CHECK(p.read("kernel.step-time") == "0.0000");
   const auto connections = p.read("kernel.connections");
   CHECK(connections.starts_with("((2 "));
@@ -54,7 +54,7 @@ TEST_CASE("statistics have the formats of real kernels", "[peis][TUP-22]") {
 }
 
 TEST_CASE("looking at statistics computes them and sends nothing", "[peis][TUP-22][TUP-14]") {
-  pair_of_peers p;
+  observed_pair p;
   p.w.packages.clear();
   const auto before = p.read("kernel.traffic");
   p.w.perform(p.a, p.w.at(p.a).set_tuple("later", text_content(""), p.w.now()));
@@ -69,7 +69,7 @@ TEST_CASE("looking at statistics computes them and sends nothing", "[peis][TUP-2
 }
 
 TEST_CASE("statistics are told while somebody watches them", "[peis][TUP-22][SCH-06]") {
-  pair_of_peers p;
+  observed_pair p;
   const auto who = GENERATE(peer_id{1}, peer_id{2});
   for (int i = 0; i < 100; ++i)
     p.w.at(p.a).note_step(4ms);
@@ -87,7 +87,7 @@ TEST_CASE("statistics are told while somebody watches them", "[peis][TUP-22][SCH
 }
 
 TEST_CASE("all keys are told when they change, at most once a second", "[peis][TUP-22]") {
-  pair_of_peers p;
+  observed_pair p;
   p.subscribe(p.b, "kernel.all-keys");
   p.w.clear_logs();
   for (int i = 0; i < 50; ++i) {

@@ -3,19 +3,14 @@
 #include <vector>
 
 #include "proxy/class_table.hpp"
+#include "proxy_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::proxy;
+using test::claims;
 
 namespace {
-
-proxy_class claims(std::string name, std::vector<type_range> types) {
-  proxy_class x;
-  x.name = std::move(name);
-  x.types = std::move(types);
-  return x;
-}
 
 constexpr mote_address some_mote{island_id{5}, mote_id{7}};
 

@@ -8,6 +8,7 @@
 
 #include "core/device_keys.hpp"
 #include "proxy/proxy.hpp"
+#include "support/start.hpp"
 
 namespace rubicon::test {
 
@@ -23,7 +24,12 @@ using rubicon::proxy::watch;
 using rubicon::proxy::write_device;
 using face = rubicon::proxy::proxy;
 
-inline constexpr instant start{};
+inline proxy_class claims(std::string name, std::vector<rubicon::proxy::type_range> types) {
+  proxy_class x;
+  x.name = std::move(name);
+  x.types = std::move(types);
+  return x;
+}
 
 inline proxy_class climate() {
   proxy_class x;

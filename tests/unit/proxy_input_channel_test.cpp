@@ -7,13 +7,13 @@
 #include "core/random.hpp"
 #include "proxy/input_channel.hpp"
 #include "support/catch.hpp"
+#include "support/start.hpp"
 
 using namespace rubicon;
 using namespace rubicon::proxy;
+using test::start;
 
 namespace {
-
-constexpr instant start{};
 
 request ask(std::string word, std::size_t input = 0) {
   bytes octets(word.begin(), word.end());

@@ -7,23 +7,18 @@
 #include "core/device_keys.hpp"
 #include "core/random.hpp"
 #include "proxy/manager.hpp"
+#include "proxy_fixture.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::proxy;
+using test::claims;
 
 namespace {
 
 constexpr island_id kitchen{5};
 constexpr island_id hall{6};
 constexpr instant now{};
-
-proxy_class claims(std::string name, std::vector<type_range> types) {
-  proxy_class x;
-  x.name = std::move(name);
-  x.types = std::move(types);
-  return x;
-}
 
 class_table sensors_and_lamps() {
   return class_table({claims("sensor", {{100, 199}}), claims("lamp", {{142, 142}})});
@@ -53,7 +48,7 @@ lines told(const manager::outputs& outputs) {
   return list;
 }
 
-struct fixture {
+struct told_manager {
   manager aut{sensors_and_lamps()};
 
   lines devices(std::string_view text, island_id island = kitchen) {
@@ -69,7 +64,7 @@ struct fixture {
 
 TEST_CASE("a new mote leads to one proxy and repeated percepts to none",
           "[proxy][PXY-09][PXY-13]") {
-  fixture x;
+  told_manager x;
   SECTION("list first") {
     CHECK(x.devices("{7}").empty());
     CHECK(x.type(7, 100) == lines{"start 5/7 sensor"});
@@ -89,7 +84,7 @@ TEST_CASE("a new mote leads to one proxy and repeated percepts to none",
 
 TEST_CASE("each mote has a proxy of its own, also with equal ids in two islands",
           "[proxy][PXY-08][PXY-15]") {
-  fixture x;
+  told_manager x;
   CHECK(x.devices("{1,7}").empty());
   CHECK(x.devices("{7}", hall).empty());
   CHECK(x.type(7, 142) == lines{"start 5/7 lamp"});
@@ -100,7 +95,7 @@ TEST_CASE("each mote has a proxy of its own, also with equal ids in two islands"
 }
 
 TEST_CASE("a proxy is told when its mote goes and returns", "[proxy][PXY-15][PXY-16]") {
-  fixture x;
+  told_manager x;
   x.devices("{1,7}");
   x.type(1, 100);
   x.type(7, 100);
@@ -114,7 +109,7 @@ TEST_CASE("a proxy is told when its mote goes and returns", "[proxy][PXY-15][PXY
 }
 
 TEST_CASE("when a gateway goes all its motes are gone", "[proxy][PXY-14][PXY-16]") {
-  fixture x;
+  told_manager x;
   x.devices("{1,7}");
   x.type(1, 100);
   x.type(7, 5); // no proxy
@@ -127,7 +122,7 @@ TEST_CASE("when a gateway goes all its motes are gone", "[proxy][PXY-14][PXY-16]
 }
 
 TEST_CASE("a mote that becomes another kind gets another proxy", "[proxy][PXY-13][DIS-07]") {
-  fixture x;
+  told_manager x;
   x.devices("{7}");
   x.type(7, 100);
   CHECK(x.type(7, 142) == lines{"stop 5/7", "start 5/7 lamp"});
@@ -149,7 +144,7 @@ TEST_CASE("a mote that becomes another kind gets another proxy", "[proxy][PXY-13
 
 TEST_CASE("an unknown type is reported once and tried again with other classes",
           "[proxy][PXY-10]") {
-  fixture x;
+  told_manager x;
   CHECK(x.type(7, 300).empty());
   CHECK(x.devices("{7}") == lines{"unknown 5/7 300"});
   CHECK(x.type(7, 300).empty());
@@ -163,7 +158,7 @@ TEST_CASE("an unknown type is reported once and tried again with other classes",
 }
 
 TEST_CASE("other classes do not touch running proxies", "[proxy][PXY-10][PXY-15]") {
-  fixture x;
+  told_manager x;
   x.devices("{7,8}");
   x.type(7, 142);
   CHECK(told(x.aut.on_classes(class_table({claims("new", {{142, 142}})}), now)).empty());
@@ -172,7 +167,7 @@ TEST_CASE("other classes do not touch running proxies", "[proxy][PXY-10][PXY-15]
 }
 
 TEST_CASE("an absent mote is not started when its class arrives", "[proxy][PXY-10]") {
-  fixture x;
+  told_manager x;
   x.devices("{7}");
   x.type(7, 300);
   x.devices("{}");
@@ -181,7 +176,7 @@ TEST_CASE("an absent mote is not started when its class arrives", "[proxy][PXY-1
 }
 
 TEST_CASE("a proxy that ended by itself is started again with its mote", "[proxy][PXY-20]") {
-  fixture x;
+  told_manager x;
   x.devices("{7}");
   x.type(7, 100);
   CHECK(told(x.aut.on_proxy_gone({kitchen, mote_id{7}}, now)) == lines{"start 5/7 sensor"});
@@ -194,7 +189,7 @@ TEST_CASE("a proxy that ended by itself is started again with its mote", "[proxy
 }
 
 TEST_CASE("malformed percepts are counted and change nothing", "[proxy][GW-03][GW-04]") {
-  fixture x;
+  told_manager x;
   x.devices("{7}");
   x.type(7, 100);
   for (const auto* const text : {"", "7", "{7,7}", "{8,7}", "{65533}", "{7"})
@@ -209,7 +204,7 @@ TEST_CASE("malformed percepts are counted and change nothing", "[proxy][GW-03][G
 }
 
 TEST_CASE("tuples of a gateway find their way by their keys", "[proxy][PXY-14][PXY-19]") {
-  fixture x;
+  told_manager x;
   const bytes list{'{', '7', '}', 0};
   CHECK(x.aut.on_gateway_tuple(kitchen, "devices", list, now).empty());
   CHECK(told(x.aut.on_gateway_tuple(kitchen, "Devices.7.type", device_type_octets(142), now)) ==
@@ -231,7 +226,7 @@ TEST_CASE("a manager knows a bounded number of motes", "[proxy]") {
 
 TEST_CASE("proxies hear when a mote is stale, and why it has left",
           "[proxy][PXY-16][GW-15][IF-13]") {
-  fixture x;
+  told_manager x;
   const auto status = [&](std::string_view text) {
     return told(x.aut.on_status(kitchen, mote_id{7}, text, now));
   };

@@ -2,15 +2,16 @@
 #include "proxy/object_manager.hpp"
 #include "proxy/object_proxy.hpp"
 #include "support/catch.hpp"
+#include "support/start.hpp"
 
 using namespace rubicon;
 using namespace rubicon::proxy;
+using test::start;
 
 namespace {
 
 constexpr peer_id kitchen_pc{11};
 constexpr peer_id robot{30};
-constexpr instant start{};
 using lines = std::vector<std::string>;
 
 bytes text_value(std::string_view text) {
@@ -42,8 +43,8 @@ lines told(const object_proxy::outputs& outputs) {
   return all;
 }
 
-struct fixture {
-  fixture() { static_cast<void>(core.start(start)); }
+struct perceived_milk {
+  perceived_milk() { static_cast<void>(core.start(start)); }
 
   lines strength(peer_id owner, const std::string& name, std::string_view dbm, instant now) {
     return told(core.on_tuple(owner, "interface." + name + ".objects.e0040101.rssi",
@@ -94,7 +95,7 @@ TEST_CASE("a tagged object's proxy knows it from the table", "[proxy][PXY-05]") 
 }
 
 TEST_CASE("the memory of a tag becomes readings, whoever reads it", "[proxy][PXY-04][PXY-05]") {
-  fixture x;
+  perceived_milk x;
   const auto read = [&](peer_id owner, const bytes& memory) {
     return told(
         x.core.on_tuple(owner, "interface.kitchen.objects.e0040101.memory", memory, false, start));
@@ -112,7 +113,7 @@ TEST_CASE("the memory of a tag becomes readings, whoever reads it", "[proxy][PXY
 
 TEST_CASE("a proxy follows its object from one interface to the next",
           "[proxy][PXY-03][PXY-06][PXY-07]") {
-  fixture x;
+  perceived_milk x;
   for (const auto& [owner, name, place] : {std::tuple(kitchen_pc, "kitchen", "1.00 2.00 1.00"),
                                            std::tuple(robot, "hall", "5.00 2.00 1.00")})
     static_cast<void>(x.core.on_tuple(owner, "interface." + std::string(name) + ".position",
@@ -133,7 +134,7 @@ TEST_CASE("a proxy follows its object from one interface to the next",
 
 TEST_CASE("an object that nobody perceives for a while is lost where it was last",
           "[proxy][PXY-16][PXY-20]") {
-  fixture x;
+  perceived_milk x;
   static_cast<void>(x.strength(kitchen_pc, "kitchen", "-40", start + 1s));
   CHECK(!x.core.deadline());
   CHECK(x.strength(kitchen_pc, "kitchen", "", start + 10s).empty());

@@ -7,6 +7,7 @@
 #include "proxy/program.hpp"
 #include "proxy/proxy.hpp"
 #include "support/catch.hpp"
+#include "support/start.hpp"
 
 using namespace rubicon;
 using rubicon::proxy::encoding;
@@ -15,10 +16,9 @@ using rubicon::proxy::program_factory;
 using rubicon::proxy::program_problem;
 using rubicon::proxy::proxy_class;
 using rubicon::proxy::publish;
+using test::start;
 
 namespace {
-
-constexpr instant start{};
 
 proxy_class room() {
   proxy_class x;

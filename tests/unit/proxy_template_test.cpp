@@ -6,6 +6,7 @@
 #include "proxy/proxy.hpp"
 #include "proxy/tuple_template.hpp"
 #include "support/catch.hpp"
+#include "support/start.hpp"
 
 using namespace rubicon;
 using rubicon::proxy::encoding;
@@ -13,10 +14,9 @@ using rubicon::proxy::proxy_class;
 using rubicon::proxy::template_part;
 using rubicon::proxy::template_parts;
 using rubicon::proxy::tuple_templates;
+using test::start;
 
 namespace {
-
-constexpr instant start{};
 
 using lines = std::vector<std::string>;
 
@@ -27,7 +27,7 @@ lines told(const std::vector<tuple_templates::tuple>& tuples) {
   return out;
 }
 
-proxy_class climate() {
+proxy_class climate_with_door() {
   proxy_class x;
   x.name = "climate";
   x.properties = {{"colour", "white"}};
@@ -53,7 +53,7 @@ TEST_CASE("a template is text and names in braces", "[proxy][PXY-04]") {
 }
 
 TEST_CASE("a text template has values, units and prior names", "[proxy][PXY-04][PXY-05]") {
-  auto what = climate();
+  auto what = climate_with_door();
   what.tuples = {
       {"{room}.{name}.text", "{temperature} {temperature.unit}, {humidity}% in {room}", {}},
       {"{island}.about-{id}", "a {colour} {class}", {}},
@@ -73,7 +73,7 @@ TEST_CASE("a text template has values, units and prior names", "[proxy][PXY-04][
 }
 
 TEST_CASE("the room is the property of that name, else the island", "[proxy][PXY-05]") {
-  auto what = climate();
+  auto what = climate_with_door();
   what.tuples = {{"{room}.text", "here", {}}};
   auto with_room = names;
   with_room.emplace_back("room", "the larder.2");
@@ -81,7 +81,7 @@ TEST_CASE("the room is the property of that name, else the island", "[proxy][PXY
 }
 
 TEST_CASE("a JSON template has numbers, units and the time of its message", "[proxy][PXY-04]") {
-  auto what = climate();
+  auto what = climate_with_door();
   what.tuples = {{"{room}.climate", "", {"humidity", "temperature"}},
                  {"{room}.door", "", {"door"}}};
   const tuple_templates aut(what, names);
@@ -97,7 +97,7 @@ TEST_CASE("a JSON template has numbers, units and the time of its message", "[pr
 }
 
 TEST_CASE("a unit that is no UTF-8 does not break the JSON", "[proxy][PXY-04]") {
-  auto what = climate();
+  auto what = climate_with_door();
   what.fields[0].unit = "\xb0"
                         "C";
   what.tuples = {{"t", "", {"temperature"}}};
@@ -109,7 +109,7 @@ TEST_CASE("a unit that is no UTF-8 does not break the JSON", "[proxy][PXY-04]") 
 }
 
 TEST_CASE("a proxy sets its templates beside its other tuples", "[proxy][PXY-04]") {
-  auto what = climate();
+  auto what = climate_with_door();
   what.tuples = {{"{room}.temperature", "{temperature} C", {}},
                  {"a.b.c.d.e.f.{name}.too-long", "x", {}}};
   proxy::proxy aut(what, {{island_id{5}, mote_id{7}}, "kitchen", "climate-7"});

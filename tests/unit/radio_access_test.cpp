@@ -6,18 +6,19 @@
 
 #include "radio/mac.hpp"
 #include "radio_fixture.hpp"
+#include "radio_samples.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
 using test::channel_with;
+using test::micaz;
 using test::radio_fixture;
+using test::standard;
 
 namespace {
 
 constexpr island_id here{default_pan};
-const platform& micaz = *find_platform("micaz");
-const mac_rules& standard = *find_mac("standard", micaz);
 
 radio_config radio_at(std::uint16_t address, double x_m, const access_parameters& access = {},
                       std::uint8_t channel = default_channel) {
@@ -73,17 +74,17 @@ std::size_t delivered_with(const access_parameters& access) {
 } // namespace
 
 TEST_CASE("back-offs grow from macMinBE to macMaxBE", "[radio][mac][NET-15]") {
-  CHECK(exponents(standard) == std::vector<unsigned>{3, 4, 5, 5, 5, 5});
-  CHECK(exponents(adjusted(standard, {.min_be = 0})) == std::vector<unsigned>{0, 1, 2, 3, 4, 5});
-  CHECK(exponents(adjusted(standard, {.min_be = 6, .max_be = 8})) ==
+  CHECK(exponents(*standard) == std::vector<unsigned>{3, 4, 5, 5, 5, 5});
+  CHECK(exponents(adjusted(*standard, {.min_be = 0})) == std::vector<unsigned>{0, 1, 2, 3, 4, 5});
+  CHECK(exponents(adjusted(*standard, {.min_be = 6, .max_be = 8})) ==
         std::vector<unsigned>{6, 7, 8, 8, 8, 8});
-  CHECK(exponents(adjusted(standard, {.max_be = 3})) == std::vector<unsigned>{3, 3, 3, 3, 3, 3});
+  CHECK(exponents(adjusted(*standard, {.max_be = 3})) == std::vector<unsigned>{3, 3, 3, 3, 3, 3});
 }
 
 TEST_CASE("access fails after macMaxCSMABackoffs back-offs more", "[radio][mac][NET-15]") {
   for (const unsigned most : {0U, 1U, 4U, 5U}) {
     INFO(most);
-    const auto rules = adjusted(standard, {.backoffs_max = most});
+    const auto rules = adjusted(*standard, {.backoffs_max = most});
     random_stream rng(1);
     mac x(&rules, 8, 3);
     outgoing frame;
@@ -116,7 +117,7 @@ TEST_CASE("parameters that are not set are the rules' own", "[radio][mac]") {
   const auto tried = adjusted(tinyos, {.min_be = 0, .max_be = 3, .backoffs_max = 0});
   CHECK(tried.assessments_max == tinyos.assessments_max);
   CHECK(tried.backoffs.front().longest() == tinyos.backoffs.front().longest());
-  CHECK(has_exponents(standard));
+  CHECK(has_exponents(*standard));
   CHECK(!has_exponents(tinyos));
 }
 

@@ -2,20 +2,15 @@
 
 #include "core/random.hpp"
 #include "radio/energy.hpp"
+#include "radio_samples.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
+using test::micaz;
+using test::radio_sum;
 
-namespace {
-
-const platform& micaz = *find_platform("micaz");
-
-duration radio_sum(const energy_times& x) {
-  return x.radio_off + x.radio_listen + x.radio_receive + x.radio_transmit;
-}
-
-} // namespace
+namespace {} // namespace
 
 TEST_CASE("each state costs its current", "[radio][energy][NRG-05]") {
   for (const auto& kind : platforms()) {

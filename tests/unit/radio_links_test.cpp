@@ -7,19 +7,17 @@
 
 #include "core/hash.hpp"
 #include "radio_fixture.hpp"
+#include "radio_samples.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
 using test::channel_with;
 using test::links_of;
+using test::mote;
 using test::radio_fixture;
 
 namespace {
-
-mote_address mote(std::uint16_t id, std::uint32_t pan = 1) {
-  return {island_id{pan}, mote_id{id}};
-}
 
 link_override loss_of(mote_address from, mote_address to, double loss) {
   return {from, to, loss, {}};

@@ -11,40 +11,32 @@
 #include "radio/mac.hpp"
 #include "radio/receiver.hpp"
 #include "radio_fixture.hpp"
+#include "radio_mac_steps.hpp"
+#include "radio_samples.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
 using test::channel_with;
+using test::frame_of;
+using test::micaz;
 using test::radio_fixture;
+using test::step;
 
 namespace {
 
 constexpr duration micaz_tick = 34722ns; // 28 800 Hz
 constexpr duration telosb_tick = 30518ns;
 
-const platform& micaz = *find_platform("micaz");
 const platform& iris = *find_platform("iris");
 const platform& telosb = *find_platform("telosb");
-
-outgoing frame_of(bool ack) {
-  outgoing x;
-  x.psdu = bytes(41);
-  x.content.ack_request = ack;
-  return x;
-}
-
-mac_action step(mac& x, instant& now, bool clear, random_stream& rng) {
-  now = x.deadline().value();
-  return x.on_time(now, clear, rng);
-}
 
 /// How long it took to each of `count` assessments, all of them busy, for one frame.
 std::vector<duration> busy_delays(const mac_rules* rules, std::size_t count, std::uint64_t seed) {
   random_stream rng(seed);
   mac x(rules, 8, 3);
   instant now;
-  x.submit(frame_of(true), now, rng);
+  x.submit(frame_of(0, true), now, rng);
   std::vector<duration> all;
   while (all.size() < count && x.deadline()) {
     const auto before = now;
@@ -150,7 +142,7 @@ TEST_CASE("the CC2420 stack looks twice, 7 ticks apart", "[radio][mac_rules]") {
     random_stream rng(1);
     mac x(find_mac("cc2420", *kind), 8, 0);
     instant now;
-    x.submit(frame_of(false), now, rng);
+    x.submit(frame_of(0, false), now, rng);
     for (int busy = 0; busy < 3; ++busy) { // a second look that fails costs a congestion back-off
       static_cast<void>(step(x, now, true, rng));
       CHECK(x.now_in() == mac::state::looking_again);
@@ -189,7 +181,7 @@ TEST_CASE("a request that finds the channel busy too often fails", "[radio][mac_
     random_stream rng(1);
     mac x(find_mac(name, iris), 8, 3);
     instant now;
-    x.submit(frame_of(true), now, rng);
+    x.submit(frame_of(0, true), now, rng);
     for (int i = 1; i <= assessments; ++i) {
       const auto end = step(x, now, false, rng).ended;
       REQUIRE(end.has_value() == (i == assessments));

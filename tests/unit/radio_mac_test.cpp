@@ -2,31 +2,18 @@
 #include <vector>
 
 #include "radio/mac.hpp"
+#include "radio_mac_steps.hpp"
+#include "radio_samples.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
+using test::frame_of;
+using test::psdu_size;
+using test::standard;
+using test::step;
 
 namespace {
-
-constexpr std::size_t psdu_size = 41; // 28 octets of payload: followed by a LIFS
-
-const mac_rules* const standard = find_mac("standard", platforms()[0]);
-
-outgoing frame_of(std::uint64_t token, bool ack, std::size_t size = psdu_size) {
-  outgoing x;
-  x.token = token;
-  x.psdu = bytes(size);
-  x.content.ack_request = ack;
-  x.content.dsn = static_cast<std::uint8_t>(token);
-  return x;
-}
-
-/// Steps a mac to its next deadline.
-mac_action step(mac& x, instant& now, bool clear, random_stream& rng) {
-  now = x.deadline().value();
-  return x.on_time(now, clear, rng);
-}
 
 /// From back-off to the last octet, the channel clear.
 void put_on_air(mac& x, instant& now, random_stream& rng) {

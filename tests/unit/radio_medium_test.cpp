@@ -3,10 +3,13 @@
 
 #include "radio/medium.hpp"
 #include "radio/parameters.hpp"
+#include "radio_samples.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
+using test::disk;
+using test::frame_for;
 
 namespace {
 
@@ -31,19 +34,6 @@ std::string_view name_of(outcome x) {
     return "off";
   }
   return "";
-}
-
-channel_config disk(double range_m) {
-  channel_config x;
-  x.propagation = unit_disk{range_m};
-  return x;
-}
-
-frame frame_for(std::uint16_t destination, std::uint16_t pan) {
-  frame x;
-  x.destination = mote_id{destination};
-  x.pan = pan;
-  return x;
 }
 
 /// a - b - c - d: each hears its neighbours in the row only.

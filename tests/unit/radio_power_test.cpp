@@ -1,18 +1,16 @@
 #include <limits>
 
 #include "radio_fixture.hpp"
+#include "radio_samples.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
 using test::channel_with;
 using test::radio_fixture;
+using test::radio_sum;
 
 namespace {
-
-duration radio_sum(const energy_times& x) {
-  return x.radio_off + x.radio_listen + x.radio_receive + x.radio_transmit;
-}
 
 /// Lets time pass until a radio is sending.
 void run_until_on_air(radio_fixture& x, radio_index radio) {

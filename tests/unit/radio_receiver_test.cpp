@@ -1,29 +1,20 @@
 #include "radio/parameters.hpp"
 #include "radio/receiver.hpp"
+#include "radio_samples.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
+using test::frame_for;
+using test::standard;
 
 namespace {
 
 constexpr duration service = 2ms;
 constexpr duration memory = 100ms;
 
-frame frame_for(std::uint16_t destination, std::uint16_t pan = 1, std::uint16_t source = 9,
-                std::uint8_t dsn = 0) {
-  frame x;
-  x.destination = mote_id{destination};
-  x.pan = pan;
-  x.source = mote_id{source};
-  x.dsn = dsn;
-  return x;
-}
-
-const mac_rules* const standard = find_mac("standard", platforms()[0]);
-
 /// Mote 7 of PAN 1.
-struct fixture {
+struct listening_mote {
   verdict hear(const frame& x, duration at) {
     const bool addressed = x.pan == 1 && x.destination == mote_id{7};
     return inbox.on_frame(x, addressed, service, mcu, instant(at));
@@ -37,7 +28,7 @@ struct fixture {
 
 TEST_CASE("a radio holds as many frames as it has slots, each for its service time in turn",
           "[radio][receiver]") {
-  fixture x;
+  listening_mote x;
   for (std::uint8_t i = 0; i < 3; ++i)
     CHECK(x.hear(frame_for(7, 1, 9, i), 1ms) == verdict::accepted);
   CHECK(x.hear(frame_for(7, 1, 9, 3), 1ms) == verdict::overflow);
@@ -49,7 +40,7 @@ TEST_CASE("a radio holds as many frames as it has slots, each for its service ti
 }
 
 TEST_CASE("a repeat is known by source and DSN", "[radio][receiver]") {
-  fixture x;
+  listening_mote x;
   CHECK(x.hear(frame_for(7, 1, 9, 5), 0ms) == verdict::accepted);
   CHECK(x.hear(frame_for(7, 1, 9, 5), 10ms) == verdict::duplicate);
   CHECK(x.hear(frame_for(7, 1, 9, 5), 20ms) == verdict::duplicate);
@@ -59,21 +50,21 @@ TEST_CASE("a repeat is known by source and DSN", "[radio][receiver]") {
 }
 
 TEST_CASE("an old DSN is a new frame", "[radio][receiver]") {
-  fixture x;
+  listening_mote x;
   CHECK(x.hear(frame_for(7, 1, 9, 5), 0ms) == verdict::accepted);
   CHECK(x.hear(frame_for(7, 1, 9, 5), memory) == verdict::duplicate);
   CHECK(x.hear(frame_for(7, 1, 9, 5), memory + 1ns) == verdict::accepted);
 }
 
 TEST_CASE("broadcasts are never repeats", "[radio][receiver]") {
-  fixture x;
+  listening_mote x;
   CHECK(x.hear(frame_for(0xffff, 1, 9, 5), 0ms) == verdict::accepted);
   CHECK(x.hear(frame_for(0xffff, 1, 9, 5), 5ms) == verdict::accepted);
   CHECK(x.hear(frame_for(7, 1, 9, 5), 10ms) == verdict::accepted);
 }
 
 TEST_CASE("a restart forgets slots and repeats", "[radio][receiver]") {
-  fixture x;
+  listening_mote x;
   for (std::uint8_t i = 0; i < 3; ++i)
     static_cast<void>(x.hear(frame_for(7, 1, 9, i), 0ms));
   x.inbox.reset();

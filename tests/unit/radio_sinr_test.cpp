@@ -30,9 +30,9 @@ channel_config by_sinr(bool capture = false) {
 }
 
 /// One receiver, and senders 1 to 4 that do not hear each other.
-struct fixture {
-  explicit fixture(const channel_config& config, std::optional<double> noise_dbm = {},
-                   std::uint64_t seed = 1)
+struct one_receiver {
+  explicit one_receiver(const channel_config& config, std::optional<double> noise_dbm = {},
+                        std::uint64_t seed = 1)
       : errors(config.curve), air(config), rng(seed) {
     if (noise_dbm)
       noise = to_units(*noise_dbm);
@@ -103,7 +103,7 @@ void add_among(const std::shared_ptr<const noise_trace>& trace, medium& air) {
 } // namespace
 
 TEST_CASE("a frame 10 dB stronger survives a later one, which is captured", "[radio][sinr]") {
-  fixture x(by_sinr());
+  one_receiver x(by_sinr());
   for (int i = 0; i < 100; ++i) {
     const auto at = i * 10ms;
     const auto first = x.start(1, -60, at, 2ms);
@@ -118,7 +118,7 @@ TEST_CASE("a frame survives an equal one as often as the bits they share do", "[
     const auto expected = survival(-60, {-60}, bits_in(overlap));
     INFO(bits_in(overlap) << " bits, expected " << expected);
     int survived = 0;
-    fixture x(by_sinr());
+    one_receiver x(by_sinr());
     for (int i = 0; i < trials; ++i) {
       const auto at = i * 20ms;
       const auto first = x.start(1, -60, at, 5ms);
@@ -140,7 +140,7 @@ TEST_CASE("interference damages the bits it meets and no others", "[radio][sinr]
   REQUIRE(expected > 0.2);
   REQUIRE(expected < 0.8);
   int survived = 0;
-  fixture x(by_sinr());
+  one_receiver x(by_sinr());
   for (int i = 0; i < trials; ++i) {
     const auto at = i * 20ms;
     const auto frame = x.start(1, -60, at, 4ms);
@@ -163,7 +163,7 @@ TEST_CASE("noise and interference add up, and noise alone gets the blame for wha
   const auto by_both = survival(signal_dbm, {noise_dbm}, bits_in(2ms)) *
                        survival(signal_dbm, {noise_dbm, -95.5}, bits_in(2ms));
   std::array<int, 6> ends{};
-  fixture x(by_sinr(), noise_dbm);
+  one_receiver x(by_sinr(), noise_dbm);
   for (int i = 0; i < trials; ++i) {
     const auto at = i * 20ms;
     const auto frame = x.start(1, signal_dbm, at, 4ms);
@@ -184,7 +184,7 @@ TEST_CASE("noise and interference add up, and noise alone gets the blame for wha
 TEST_CASE("a much stronger later frame takes the receiver over if that is allowed",
           "[radio][sinr]") {
   const auto ends = [](bool capture, double later_dbm, std::optional<double> noise_dbm = {}) {
-    fixture x(by_sinr(capture), noise_dbm);
+    one_receiver x(by_sinr(capture), noise_dbm);
     const auto first = x.start(1, -80, 0ms, 4ms);
     const auto second = x.start(2, later_dbm, 1ms, 4ms);
     const auto one = x.end(first, 4ms);
@@ -200,7 +200,7 @@ TEST_CASE("a much stronger later frame takes the receiver over if that is allowe
 }
 
 TEST_CASE("what a receiver was left for can be left in turn", "[radio][sinr]") {
-  fixture x(by_sinr(true));
+  one_receiver x(by_sinr(true));
   const auto first = x.start(1, -80, 0ms, 5ms);
   const auto second = x.start(2, -65, 1ms, 5ms);
   const auto third = x.start(3, -50, 2ms, 5ms);
@@ -216,13 +216,13 @@ TEST_CASE("strict: any overlap loses both frames, however strong one of them is"
   for (const bool capture : {false, true}) {
     config.capture = capture;
     for (const double later_dbm : {-90.0, -60.0, -30.0}) {
-      fixture x(config);
+      one_receiver x(config);
       const auto first = x.start(1, -60, 0ms, 2ms);
       const auto second = x.start(2, later_dbm, 2ms - 1ns, 2ms);
       CHECK(x.end(first, 2ms) == outcome::collision);
       CHECK(x.end(second, 4ms) == outcome::collision);
     }
-    fixture x(config); // also one that is too weak to be received
+    one_receiver x(config); // also one that is too weak to be received
     const auto first = x.start(1, -60, 0ms, 2ms);
     const auto second = x.start(2, -110, 1ms, 2ms);
     CHECK(x.end(first, 2ms) == outcome::collision);
@@ -231,7 +231,7 @@ TEST_CASE("strict: any overlap loses both frames, however strong one of them is"
 }
 
 TEST_CASE("a receiver locks on nothing below its sensitivity", "[radio][sinr]") {
-  fixture x(by_sinr());
+  one_receiver x(by_sinr());
   CHECK(x.end(x.start(1, -95.01, 0ms, 1ms), 1ms) == outcome::weak);
   CHECK(x.air.times(ear, instant(1ms)).radio_receive == 0ms);
   CHECK(x.end(x.start(1, -94.99, 1ms, 1ms), 2ms) == outcome::intact);
@@ -243,7 +243,7 @@ TEST_CASE("a receiver locks on nothing below its sensitivity", "[radio][sinr]") 
 
 TEST_CASE("a receiver locks on nothing that is 5 dB below the disturbance", "[radio][sinr]") {
   SECTION("noise") {
-    fixture x(by_sinr(), -80);
+    one_receiver x(by_sinr(), -80);
     CHECK(x.end(x.start(1, -85.01, 0ms, 1ms), 1ms) == outcome::weak);
     CHECK(x.air.times(ear, instant(1ms)).radio_receive == 0ms);
     CHECK(x.end(x.start(1, -84.99, 1ms, 1ms), 2ms) == outcome::weak); // locked, but to no avail
@@ -251,7 +251,7 @@ TEST_CASE("a receiver locks on nothing that is 5 dB below the disturbance", "[ra
   }
   SECTION("a frame that was there before it could listen") {
     for (const auto& [dbm, locked] : {std::pair{-75.01, false}, {-74.99, true}}) {
-      fixture x(by_sinr());
+      one_receiver x(by_sinr());
       const auto own =
           x.air.start({.from = ear, .content = {}, .psdu = {}, .begin = instant{}, .length = 1ms},
                       std::make_shared<const hearers>());
@@ -275,7 +275,7 @@ TEST_CASE("a lone frame arrives as often as the bit error rate lets it", "[radio
     for (const double snr_db : {-3.0, -1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0}) {
       INFO(size << " octets at " << snr_db << " dB");
       const auto expected = survival(noise_dbm + snr_db, {noise_dbm}, 8 * (size + 6));
-      fixture x(by_sinr(), noise_dbm, static_cast<std::uint64_t>(size));
+      one_receiver x(by_sinr(), noise_dbm, static_cast<std::uint64_t>(size));
       int received = 0;
       for (int i = 0; i < frames; ++i) {
         const auto at = i * 10ms;
@@ -364,7 +364,7 @@ TEST_CASE("TOSSIM's curve is drawn twice for a frame, once for an ack", "[radio]
   REQUIRE(once > 0.3);
   REQUIRE(once < 0.8);
   for (const bool ack : {false, true}) {
-    fixture x(config, -90);
+    one_receiver x(config, -90);
     int received = 0;
     for (int i = 0; i < trials; ++i) {
       const auto at = i * 10ms;
@@ -488,7 +488,7 @@ TEST_CASE("energy, a carrier, or either makes a channel busy", "[radio][sinr][se
         situation{-95.01, false, false}}) {
     INFO(dbm << " dBm");
     for (const auto kind : all_kinds) {
-      fixture x(sensing_by(kind));
+      one_receiver x(sensing_by(kind));
       CHECK(x.air.clear(ear, instant(1ms)));
       const auto slot = x.start(1, dbm, 1ms, 2ms);
       const bool busy = kind == sensing::energy    ? energy
@@ -505,7 +505,7 @@ TEST_CASE("energy, a carrier, or either makes a channel busy", "[radio][sinr][se
 TEST_CASE("a frame that ended 50 us ago keeps only a whole window busy", "[radio][sinr][sensing]") {
   for (const auto kind : all_kinds) {
     for (const auto window : {sensing_window::whole, sensing_window::end}) {
-      fixture x(sensing_by(kind, window));
+      one_receiver x(sensing_by(kind, window));
       const auto slot = x.start(1, -60, 1ms, 2ms);
       CHECK_FALSE(x.air.clear(ear, instant(2ms))); // while it lasts, by either
       x.end(slot, 3ms);
@@ -520,7 +520,7 @@ TEST_CASE("two frames below the threshold can be above it together", "[radio][si
   for (const auto kind : {sensing::energy, sensing::energy_or_carrier}) {
     auto config = sensing_by(kind);
     config.collisions = collision_rule::sinr;
-    fixture x(config);
+    one_receiver x(config);
     // The receiver was sending when they began: it has no carrier.
     const auto own =
         x.air.start({.from = ear, .content = {}, .psdu = {}, .begin = instant{}, .length = 1ms},
@@ -535,7 +535,7 @@ TEST_CASE("two frames below the threshold can be above it together", "[radio][si
     x.end(one, 4500us);
     CHECK(x.air.clear(ear, instant(4600us)));
   }
-  fixture x(sensing_by(sensing::carrier)); // nothing is being received
+  one_receiver x(sensing_by(sensing::carrier)); // nothing is being received
   const auto own =
       x.air.start({.from = ear, .content = {}, .psdu = {}, .begin = instant{}, .length = 1ms},
                   std::make_shared<const hearers>());
@@ -546,11 +546,11 @@ TEST_CASE("two frames below the threshold can be above it together", "[radio][si
 }
 
 TEST_CASE("noise counts as energy", "[radio][sinr][sensing]") {
-  fixture loud(sensing_by(sensing::energy), -76);
+  one_receiver loud(sensing_by(sensing::energy), -76);
   CHECK_FALSE(loud.air.clear(ear, instant(1ms)));
-  fixture deaf(sensing_by(sensing::carrier), -76);
+  one_receiver deaf(sensing_by(sensing::carrier), -76);
   CHECK(deaf.air.clear(ear, instant(1ms)));
-  fixture quiet(sensing_by(sensing::energy), -80);
+  one_receiver quiet(sensing_by(sensing::energy), -80);
   CHECK(quiet.air.clear(ear, instant(1ms)));
   const auto slot = quiet.start(1, -79.5, 1ms, 1ms); // -76.7 dBm together
   CHECK_FALSE(quiet.air.clear(ear, instant(1500us)));

@@ -11,16 +11,15 @@
 #include "radio/parameters.hpp"
 #include "radio/topology.hpp"
 #include "radio/tossim_files.hpp"
+#include "radio_samples.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;
+using test::disk;
+using test::mote;
 
 namespace {
-
-mote_address mote(unsigned id) {
-  return {island_id{1}, mote_id{static_cast<std::uint16_t>(id)}};
-}
 
 /// Adds a radio with the next id, from 1.
 radio_index add(topology& x, position place, double transmit_dbm = 0) {
@@ -32,13 +31,6 @@ std::string names(const hearers& list) {
   for (const auto& x : list)
     all += to_string(x.radio) + ' ';
   return all;
-}
-
-channel_config disk(double range_m, double loss = 0) {
-  channel_config x;
-  x.propagation = unit_disk{range_m};
-  x.loss = loss;
-  return x;
 }
 
 channel_config by_law(propagation law, double cutoff_dbm) {

@@ -15,7 +15,7 @@ namespace {
 using verdict = expectation_report::verdict;
 
 const mote_address climate_7{island_id{3}, mote_id{7}};
-const mote_scope kitchen{"kitchen", island_id{3}, {}};
+const mote_scope of_kitchen{"kitchen", island_id{3}, {}};
 const mote_scope of_climate_7{"kitchen/climate-7", island_id{3}, mote_id{7}};
 
 instant at(duration x) {
@@ -48,7 +48,7 @@ tuple_expectation lamp_follows_door() {
 } // namespace
 
 TEST_CASE("expectations read as they are meant", "[report][expect]") {
-  CHECK(to_text(delivery_expectation{kitchen, 0.99}) == "delivery kitchen >= 99%");
+  CHECK(to_text(delivery_expectation{of_kitchen, 0.99}) == "delivery kitchen >= 99%");
   CHECK(to_text(delivery_expectation{{}, 0.999}) == "delivery >= 99.9%");
   CHECK(to_text(lamp_follows_door()) ==
         "\"bedroom.lamp.state\" = \"on\" within 5 s of \"kitchen.door\" = \"open\"");
@@ -73,7 +73,7 @@ TEST_CASE("delivery counts what was refused and leaves out what is open", "[repo
   x.islands[0].motes[0].messages.in_transit = 1;
   x.islands[0].motes[0].messages.lost = {{"gave_up", 1}};
   CHECK(one(delivery_expectation{of_climate_7, 0.98}).met(x));
-  CHECK(one(delivery_expectation{kitchen, 0.97}).met());
+  CHECK(one(delivery_expectation{of_kitchen, 0.97}).met());
   const mote_scope silent{"kitchen/climate-8", island_id{3}, mote_id{8}};
   CHECK(one(delivery_expectation{silent, 0}).result().measured == "no message was offered");
   CHECK_FALSE(one(delivery_expectation{silent, 0}).met());
@@ -185,7 +185,7 @@ TEST_CASE("clocks are compared from a time on, and each counts", "[report][expec
 }
 
 TEST_CASE("motes are to join in time, and to stay", "[report][expect]") {
-  one x(joined_expectation{kitchen, 20s});
+  one x(joined_expectation{of_kitchen, 20s});
   x.judge.on_joined(climate_7, at(3s));
   x.judge.on_joined({island_id{3}, mote_id{8}}, at(20s));
   x.judge.on_joined({island_id{3}, mote_id{9}}, at(21s));
@@ -197,17 +197,17 @@ TEST_CASE("motes are to join in time, and to stay", "[report][expect]") {
   again.judge.on_joined(climate_7, at(3s));
   again.judge.on_joined(climate_7, at(300s));
   CHECK(again.met());
-  CHECK_FALSE(one(members_expectation{kitchen, {}}).met()); // the lamp's battery is flat
-  CHECK(one(members_expectation{kitchen, 2}).met());
+  CHECK_FALSE(one(members_expectation{of_kitchen, {}}).met()); // the lamp's battery is flat
+  CHECK(one(members_expectation{of_kitchen, 2}).met());
   auto shortened = sample_report();
   shortened.simulated = 10s;
-  CHECK(one(joined_expectation{kitchen, 20s}).result(shortened).outcome == verdict::unjudged);
+  CHECK(one(joined_expectation{of_kitchen, 20s}).result(shortened).outcome == verdict::unjudged);
 }
 
 TEST_CASE("batteries and radios are judged by the worst", "[report][expect]") {
-  CHECK(one(battery_expectation{kitchen, 0.998}).met()); // 3.301 of 2500 mAh
-  CHECK_FALSE(one(battery_expectation{kitchen, 0.9987}).met());
-  CHECK(one(battery_expectation{kitchen, 0.9987}).result().measured ==
+  CHECK(one(battery_expectation{of_kitchen, 0.998}).met()); // 3.301 of 2500 mAh
+  CHECK_FALSE(one(battery_expectation{of_kitchen, 0.9987}).met());
+  CHECK(one(battery_expectation{of_kitchen, 0.9987}).result().measured ==
         "99.867% (kitchen/climate-7)");
   CHECK_FALSE(one(radio_expectation{{}, 0.05}).met());
   auto x = sample_report();

@@ -11,14 +11,14 @@ using namespace rubicon::report;
 
 namespace {
 
-constexpr mote_address fan{island_id{1}, mote_id{7}};
+constexpr mote_address logged_fan{island_id{1}, mote_id{7}};
 
-config::ecology_description kitchen() {
+config::ecology_description kitchen_ecology() {
   config::island_description island;
-  island.id = fan.island;
+  island.id = logged_fan.island;
   island.name = "kit\"chen";
   config::mote_description mote;
-  mote.id = fan.mote;
+  mote.id = logged_fan.mote;
   mote.name = "fan";
   island.motes = {mote};
   config::ecology_description x;
@@ -53,20 +53,20 @@ TEST_CASE("fields of CSV are quoted where they must be", "[report][csv]") {
 }
 
 TEST_CASE("samples become rows, a thing each", "[report][csv]") {
-  const csv_tables tables(kitchen());
+  const csv_tables tables(kitchen_ecology());
   run_sample x;
   x.at = instant{12500ms};
-  auto with_route = used(fan, 1.25);
+  auto with_route = used(logged_fan, 1.25);
   with_route.parent = default_sink;
   with_route.hops = 1;
   with_route.signal_dbm = -71;
   with_route.etx = 1.5;
-  auto at_a_cable = used({fan.island, mote_id{8}}, 0.5);
+  auto at_a_cable = used({logged_fan.island, mote_id{8}}, 0.5);
   at_a_cable.alive = false;
   at_a_cable.battery_mah = std::numeric_limits<double>::infinity();
   x.motes = {with_route, at_a_cable};
   x.islands = {
-      {fan.island, {{"mac", {{"no_ack", 2}}}, {"radio", {{"collision", 3}, {"weak", 0}}}}}};
+      {logged_fan.island, {{"mac", {{"no_ack", 2}}}, {"radio", {{"collision", 3}, {"weak", 0}}}}}};
   CHECK(tables.energy(x) == "12.5,\"kit\"\"chen\",fan,1,1.25,99.95\n"
                             "12.5,\"kit\"\"chen\",8,0,0.5,100\n");
   CHECK(tables.links(x) == "12.5,\"kit\"\"chen\",fan,sink,1,-71,1.5\n"
@@ -84,12 +84,12 @@ TEST_CASE("every table has a header with as many fields as its rows", "[report][
   const auto commas = [](const std::string& line) {
     return std::count(line.begin(), line.end(), ',');
   };
-  config::ecology_description plain = kitchen();
+  config::ecology_description plain = kitchen_ecology();
   plain.islands[0].name = "kitchen";
   const csv_tables tables(plain);
   run_sample x;
-  x.motes.emplace_back().address = fan;
-  x.islands = {{fan.island, {{"mac", {{"no_ack", 2}}}}}};
+  x.motes.emplace_back().address = logged_fan;
+  x.islands = {{logged_fan.island, {{"mac", {{"no_ack", 2}}}}}};
   using kind = csv_tables::kind;
   CHECK(commas(csv_tables::header(kind::energy)) == commas(tables.energy(x)));
   CHECK(commas(csv_tables::header(kind::links)) == commas(tables.links(x)));
@@ -148,19 +148,19 @@ TEST_CASE("a history of samples is bounded, and those who come late or go are in
     run_sample sample;
     sample.at = instant{i * 1s};
     if (i <= 500)
-      sample.motes.push_back(used(fan, 1.0 * i));
-    sample.islands = {{fan.island, {{"mac", {{"no_ack", static_cast<std::uint64_t>(i)}}}}},
+      sample.motes.push_back(used(logged_fan, 1.0 * i));
+    sample.islands = {{logged_fan.island, {{"mac", {{"no_ack", static_cast<std::uint64_t>(i)}}}}},
                       {island_id{2}, {{"mac", {{"no_ack", static_cast<std::uint64_t>(i)}}}}}};
     if (i > 100)
-      sample.motes.push_back(used({fan.island, mote_id{9}}, 2.0 * i));
+      sample.motes.push_back(used({logged_fan.island, mote_id{9}}, 2.0 * i));
     x.add(sample);
   }
   CHECK(x.times().size() < history::samples_max);
   CHECK(x.times().size() > history::samples_max / 3);
   for (const auto& [mote, used] : x.used_mah())
     CHECK(used.size() == x.times().size());
-  CHECK(x.used_mah().at(fan).back() == Approx(500).epsilon(0.05));
-  CHECK(x.used_mah().at({fan.island, mote_id{9}}).front() == 0);
+  CHECK(x.used_mah().at(logged_fan).back() == Approx(500).epsilon(0.05));
+  CHECK(x.used_mah().at({logged_fan.island, mote_id{9}}).front() == 0);
   CHECK(x.newest()->at == instant{1000s});
   const auto& lost = x.lost().at({"mac", "no_ack"});
   REQUIRE(lost.size() == x.times().size());

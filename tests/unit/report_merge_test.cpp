@@ -12,7 +12,7 @@ using namespace rubicon::report;
 
 namespace {
 
-constexpr mote_address fan{island_id(1), mote_id(2)};
+constexpr mote_address house_fan{island_id(1), mote_id(2)};
 constexpr mote_address pager{island_id(2), mote_id(3)};
 
 part_report part_with(const mote_address& mote, const std::string& name) {
@@ -51,7 +51,7 @@ const mote_report& only_mote(const run_report& x, std::size_t island) {
 } // namespace
 
 TEST_CASE("parts of two hosts are one report", "[report][GEN-05]") {
-  auto kitchen = part_with(fan, "kitchen");
+  auto kitchen = part_with(house_fan, "kitchen");
   auto bedroom = part_with(pager, "bedroom");
   kitchen.report.event_log = {{instant(2s), "kitchen/fan", "joined"}};
   bedroom.report.event_log = {{instant(1s), "bedroom/pager", "joined"}};
@@ -67,13 +67,13 @@ TEST_CASE("parts of two hosts are one report", "[report][GEN-05]") {
 }
 
 TEST_CASE("a message from one host to another has arrived", "[report][GEN-05]") {
-  auto kitchen = part_with(fan, "kitchen");
+  auto kitchen = part_with(house_fan, "kitchen");
   auto bedroom = part_with(pager, "bedroom");
-  auto& sent = kitchen.counters.messages[fan];
+  auto& sent = kitchen.counters.messages[house_fan];
   sent.offered = sent.unreliable_sent = 5;
-  auto& account = kitchen.counters.accounts[{fan, "message"}];
+  auto& account = kitchen.counters.accounts[{house_fan, "message"}];
   account.sent = account.handed_over = 5;
-  bedroom.counters.accounts[{fan, "message"}].came_over = 4;
+  bedroom.counters.accounts[{house_fan, "message"}].came_over = 4;
   const auto x = merged_of({{"a", {{0s, kitchen, true}}}, {"b", {{0s, bedroom, true}}}});
   CHECK(only_mote(x, 0).messages.arrived == 4);
   CHECK(only_mote(x, 0).messages.lost.empty());
@@ -82,7 +82,7 @@ TEST_CASE("a message from one host to another has arrived", "[report][GEN-05]") 
 }
 
 TEST_CASE("a stream from one host to another is whole", "[report][GEN-05]") {
-  auto kitchen = part_with(fan, "kitchen");
+  auto kitchen = part_with(house_fan, "kitchen");
   auto bedroom = part_with(pager, "bedroom");
   const unsettled_counters::stream_key key("bedroom/pager", 7);
   auto& written = kitchen.counters.streams[key];
@@ -106,18 +106,18 @@ TEST_CASE("a stream from one host to another is whole", "[report][GEN-05]") {
 
 TEST_CASE("lives of a part add up, and what was open in one that was killed has failed",
           "[report][GEN-05]") {
-  auto before = part_with(fan, "kitchen");
-  auto& killed = before.counters.messages[fan];
+  auto before = part_with(house_fan, "kitchen");
+  auto& killed = before.counters.messages[house_fan];
   killed.offered = killed.reliable_sent = 3;
   killed.reliable_acked = 2;
   killed.reliable_open = 1;
-  before.counters.accounts[{fan, "message"}] = {3, 2, 0, 0, {}};
+  before.counters.accounts[{house_fan, "message"}] = {3, 2, 0, 0, {}};
   before.report.complete = false;
   before.report.simulated = 20s;
-  auto after = part_with(fan, "kitchen");
-  auto& sent = after.counters.messages[fan];
+  auto after = part_with(house_fan, "kitchen");
+  auto& sent = after.counters.messages[house_fan];
   sent.offered = sent.reliable_sent = sent.reliable_acked = 4;
-  after.counters.accounts[{fan, "message"}] = {4, 4, 0, 0, {}};
+  after.counters.accounts[{house_fan, "message"}] = {4, 4, 0, 0, {}};
   after.report.simulated = 35s;
   after.report.event_log = {{instant(1s), "kitchen/fan", "joined"}};
   const auto x = merged_of({{"a", {{0s, before, false}, {25s, after, true}}}});
@@ -141,10 +141,10 @@ TEST_CASE("lives of a part add up, and what was open in one that was killed has 
 
 TEST_CASE("what nobody can know any more is said, and the whole is not complete",
           "[report][GEN-05]") {
-  auto before = part_with(fan, "kitchen");
+  auto before = part_with(house_fan, "kitchen");
   before.report.complete = false;
   before.report.simulated = 20s;
-  const auto after = part_with(fan, "kitchen");
+  const auto after = part_with(house_fan, "kitchen");
   const auto merged_after = [&](duration ended) { // its host was away for half an hour
     return merged_of({{"a", {{0s, before, false, ended}, {30min, after, true}}}});
   };
@@ -162,7 +162,7 @@ TEST_CASE("what nobody can know any more is said, and the whole is not complete"
 
 TEST_CASE("members are those of a part's last life, and its events those of all",
           "[report][smepp]") {
-  auto first = part_with(fan, "kitchen");
+  auto first = part_with(house_fan, "kitchen");
   auto& groups = first.report.islands[0].smepp;
   groups.programs = groups.members = 3;
   groups.events_raised = 10;
@@ -180,11 +180,11 @@ TEST_CASE("members are those of a part's last life, and its events those of all"
 }
 
 TEST_CASE("a host without a last word is a violation", "[report][GEN-05]") {
-  const auto gone = merged_of({{"a", {{0s, part_with(fan, "kitchen"), false}}}, {"b", {{}}}});
+  const auto gone = merged_of({{"a", {{0s, part_with(house_fan, "kitchen"), false}}}, {"b", {{}}}});
   CHECK_FALSE(gone.complete);
   REQUIRE(gone.violations.size() == 2);
   CHECK(gone.violations[0].detail == "host a: its part sent no final report");
-  auto early = part_with(fan, "kitchen");
+  auto early = part_with(house_fan, "kitchen");
   early.report.complete = false;
   early.report.reason = "out of memory";
   const auto x = merged_of({{"a", {{0s, early, true}}}});
@@ -196,11 +196,11 @@ TEST_CASE("what parts have judged is judged, the rest is found in the whole", "[
   auto description = house();
   description.expectations = {config::joined_expectation{{}, 10s}, config::delivery_expectation{},
                               config::tuple_expectation{}};
-  auto part = part_with(fan, "kitchen");
+  auto part = part_with(house_fan, "kitchen");
   part.report.islands[0].motes[0].name = "fan";
-  auto& sent = part.counters.messages[fan];
+  auto& sent = part.counters.messages[house_fan];
   sent.offered = sent.reliable_sent = sent.reliable_acked = 4;
-  part.counters.accounts[{fan, "message"}] = {4, 4, 0, 0, {}};
+  part.counters.accounts[{house_fan, "message"}] = {4, 4, 0, 0, {}};
   using verdict = expectation_report::verdict;
   part.report.expectations = {
       {to_text(description.expectations[0]), verdict::unmet, "1 late", instant(10s)}};

@@ -16,6 +16,7 @@
 using namespace rubicon;
 using namespace rubicon::report;
 using nlohmann::json;
+using rubicon::test::contains;
 using rubicon::test::large_report;
 using rubicon::test::lines_of;
 using rubicon::test::sample_report;
@@ -39,10 +40,6 @@ void collect_keys(const json& x, std::set<std::string>& keys) {
     for (const auto& element : x)
       collect_keys(element, keys);
   }
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 run_report with_violation() {

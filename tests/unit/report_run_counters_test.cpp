@@ -7,7 +7,7 @@ using namespace rubicon::report;
 
 namespace {
 
-const mote_address fan{island_id{3}, mote_id{4}};
+const mote_address kitchen_fan{island_id{3}, mote_id{4}};
 const mote_address button{island_id{3}, mote_id{5}};
 
 run_report of(const run_counters& all, duration length = {}) {
@@ -16,7 +16,7 @@ run_report of(const run_counters& all, duration length = {}) {
   x.islands.emplace_back();
   x.islands[0].id = island_id{3};
   x.islands[0].name = "kitchen";
-  for (const auto& who : {fan, button}) {
+  for (const auto& who : {kitchen_fan, button}) {
     mote_report mote;
     mote.address = who;
     x.islands[0].motes.push_back(mote);
@@ -234,16 +234,16 @@ TEST_CASE("messages are added up over lives, and the account says what became of
   life.refused = {{"crowded", 2}};
   life.unreliable_sent = 10;
   run_counters all;
-  all.add(fan, false, life);
-  all.add(fan, false, life);
+  all.add(kitchen_fan, false, life);
+  all.add(kitchen_fan, false, life);
   all.add({island_id{30}, no_mote}, true, life);
   unsettled_counters account;
-  account.accounts[{fan, "message"}] = {20, 17, 2, 0, {{"gave_up", 1}}};
+  account.accounts[{kitchen_fan, "message"}] = {20, 17, 2, 0, {{"gave_up", 1}}};
   account.accounts[{{island_id{30}, no_mote}, "message"}] = {10, 10, 0, 0, {}};
   account.losses[{"message", "gave_up", "kitchen/fan"}] = 1;
   all.add(account);
   unsettled_counters elsewhere; // another process has received one of the two that it was given
-  elsewhere.accounts[{fan, "message"}].came_over = 1;
+  elsewhere.accounts[{kitchen_fan, "message"}].came_over = 1;
   all.add(elsewhere);
   const auto x = of(all);
   const auto& sum = x.islands[0].motes[0].messages;
@@ -281,8 +281,8 @@ TEST_CASE("actuations of a proxy that is started again are kept", "[report][run_
 TEST_CASE("packets of channels belong to the island of their sender, of tunnels to the run",
           "[report][run_counters]") {
   unsettled_counters told;
-  told.accounts[{fan, "channel"}] = {100, 97, 0, 0, {{"gave_up", 2}}};
-  told.accounts[{fan, "tunnel"}] = {10, 10, 0, 0, {}};
+  told.accounts[{kitchen_fan, "channel"}] = {100, 97, 0, 0, {{"gave_up", 2}}};
+  told.accounts[{kitchen_fan, "tunnel"}] = {10, 10, 0, 0, {}};
   run_counters all;
   all.add(told);
   const auto x = of(all);

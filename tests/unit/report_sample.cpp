@@ -32,7 +32,7 @@ mote_report sample_mote(island_id island, std::uint16_t id, std::string name, do
   return x;
 }
 
-island_report kitchen() {
+island_report sample_kitchen() {
   island_report x;
   x.id = island_id{3};
   x.name = "kitchen";
@@ -153,7 +153,7 @@ run_report sample_report() {
   x.trace_hash = "0123456789abcdef";
   x.complete = true;
   x.actors = {31, 1, {"kitchen/climate-8: crash asked for"}};
-  x.islands = {kitchen(), living_room()};
+  x.islands = {sample_kitchen(), living_room()};
   x.flows = {sample_flow(2, default_sink, "sink"), sample_flow(2, broadcast_mote, "*")};
   x.flows[1].delivered = 3'000;
   x.flows[1].pdr = 3;

@@ -10,8 +10,8 @@ using namespace rubicon::report;
 namespace {
 
 constexpr island_id home{1};
-constexpr mote_address fan{home, mote_id{2}};
-constexpr mote_address lamp{home, mote_id{3}};
+constexpr mote_address watched_fan{home, mote_id{2}};
+constexpr mote_address watched_lamp{home, mote_id{3}};
 
 mote_look good() {
   mote_look x;
@@ -32,25 +32,25 @@ struct watched {
     rules.departure = 30s;
     rules.judges = true;
     watch.add_island(home, "home", rules);
-    for (const auto& mote : {fan, lamp})
+    for (const auto& mote : {watched_fan, watched_lamp})
       watch.on_listed(mote, true, false, instant{1s});
   }
 
   void run_to(duration end) {
     while (now + time_watch::every <= instant(end)) {
       now += time_watch::every;
-      watch.look(fan, "home/fan", of_fan, now);
-      watch.look(lamp, "home/lamp", of_lamp, now);
+      watch.look(watched_fan, "home/fan", of_fan, now);
+      watch.look(watched_lamp, "home/lamp", of_lamp, now);
     }
   }
 
-  void list(bool listed, duration at) { watch.on_listed(fan, listed, false, instant(at)); }
+  void list(bool listed, duration at) { watch.on_listed(watched_fan, listed, false, instant(at)); }
 
   [[nodiscard]] run_report report() const {
     run_report x;
     auto& island = x.islands.emplace_back();
     island.id = home;
-    for (const auto& mote : {fan, lamp})
+    for (const auto& mote : {watched_fan, watched_lamp})
       island.motes.emplace_back().address = mote;
     watch.tell(x, now);
     return x;
@@ -153,10 +153,10 @@ TEST_CASE("healing takes its time, from the end of its cause", "[report][invaria
 
 TEST_CASE("whoever has said goodbye, or never came, is not missed", "[report][invariants]") {
   watched x;
-  x.watch.on_listed(fan, false, true, instant{5s});
+  x.watch.on_listed(watched_fan, false, true, instant{5s});
   const mote_address stranger{home, mote_id{9}};
   for (; x.now < instant{1h}; x.now += 10s) {
-    x.watch.look(fan, "home/fan", good(), x.now);
+    x.watch.look(watched_fan, "home/fan", good(), x.now);
     x.watch.look(stranger, "home/stranger", good(), x.now);
   }
   CHECK(x.report().violations.empty());

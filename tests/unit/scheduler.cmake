@@ -4,4 +4,5 @@ rubicon_test(unit.scheduler SOURCES
   unit/scheduler_shutdown_test.cpp unit/scheduler_supervision_test.cpp
   unit/scheduler_trace_test.cpp unit/scheduler_wall_test.cpp
   NEEDS rubicon_scheduler
-  PRECOMPILE <scheduler/world.hpp> <support/catch.hpp>)
+  PRECOMPILE <scheduler/world.hpp> <support/catch.hpp>
+  BATCH 8)

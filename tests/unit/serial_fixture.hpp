@@ -14,6 +14,8 @@
 
 namespace rubicon::serial::test {
 
+inline constexpr instant start{5s}; ///< of a test
+
 /// Octets of hexadecimal text; throws std::runtime_error if it is none.
 [[nodiscard]] bytes hex(std::string_view text);
 

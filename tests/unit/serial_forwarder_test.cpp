@@ -125,7 +125,6 @@ TEST_CASE("half a packet of a connection that was lost is not completed by the n
 TEST_CASE("what is lost is looked for more and more rarely, until it has lasted",
           "[serial][GW-17]") {
   reopening x;
-  const instant start{};
   duration waits[7];
   for (auto& each : waits)
     each = x.on_closed(start);

@@ -10,8 +10,6 @@ using namespace rubicon::serial::test;
 
 namespace {
 
-const instant start = instant{} + 5s;
-
 packet_id id(std::uint64_t x) {
   return packet_id{x};
 }

@@ -5,10 +5,9 @@
 
 using namespace rubicon;
 using namespace rubicon::serial;
+using serial::test::start;
 
 namespace {
-
-const instant start{};
 
 line make_line(line_config config = {}, std::uint64_t seed = 1) {
   return {config, random_stream(seed)};

@@ -13,7 +13,6 @@ using namespace rubicon::serial::test;
 namespace {
 
 constexpr std::uint32_t baud = 57600;
-const instant start = instant{} + 1s;
 
 struct heard {
   std::vector<bytes> payloads;

@@ -32,7 +32,7 @@ const std::string blink = "020f41881122 00ffff03003f060001";
 
 TEST_CASE("raw frames of TinyOS's motes are active messages", "[serial][golden][GW-17]") {
   int messages = 0;
-  for (const auto& vector : test::read_cases("tinyos/radio-frames.txt")) {
+  for (const auto& vector : rubicon::test::read_cases("tinyos/radio-frames.txt")) {
     INFO(vector.at("name"));
     const auto packet = packet_of(vector.at("phr"), vector.at("psdu"));
     const auto x = decode_raw_packet(packet);

@@ -12,7 +12,7 @@ using namespace rubicon::smepp::test;
 
 namespace {
 
-group_description kitchen() {
+group_description closed_kitchen() {
   return {.name = "kitchen", .master = key_of(9), .is_closed = true};
 }
 
@@ -48,7 +48,7 @@ std::uint64_t counter_of(const bytes& frame) {
 TEST_CASE("who has no keys hears only ciphertext", "[smepp][SMP-03][SMP-13]") {
   world w({.peers = 3});
   w.record_air(true);
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(closed_kitchen());
   w.subscribe(1, group, "temperature in the kitchen");
   w.run_for(5s);
   const auto secret = to_bytes(std::string_view("21.5 degrees, somebody is at home"));
@@ -82,7 +82,7 @@ TEST_CASE("who has no keys hears only ciphertext", "[smepp][SMP-03][SMP-13]") {
 
 TEST_CASE("frames out of nothing are dropped, counted and cheap", "[smepp][SMP-03]") {
   world w({.peers = 2});
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(closed_kitchen());
   w.run_for(1min);
   const auto before = opened(w, 1);
   const auto sent_before = w.at(1).counters().frames_sent;
@@ -113,7 +113,7 @@ TEST_CASE("frames out of nothing are dropped, counted and cheap", "[smepp][SMP-0
 TEST_CASE("a recording is worth nothing, at once and after a reboot", "[smepp][SMP-03]") {
   world w({.peers = 3});
   w.record_air(true);
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(closed_kitchen());
   w.subscribe(1, group, "light");
   w.run_for(5s);
   for (std::uint8_t i = 0; i < 20; ++i) {
@@ -163,7 +163,7 @@ TEST_CASE("a recording is worth nothing, at once and after a reboot", "[smepp][S
 TEST_CASE("a frame that is changed on its way is not taken", "[smepp][SMP-03]") {
   world w({.peers = 2});
   w.record_air(true);
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(closed_kitchen());
   w.subscribe(1, group, "light");
   w.run_for(5s);
   w.cut([](std::size_t, std::size_t) { return true; });
@@ -188,7 +188,7 @@ TEST_CASE("a frame that is changed on its way is not taken", "[smepp][SMP-03]") 
 TEST_CASE("old session keys are worth nothing after the grace period", "[smepp][SMP-12][SMP-13]") {
   world w({.peers = 3});
   w.record_air(true);
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(closed_kitchen());
   w.run_for(2min);
   auto gone = stolen(w, 3, group, mote_id{3}, 1'000'000);
   const auto old = w.at(3).groups().find(group)->ring.best().id;
@@ -221,7 +221,7 @@ TEST_CASE("old session keys are worth nothing after the grace period", "[smepp][
 
 TEST_CASE("who has left learns no keys from who joins right after", "[smepp][SMP-12][SMP-13]") {
   world w({.peers = 4});
-  auto x = kitchen();
+  auto x = closed_kitchen();
   x.management = {1s, 100ms};
   const auto group = std::get<group_id>(w.with(
       1, [&](peer& each, instant t, outputs& out) { return each.smepp_createGroup(x, t, out); }));
@@ -255,7 +255,7 @@ TEST_CASE("who has left learns no keys from who joins right after", "[smepp][SMP
 TEST_CASE("who joins cannot read the past", "[smepp][SMP-13]") {
   world w({.peers = 3});
   w.record_air(true);
-  auto x = kitchen();
+  auto x = closed_kitchen();
   const auto group = std::get<group_id>(w.with(
       1, [&](peer& each, instant t, outputs& out) { return each.smepp_createGroup(x, t, out); }));
   REQUIRE_FALSE(w.join(2, group, key_of(9), {}));
@@ -280,7 +280,7 @@ TEST_CASE("who joins cannot read the past", "[smepp][SMP-13]") {
 
 TEST_CASE("a rumour of new keys costs a handshake now and then", "[smepp][SMP-03]") {
   world w({.peers = 2});
-  auto x = kitchen();
+  auto x = closed_kitchen();
   x.management = {2s, 100ms};
   const auto group = w.build_group(x);
   w.run_for(5min);
@@ -309,7 +309,7 @@ TEST_CASE("a rumour of new keys costs a handshake now and then", "[smepp][SMP-03
 
 TEST_CASE("a forged join costs more than it is answered with", "[smepp][SMP-03][SMP-09]") {
   world w({.peers = 2});
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(closed_kitchen());
   w.run_for(1min);
   // Somebody of the network who has not the group's key asks under many names.
   security insider({.self = mote_id{50}}, 0);
@@ -343,7 +343,7 @@ TEST_CASE("a group's keys prove membership, a pairwise key the sender", "[smepp]
         w.at(static_cast<std::size_t>(b))
             .set_pairwise_key(first, pairwise_key(root, first, second));
       }
-    const auto group = w.build_group(kitchen());
+    const auto group = w.build_group(closed_kitchen());
     w.subscribe(1, group, "door is open");
     w.run_for(5s);
     w.raise(3, group, "door is open", {0});
@@ -405,7 +405,7 @@ TEST_CASE("a pairwise key is what its root is worth", "[smepp][SMP-13]") {
 TEST_CASE("frames of any content do not upset a peer", "[smepp][SMP-03]") {
   // With good keys, so that all handlers are reached: an insider that fuzzes.
   world w({.peers = 2});
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(closed_kitchen());
   w.subscribe(1, group, "light", 1);
   w.run_for(1min);
   random_stream rng(4);

@@ -11,23 +11,23 @@ using std::chrono::milliseconds;
 
 namespace {
 
-instant at(int ms) {
+instant at_ms(int ms) {
   return instant{} + milliseconds(ms);
 }
 
 /// When the radio goes on and off, in ms, until then.
 std::vector<int> changes(const energy& x, int until_ms) {
   std::vector<int> all;
-  bool on = x.is_on(at(0));
-  for (auto now = at(0);;) {
+  bool on = x.is_on(at_ms(0));
+  for (auto now = at_ms(0);;) {
     const auto next = x.next_change(now);
-    if (!next || *next >= at(until_ms))
+    if (!next || *next >= at_ms(until_ms))
       return all;
     REQUIRE(*next > now);
     now = *next;
     if (x.is_on(now) != on) {
       on = !on;
-      all.push_back(static_cast<int>((now - at(0)) / 1ms));
+      all.push_back(static_cast<int>((now - at_ms(0)) / 1ms));
     }
   }
 }
@@ -36,9 +36,9 @@ std::vector<int> changes(const energy& x, int until_ms) {
 
 TEST_CASE("the radio follows the union of the cycles, as in figure 11", "[smepp][SMP-23][SMP-24]") {
   energy x({.tolerance = 30ms, .radio_delay = 10ms});
-  x.set(0, {at(100), 1000ms, 100ms}); // management
-  x.set(1, {at(150), 500ms, 100ms});  // subs1: the first window overlaps that of management
-  x.set(2, {at(270), 1000ms, 50ms});  // subs2: 20 ms behind that of subs1
+  x.set(0, {at_ms(100), 1000ms, 100ms}); // management
+  x.set(1, {at_ms(150), 500ms, 100ms});  // subs1: the first window overlaps that of management
+  x.set(2, {at_ms(270), 1000ms, 50ms});  // subs2: 20 ms behind that of subs1
   CHECK(changes(x, 1090) == std::vector<int>{90, 330, 640, 760});
   x.remove(2);
   CHECK(changes(x, 1090) == std::vector<int>{90, 260, 640, 760});
@@ -46,14 +46,14 @@ TEST_CASE("the radio follows the union of the cycles, as in figure 11", "[smepp]
   CHECK(changes(x, 1200) == std::vector<int>{90, 210, 1090});
   x.remove(0);
   CHECK(changes(x, 2000).empty());
-  CHECK_FALSE(x.is_on(at(120)));
+  CHECK_FALSE(x.is_on(at_ms(120)));
 }
 
 TEST_CASE("windows closer than the tolerance are one", "[smepp][SMP-24]") {
   for (const int tolerance : {0, 50, 51}) {
     energy x({.tolerance = milliseconds(tolerance), .radio_delay = 0ms});
-    x.set(0, {at(0), 1000ms, 100ms});
-    x.set(1, {at(150), 1000ms, 100ms});
+    x.set(0, {at_ms(0), 1000ms, 100ms});
+    x.set(1, {at_ms(150), 1000ms, 100ms});
     const bool is_one = tolerance > 50;
     CHECK(changes(x, 1000) == (is_one ? std::vector<int>{250} : std::vector<int>{100, 150, 250}));
   }
@@ -62,19 +62,19 @@ TEST_CASE("windows closer than the tolerance are one", "[smepp][SMP-24]") {
 TEST_CASE("the radio is on a while before and after each window", "[smepp][SMP-24]") {
   for (const int delay : {0, 1, 25}) {
     energy x({.tolerance = 0ms, .radio_delay = milliseconds(delay)});
-    x.set(0, {at(100), 1000ms, 100ms});
+    x.set(0, {at_ms(100), 1000ms, 100ms});
     CHECK(changes(x, 1000) == std::vector<int>{100 - delay, 200 + delay});
   }
 }
 
 TEST_CASE("cycles without a pause keep the radio on", "[smepp][SMP-23]") {
   energy x;
-  x.set(0, {at(0), 100ms, 60ms});
-  x.set(1, {at(50), 100ms, 60ms});
+  x.set(0, {at_ms(0), 100ms, 60ms});
+  x.set(1, {at_ms(50), 100ms, 60ms});
   CHECK(changes(x, 100'000).empty());
-  CHECK(x.is_on(at(77'777)));
+  CHECK(x.is_on(at_ms(77'777)));
   x.remove(1);
-  x.set(2, {at(0), 1s, 2s});
+  x.set(2, {at_ms(0), 1s, 2s});
   CHECK(changes(x, 100'000).empty());
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("the radio is on exactly when some window asks for it", "[smepp][SMP-2
       const int period = some(100, 1500);
       const int size = some(1, 90);
       x.set(static_cast<energy::cycle_key>(i),
-            {at(first), milliseconds(period), milliseconds(size)});
+            {at_ms(first), milliseconds(period), milliseconds(size)});
       for (int begin = first; begin < length + 3000; begin += period)
         windows.emplace_back(begin, begin + size);
     }
@@ -108,14 +108,14 @@ TEST_CASE("the radio is on exactly when some window asks for it", "[smepp][SMP-2
           expected[static_cast<std::size_t>(t)] = true;
       end = std::max(end, until);
     }
-    bool on = x.is_on(at(0));
-    auto next = x.next_change(at(0));
+    bool on = x.is_on(at_ms(0));
+    auto next = x.next_change(at_ms(0));
     for (int t = 0; t < length; ++t) {
-      if (next && at(t) >= *next) {
-        on = x.is_on(at(t));
-        next = x.next_change(at(t));
+      if (next && at_ms(t) >= *next) {
+        on = x.is_on(at_ms(t));
+        next = x.next_change(at_ms(t));
       }
-      REQUIRE(x.is_on(at(t)) == on);
+      REQUIRE(x.is_on(at_ms(t)) == on);
       REQUIRE(on == expected[static_cast<std::size_t>(t)]);
     }
   }

@@ -7,7 +7,7 @@ using namespace rubicon::smepp::test;
 
 namespace {
 
-group_description kitchen(duration period = 0s) {
+group_description managed_kitchen(duration period = 0s) {
   return {.name = "kitchen", .management = {period, 100ms}};
 }
 
@@ -23,7 +23,7 @@ std::vector<std::uint8_t> depths(world& w) {
 
 TEST_CASE("a subscription spans the group, as deep as the hops", "[smepp][SMP-15]") {
   world w({.peers = 9, .columns = 3});
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(managed_kitchen());
   CHECK(w.subscribe(1, group, "light", 0.5, 1h) == std::nullopt);
   w.run_for(5s);
   CHECK(depths(w) == std::vector<std::uint8_t>{0, 1, 2, 1, 2, 3, 2, 3, 4});
@@ -40,7 +40,7 @@ TEST_CASE("a subscription spans the group, as deep as the hops", "[smepp][SMP-15
 
 TEST_CASE("members sample at the same time", "[smepp][SMP-16][SMP-26]") {
   world w({.peers = 5, .loss = 0.05, .crystals_ppm = 100, .seed = 4});
-  const auto group = w.build_group(kitchen(2s));
+  const auto group = w.build_group(managed_kitchen(2s));
   w.run_for(5min);
   w.subscribe(1, group, "light", 0.1);
   w.run_for(30s);
@@ -56,7 +56,7 @@ TEST_CASE("members sample at the same time", "[smepp][SMP-16][SMP-26]") {
 
 TEST_CASE("events above the rate are suppressed", "[smepp][SMP-17]") {
   world w({.peers = 2});
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(managed_kitchen());
   w.subscribe(1, group, "light", 1);
   w.run_for(5s);
   for (int i = 0; i < 200; ++i) {
@@ -71,7 +71,7 @@ TEST_CASE("events above the rate are suppressed", "[smepp][SMP-17]") {
 
 TEST_CASE("a subscription expires with its tree", "[smepp][SMP-18]") {
   world w({.peers = 3});
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(managed_kitchen());
   w.subscribe(1, group, "light", 0, 5min);
   w.run_for(299s);
   CHECK(depths(w).size() == 3);
@@ -89,7 +89,7 @@ TEST_CASE("a subscription expires with its tree", "[smepp][SMP-18]") {
 
 TEST_CASE("every matching subscriber gets an event, others none", "[smepp][SMP-19][SMP-20]") {
   world w({.peers = 6, .loss = 0.05, .seed = 2});
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(managed_kitchen());
   w.subscribe(1, group, "light");
   w.subscribe(6, group, "light");
   w.subscribe(5, group, "heat");
@@ -119,7 +119,7 @@ TEST_CASE("every matching subscriber gets an event, others none", "[smepp][SMP-1
 TEST_CASE("who joins later is told what is subscribed", "[smepp][SMP-10]") {
   world w({.peers = 4});
   const auto group = std::get<group_id>(w.with(1, [&](peer& each, instant t, outputs& out) {
-    return each.smepp_createGroup(kitchen(), t, out);
+    return each.smepp_createGroup(managed_kitchen(), t, out);
   }));
   w.subscribe(1, group, "light");
   w.subscribe(1, group, "heat", 2);
@@ -135,7 +135,7 @@ TEST_CASE("who joins later is told what is subscribed", "[smepp][SMP-10]") {
 
 TEST_CASE("an unsubscription stops events and frees the radio", "[smepp][SMP-21]") {
   world w({.peers = 3});
-  const auto group = w.build_group(kitchen(2s));
+  const auto group = w.build_group(managed_kitchen(2s));
   w.run_for(60s);
   const auto share = [&](std::size_t i) {
     const auto before = w.radio_time(i);
@@ -168,7 +168,7 @@ TEST_CASE("an unsubscription stops events and frees the radio", "[smepp][SMP-21]
 
 TEST_CASE("tables are bounded and say so", "[smepp][SMP-22][SMP-30]") {
   world w({.peers = 2});
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(managed_kitchen());
   for (char c = 'a'; c < 'i'; ++c)
     CHECK(w.subscribe(1, group, {c}) == std::nullopt);
   CHECK(w.subscribe(1, group, "one more") == failure::no_room);
@@ -188,7 +188,7 @@ TEST_CASE("tables are bounded and say so", "[smepp][SMP-22][SMP-30]") {
 
 TEST_CASE("an event finds another way when a parent is gone", "[smepp][SMP-18][SMP-22]") {
   world w({.peers = 9, .columns = 3});
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(managed_kitchen());
   w.subscribe(1, group, "light");
   w.run_for(35s);
   const auto parent = w.at(9).events().all().at(0).parent;
@@ -206,7 +206,7 @@ TEST_CASE("the same things happen with the energy module on and off", "[smepp][S
   std::vector<double> shares;
   for (const bool saves : {true, false}) {
     world w({.peers = 4, .loss = 0.05, .seed = 6}, [&](peer_config& x) { x.saves_energy = saves; });
-    const auto group = w.build_group(kitchen(2s));
+    const auto group = w.build_group(managed_kitchen(2s));
     w.subscribe(1, group, "light", 0.2);
     w.run_for(60s);
     const auto before = w.radio_time(2);
@@ -224,7 +224,7 @@ TEST_CASE("the same things happen with the energy module on and off", "[smepp][S
 
 TEST_CASE("a subscriber may wake more seldom than events are made", "[smepp][SMP-20]") {
   world w({.peers = 2});
-  const auto group = w.build_group(kitchen(10s));
+  const auto group = w.build_group(managed_kitchen(10s));
   w.subscribe(1, group, "light", 2);
   w.run_for(60s);
   const auto share = [&] {

@@ -1,4 +1,4 @@
-#include "smepp_world.hpp"
+#include "smepp_intruder.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -7,7 +7,7 @@ using namespace rubicon::smepp::test;
 
 namespace {
 
-group_description kitchen(bool closed = true, bool hidden = false) {
+group_description described_kitchen(bool closed = true, bool hidden = false) {
   group_description x;
   x.name = "kitchen";
   x.is_closed = closed;
@@ -15,11 +15,6 @@ group_description kitchen(bool closed = true, bool hidden = false) {
   if (closed || hidden)
     x.master = key_of(9);
   return x;
-}
-
-group_id create(world& w, std::size_t i, const group_description& x) {
-  return std::get<group_id>(w.with(
-      i, [&](peer& each, instant t, outputs& out) { return each.smepp_createGroup(x, t, out); }));
 }
 
 std::size_t count(const world& w, std::string_view what) {
@@ -39,12 +34,13 @@ TEST_CASE("a group is created at once and without a frame", "[smepp][SMP-04]") {
   peer x({.self = mote_id{1}}, random_stream(1), instant{});
   outputs out;
   x.smepp_newPeer(key_of(1), key_of(2), instant{}, out);
-  const auto group = std::get<group_id>(x.smepp_createGroup(kitchen(), instant{}, out));
+  const auto group = std::get<group_id>(x.smepp_createGroup(described_kitchen(), instant{}, out));
   for (const auto& each : out)
     CHECK_FALSE(std::holds_alternative<send_frame>(each));
-  CHECK(x.smepp_getGroupDescription(group) == kitchen());
+  CHECK(x.smepp_getGroupDescription(group) == described_kitchen());
   CHECK(x.smepp_getPeers(group) == std::vector<peer_description>{{mote_id{1}, 0}});
-  CHECK(std::get<failure>(x.smepp_createGroup(kitchen(), instant{}, out)) == failure::name_taken);
+  CHECK(std::get<failure>(x.smepp_createGroup(described_kitchen(), instant{}, out)) ==
+        failure::name_taken);
   CHECK(std::get<failure>(x.smepp_createGroup({}, instant{}, out)) == failure::bad_argument);
   for (const char* name : {"a", "b", "c"})
     x.smepp_createGroup({.name = name}, instant{}, out);
@@ -55,7 +51,7 @@ TEST_CASE("a key opens closed groups and shows private ones", "[smepp][SMP-05][S
   for (const bool closed : {false, true})
     for (const bool hidden : {false, true}) {
       world w({.peers = 2});
-      const auto group = create(w, 1, kitchen(closed, hidden));
+      const auto group = create(w, 1, described_kitchen(closed, hidden));
       const auto found = w.find_groups(2, {});
       CHECK(found == (hidden ? std::vector<group_id>{} : std::vector{group}));
       CHECK(w.find_groups(2, {.master = key_of(8)}).empty() == hidden);
@@ -87,7 +83,7 @@ TEST_CASE("groups are found by what is asked for, all of a member",
           "[smepp][SMP-06][SMP-07][SMP-08]") {
   world w({.peers = 2});
   const auto open = create(w, 1, {.name = "open"});
-  auto x = kitchen();
+  auto x = described_kitchen();
   const auto closed = create(w, 1, x);
   CHECK(w.find_groups(2, {}).size() == 2);
   CHECK(w.find_groups(2, {.is_closed = true}) == std::vector{closed});
@@ -101,7 +97,7 @@ TEST_CASE("groups are found by what is asked for, all of a member",
 TEST_CASE("a sleeping group is found within one period", "[smepp][SMP-25]") {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     world w({.peers = 2, .seed = seed});
-    auto x = kitchen();
+    auto x = described_kitchen();
     x.management = {2s, 80ms};
     const auto group = create(w, 1, x);
     w.run_for(30s + std::chrono::milliseconds(97 * seed));
@@ -123,7 +119,7 @@ TEST_CASE("a sleeping group is found within one period", "[smepp][SMP-25]") {
 
 TEST_CASE("all members hear of a new one, and it of them", "[smepp][SMP-09][SMP-10][SMP-11]") {
   world w({.peers = 4});
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(described_kitchen());
   REQUIRE(w.agree(group, {1, 2, 3, 4}));
   const peer_description fourth{mote_id{4}, 1U << 3};
   for (std::size_t i = 1; i <= 3; ++i) {
@@ -142,7 +138,7 @@ TEST_CASE("a join that cannot be is reported", "[smepp][SMP-22]") {
     x.groups.admits = x.self != mote_id{1};
     x.groups.members_max = 2;
   });
-  const auto group = create(w, 1, kitchen());
+  const auto group = create(w, 1, described_kitchen());
   CHECK(w.join(3, group, key_of(9), {}) == failure::unknown_group); // out of reach
   CHECK(w.join(2, group, key_of(9), {}) == failure::not_admitted);
   CHECK(w.join(2, group, std::nullopt, {}) == failure::wrong_master_key);
@@ -164,7 +160,7 @@ TEST_CASE("a join that cannot be is reported", "[smepp][SMP-22]") {
 
 TEST_CASE("the provisioned master key is the only one that is taken", "[smepp][SMP-13]") {
   world w({.peers = 2});
-  const auto group = create(w, 1, kitchen());
+  const auto group = create(w, 1, described_kitchen());
   w.at(2).provision("kitchen", key_of(9));
   CHECK(w.join(2, group, key_of(8), {}) == failure::wrong_master_key);
   CHECK(w.join(2, group, std::nullopt, {}) == std::nullopt);
@@ -172,7 +168,7 @@ TEST_CASE("the provisioned master key is the only one that is taken", "[smepp][S
 
 TEST_CASE("who leaves is told when it is done, as are all others", "[smepp][SMP-12]") {
   world w({.peers = 4});
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(described_kitchen());
   const auto before = w.at(1).groups().find(group)->ring.best().id;
   w.forget_signals();
   CHECK(w.leave(3, group) == std::nullopt);
@@ -198,7 +194,7 @@ TEST_CASE("who leaves is told when it is done, as are all others", "[smepp][SMP-
 TEST_CASE("session keys change with who is in the group, and every now and then",
           "[smepp][SMP-13]") {
   world w({.peers = 3}, [](peer_config& x) { x.groups.key_period = 1h; });
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(described_kitchen());
   const auto first = w.at(1).groups().find(group)->ring.best().id;
   CHECK(first.generation == 3); // created, two joined
   w.run_for(61min);
@@ -215,7 +211,7 @@ TEST_CASE("session keys change with who is in the group, and every now and then"
 TEST_CASE("a change of keys loses no event", "[smepp][SMP-13]") {
   for (const duration period : {0s, 1s}) {
     world w({.peers = 4, .loss = 0.05, .seed = 3});
-    auto x = kitchen();
+    auto x = described_kitchen();
     x.management.period = period;
     const auto group = w.build_group(x);
     CHECK(w.subscribe(1, group, "light") == std::nullopt);
@@ -237,7 +233,7 @@ TEST_CASE("a change of keys loses no event", "[smepp][SMP-13]") {
 
 TEST_CASE("network keys change while the group goes on", "[smepp][SMP-02]") {
   world w({.peers = 3});
-  const auto group = w.build_group(kitchen());
+  const auto group = w.build_group(described_kitchen());
   CHECK(w.subscribe(1, group, "light") == std::nullopt);
   w.run_for(5s);
   const auto change = [&](std::size_t i) {
@@ -270,7 +266,7 @@ TEST_CASE("network keys change while the group goes on", "[smepp][SMP-02]") {
 
 TEST_CASE("a peer may be in several groups", "[smepp][SMP-14]") {
   world w({.peers = 3});
-  const auto left = create(w, 1, kitchen());
+  const auto left = create(w, 1, described_kitchen());
   const auto right = create(w, 3, {.name = "bath"});
   CHECK(w.join(2, left, key_of(9), {}) == std::nullopt);
   CHECK(w.join(2, right, std::nullopt, {}) == std::nullopt);
@@ -289,7 +285,7 @@ TEST_CASE("a peer may be in several groups", "[smepp][SMP-14]") {
 
 TEST_CASE("state on a mote is accounted for", "[smepp][SMP-30]") {
   world w({.peers = 2});
-  w.build_group(kitchen());
+  w.build_group(described_kitchen());
   const auto octets = w.at(1).footprint();
   CAPTURE(octets);
   CHECK(octets > 1000);

@@ -7,7 +7,7 @@ using namespace rubicon::smepp;
 
 namespace {
 
-group_time at(std::int64_t us) {
+group_time at_us(std::int64_t us) {
   return group_time(std::chrono::microseconds(us));
 }
 
@@ -38,16 +38,16 @@ std::vector<message> fullest() {
       join{group_id{1}, 2},
       join_challenge{group_id{1}, 2, some_tag},
       join_proof{group_id{1}, 2, some_tag, 0xffffffff, true, some_share(), some_share(), some_tag},
-      join_accept{group_id{1}, 2, some_share(), some_keys(), 4, 5, at(6)},
+      join_accept{group_id{1}, 2, some_share(), some_keys(), 4, 5, at_us(6)},
       join_refuse{group_id{1}, 2, failure::group_full, some_tag},
       member_joined{who},
       member_left{gone},
       member_list{std::vector<member>(member_list::count_max, gone)},
-      subscribe{id, 1, 2, at(3), at(4), 5, std::string(event_name_max, 'e'), true},
-      unsubscribe{id, at(1)},
+      subscribe{id, 1, 2, at_us(3), at_us(4), 5, std::string(event_name_max, 'e'), true},
+      unsubscribe{id, at_us(1)},
       event{id, mote_id{4}, 5, 6, sender_proof{0xffff'ffff'ffff, some_tag},
             bytes(event_value_max, 0xff)},
-      sync_stamp{1, group_time_max, at(2), mote_id{3}, 4, 5, 6, {7, mote_id{8}}},
+      sync_stamp{1, group_time_max, at_us(2), mote_id{3}, 4, 5, 6, {7, mote_id{8}}},
       key_refresh{some_keys()},
       challenge{1},
       proof{2}};
@@ -58,12 +58,12 @@ std::vector<message> smallest() {
   const subscription_id id{mote_id{1}, 1};
   return {discover{},
           discover{1, false, std::nullopt, std::nullopt, ""},
-          answer{1, group_id{2}, false, false, 3, 0, 0, at(0), {}, bytes{'n'}},
-          answer{1, group_id{2}, true, false, 3, 0, 0, at(0), some_tag, bytes{'n'}},
+          answer{1, group_id{2}, false, false, 3, 0, 0, at_us(0), {}, bytes{'n'}},
+          answer{1, group_id{2}, true, false, 3, 0, 0, at_us(0), some_tag, bytes{'n'}},
           member_list{{member{{mote_id{1}, 0}, 0, false}}},
-          subscribe{id, 1, 2, at(3), at(4), 5, "e", false},
+          subscribe{id, 1, 2, at_us(3), at_us(4), 5, "e", false},
           event{id, mote_id{4}, 5, 6, std::nullopt, {}},
-          sync_stamp{1, std::nullopt, at(2), mote_id{3}, 4, 5, 6, {7, mote_id{8}}}};
+          sync_stamp{1, std::nullopt, at_us(2), mote_id{3}, 4, 5, 6, {7, mote_id{8}}}};
 }
 
 std::string refusal_of(byte_view octets) {
@@ -112,7 +112,7 @@ TEST_CASE("messages lie on the wire as they are described", "[smepp][SMP-28]") {
         "08"
         "00"
         "aabb");
-  CHECK(to_hex(encode(subscribe{{mote_id{1}, 2}, 3, 4, at(5), at(6), 7, "light", true})) ==
+  CHECK(to_hex(encode(subscribe{{mote_id{1}, 2}, 3, 4, at_us(5), at_us(6), 7, "light", true})) ==
         "14"
         "0001"
         "02"
@@ -123,7 +123,7 @@ TEST_CASE("messages lie on the wire as they are described", "[smepp][SMP-28]") {
         "00000007"
         "05"
         "6c69676874");
-  CHECK(to_hex(encode(sync_stamp{1, at(2), at(3), mote_id{4}, 5, 6, 7, {8, mote_id{9}}})) ==
+  CHECK(to_hex(encode(sync_stamp{1, at_us(2), at_us(3), mote_id{4}, 5, 6, 7, {8, mote_id{9}}})) ==
         "17"
         "0001"
         "01"

@@ -13,6 +13,10 @@
 
 namespace rubicon::test {
 
+// The nodes of a single stream.
+inline constexpr std::size_t writer_node = 0;
+inline constexpr std::size_t reader_node = 1;
+
 /// How badly the channel service does its work.
 struct channel_service {
   duration delay_min = 5ms;

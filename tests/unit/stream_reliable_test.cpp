@@ -5,15 +5,14 @@
 using namespace rubicon;
 using namespace rubicon::stream;
 using test::channel_service;
+using test::reader_node;
 using test::stream_fixture;
+using test::writer_node;
 
 namespace {
 
-constexpr std::size_t writer_node = 0;
-constexpr std::size_t reader_node = 1;
-
-struct joined {
-  explicit joined(channel_service quality, std::uint8_t qos, std::uint64_t seed = 1)
+struct opened_stream {
+  explicit opened_stream(channel_service quality, std::uint8_t qos, std::uint64_t seed = 1)
       : world(2, {}, seed) {
     reader = world.take(reader_node, world.open(reader_node, {.destination = address(1)}));
     writer =
@@ -62,7 +61,7 @@ TEST_CASE("of a reliable stream all records arrive, once and in order",
           "[stream][MCK-01][STR-16][IF-05]") {
   const std::uint8_t qos = GENERATE(qos_reliable, qos_every_value);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    joined x(bad, qos, seed);
+    opened_stream x(bad, qos, seed);
     std::vector<int> written;
     for (int i = 0; written.size() < 100; ++i) {
       if (x.write(static_cast<int>(written.size())))
@@ -84,7 +83,7 @@ TEST_CASE("of a reliable stream all records arrive, once and in order",
 }
 
 TEST_CASE("a stream that asks for nothing is neither acked nor repeated", "[stream][STR-16]") {
-  joined x({}, 0);
+  opened_stream x({}, 0);
   const auto before = x.world.packets.size();
   for (int i = 0; i < 20; ++i)
     CHECK(x.write(i));
@@ -94,7 +93,7 @@ TEST_CASE("a stream that asks for nothing is neither acked nor repeated", "[stre
 
 TEST_CASE("a reader that does not read lets a reliable writer wait, and loses nothing",
           "[stream][STR-03][MCK-18]") {
-  joined x({}, qos_reliable);
+  opened_stream x({}, qos_reliable);
   int written = 0;
   for (int i = 0; i < 40; ++i) {
     written += x.write(written) ? 1 : 0;
@@ -117,7 +116,7 @@ TEST_CASE("a reader that does not read lets a reliable writer wait, and loses no
 
 TEST_CASE("a reliable stream whose reader is gone ends, and says what is not confirmed",
           "[stream][STR-19]") {
-  joined x({}, qos_reliable);
+  opened_stream x({}, qos_reliable);
   x.world.service.loss = 1;
   CHECK(x.write(1));
   CHECK(x.write(2));

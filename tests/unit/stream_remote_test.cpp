@@ -5,13 +5,11 @@
 using namespace rubicon;
 using namespace rubicon::stream;
 using test::pick;
+using test::reader_node;
 using test::stream_fixture;
+using test::writer_node;
 
 namespace {
-
-constexpr std::size_t a = 0; // the write end
-constexpr std::size_t b = 1; // the read end
-const auto address = stream_fixture::address;
 
 /// Events of one kind at a node, in order.
 template <class T>
@@ -25,11 +23,15 @@ std::vector<T> events(const stream_fixture& world, std::size_t node) {
 }
 
 descriptor open_writer(stream_fixture& world, std::uint16_t name = 7) {
-  return world.take(a, world.open(a, {.destination = address(b), .name = name}));
+  return world.take(
+      writer_node,
+      world.open(writer_node, {.destination = stream_fixture::address(reader_node), .name = name}));
 }
 
 descriptor open_reader(stream_fixture& world, std::uint16_t name = 7) {
-  return world.take(b, world.open(b, {.destination = address(b), .name = name}));
+  return world.take(
+      reader_node,
+      world.open(reader_node, {.destination = stream_fixture::address(reader_node), .name = name}));
 }
 
 } // namespace
@@ -42,27 +44,27 @@ TEST_CASE("the write end opens with the acknowledgement, whoever opens first",
   if (reader_first)
     reader = open_reader(world);
   const auto writer = open_writer(world);
-  CHECK(world.at(a).write(writer, {}).refused == failure::not_open_yet);
+  CHECK(world.at(writer_node).write(writer, {}).refused == failure::not_open_yet);
   world.run_for(14ms); // connect 5 ms, connect-ack 5 ms, SS_OPEN 5 ms
   CHECK(world.events.empty());
   world.run_for(1ms);
-  CHECK(events<open_done>(world, b).size() == (reader_first ? 1U : 0U));
-  CHECK(events<open_done>(world, a).empty());
+  CHECK(events<open_done>(world, reader_node).size() == (reader_first ? 1U : 0U));
+  CHECK(events<open_done>(world, writer_node).empty());
   world.run_for(5ms);
-  const auto at_a = events<open_done>(world, a);
+  const auto at_a = events<open_done>(world, writer_node);
   REQUIRE(at_a.size() == 1);
   CHECK(at_a[0].success);
   CHECK(at_a[0].stream == writer);
   CHECK(at_a[0].name == 7);
   if (!reader_first)
     reader = open_reader(world); // hears of it at once
-  const auto at_b = events<open_done>(world, b);
+  const auto at_b = events<open_done>(world, reader_node);
   REQUIRE(at_b.size() == 1);
   CHECK(at_b[0].success);
   CHECK(at_b[0].stream == reader);
   CHECK(at_b[0].name == 7);
   CHECK(world.packets == std::vector<bytes>{{1, 0, 7}, {2, 0, 7}});
-  CHECK(world.at(b).early_channels() == 0);
+  CHECK(world.at(reader_node).early_channels() == 0);
   world.run_for(1h);
   CHECK(world.events.size() == 2);
 }
@@ -72,41 +74,43 @@ TEST_CASE("a record goes over the channel and serves a read", "[stream][STR-16][
   const auto reader = open_reader(world);
   const auto writer = open_writer(world);
   world.run_for(1s);
-  CHECK(world.take(b, world.at(b).read(reader, 100)) == reader);
-  world.take(a, world.at(a).write(writer, bytes{0xca, 0xfe}));
-  world.take(a, world.at(a).write(writer, bytes{0xbe}));
+  CHECK(world.take(reader_node, world.at(reader_node).read(reader, 100)) == reader);
+  world.take(writer_node, world.at(writer_node).write(writer, bytes{0xca, 0xfe}));
+  world.take(writer_node, world.at(writer_node).write(writer, bytes{0xbe}));
   CHECK(world.packets.at(2) == bytes{3, 0, 0, 0xca, 0xfe});
   CHECK(world.packets.at(3) == bytes{3, 0, 1, 0xbe});
   world.run_for(5ms);
-  REQUIRE(events<read_done>(world, b).size() == 1);
-  CHECK(events<read_done>(world, b)[0].content == bytes{0xca, 0xfe});
-  world.take(b, world.at(b).read(reader, 100));
-  CHECK(events<read_done>(world, b).at(1).content == bytes{0xbe});
-  CHECK(events<read_done>(world, a).empty());
+  REQUIRE(events<read_done>(world, reader_node).size() == 1);
+  CHECK(events<read_done>(world, reader_node)[0].content == bytes{0xca, 0xfe});
+  world.take(reader_node, world.at(reader_node).read(reader, 100));
+  CHECK(events<read_done>(world, reader_node).at(1).content == bytes{0xbe});
+  CHECK(events<read_done>(world, writer_node).empty());
 }
 
 TEST_CASE("the wrong end refuses", "[stream][STR-17][MCK-06]") {
   stream_fixture world(2);
   const auto reader = open_reader(world);
   const auto writer = open_writer(world);
-  CHECK(world.at(a).read(writer, 1).refused == failure::illegal_operation);
-  CHECK(world.at(b).write(reader, {}).refused == failure::illegal_operation);
-  CHECK(world.at(b).read(reader, 1).refused == failure::not_open_yet);
+  CHECK(world.at(writer_node).read(writer, 1).refused == failure::illegal_operation);
+  CHECK(world.at(reader_node).write(reader, {}).refused == failure::illegal_operation);
+  CHECK(world.at(reader_node).read(reader, 1).refused == failure::not_open_yet);
   world.run_for(1s);
-  CHECK(world.at(a).read(writer, 1).refused == failure::illegal_operation);
-  CHECK(world.at(b).write(reader, {}).refused == failure::illegal_operation);
+  CHECK(world.at(writer_node).read(writer, 1).refused == failure::illegal_operation);
+  CHECK(world.at(reader_node).write(reader, {}).refused == failure::illegal_operation);
 }
 
 TEST_CASE("what the write end wishes goes along with the connect", "[stream][NRG-01][A-52]") {
   stream_fixture world(2);
-  world.take(a, world.open(a, {.destination = {own_island, address(b).mote},
-                               .name = 7,
-                               .rate = 250ms,
-                               .qos = qos_reliable | 0x30,
-                               .buffer_size = 20}));
+  world.take(writer_node,
+             world.open(writer_node,
+                        {.destination = {own_island, stream_fixture::address(reader_node).mote},
+                         .name = 7,
+                         .rate = 250ms,
+                         .qos = qos_reliable | 0x30,
+                         .buffer_size = 20}));
   REQUIRE(world.connects.size() == 1);
   const auto& x = world.connects[0];
-  CHECK(x.destination == address(b));
+  CHECK(x.destination == stream_fixture::address(reader_node));
   CHECK(x.interval == 250ms);
   CHECK(x.size == 23);
   CHECK(x.qos == 0x31);
@@ -114,21 +118,28 @@ TEST_CASE("what the write end wishes goes along with the connect", "[stream][NRG
 
 TEST_CASE("a destination decides the role, under each of a node's names", "[stream][STR-11]") {
   stream_fixture world(2);
-  const mote_address names[] = {address(b), {own_island, address(b).mote}, {own_island, own_mote}};
+  const mote_address names[] = {stream_fixture::address(reader_node),
+                                {own_island, stream_fixture::address(reader_node).mote},
+                                {own_island, own_mote}};
   for (const auto& x : names)
-    world.take(b, world.open(b, {.destination = x, .name = x.mote.value}));
-  CHECK(world.open(b, {.destination = {address(b).island, own_mote}, .name = own_mote.value})
+    world.take(reader_node, world.open(reader_node, {.destination = x, .name = x.mote.value}));
+  CHECK(world
+            .open(reader_node,
+                  {.destination = {stream_fixture::address(reader_node).island, own_mote},
+                   .name = own_mote.value})
             .refused == failure::already_open);
   CHECK(world.connects.empty());
-  world.take(b, world.open(b, {.destination = {own_island, no_mote}, .name = 50}));
+  world.take(reader_node,
+             world.open(reader_node, {.destination = {own_island, no_mote}, .name = 50}));
   REQUIRE(world.connects.size() == 1);
-  CHECK(world.connects[0].destination == mote_address{address(b).island, no_mote});
+  CHECK(world.connects[0].destination ==
+        mote_address{stream_fixture::address(reader_node).island, no_mote});
 }
 
 TEST_CASE("an open that makes no sense is refused", "[stream][MCK-01]") {
   stream_fixture world(2);
-  const auto to_b = address(b);
-  const auto refused = [&](remote_request x) { return world.open(a, x).refused; };
+  const auto to_b = stream_fixture::address(reader_node);
+  const auto refused = [&](remote_request x) { return world.open(writer_node, x).refused; };
   CHECK(refused({.destination = {own_island, broadcast_mote}}) == failure::bad_argument);
   CHECK(refused({.destination = to_b, .rate = std::chrono::milliseconds(-1)}) ==
         failure::bad_argument);
@@ -138,8 +149,9 @@ TEST_CASE("an open that makes no sense is refused", "[stream][MCK-01]") {
   CHECK_FALSE(refused({.destination = to_b, .name = 1, .buffer_size = 105}));
   CHECK(refused({.destination = to_b, .name = 1}) == failure::already_open);
   CHECK_FALSE(refused({.destination = to_b, .name = 2}));
-  CHECK_FALSE(refused({.destination = address(a), .name = 1})); // the other role
-  CHECK(world.at(a).open_streams() == 3);
+  CHECK_FALSE(
+      refused({.destination = stream_fixture::address(writer_node), .name = 1})); // the other role
+  CHECK(world.at(writer_node).open_streams() == 3);
 }
 
 TEST_CASE("two opens at the same time are told apart by name", "[stream][STR-12]") {
@@ -149,12 +161,12 @@ TEST_CASE("two opens at the same time are told apart by name", "[stream][STR-12]
   const auto reader_of_second = open_reader(world, 8);
   const auto reader_of_first = open_reader(world, 7);
   world.run_for(1s);
-  world.take(a, world.at(a).write(first, bytes{1}));
-  world.take(a, world.at(a).write(second, bytes{2}));
+  world.take(writer_node, world.at(writer_node).write(first, bytes{1}));
+  world.take(writer_node, world.at(writer_node).write(second, bytes{2}));
   world.run_for(1s);
-  world.take(b, world.at(b).read(reader_of_first, 1));
-  world.take(b, world.at(b).read(reader_of_second, 1));
-  const auto read = events<read_done>(world, b);
+  world.take(reader_node, world.at(reader_node).read(reader_of_first, 1));
+  world.take(reader_node, world.at(reader_node).read(reader_of_second, 1));
+  const auto read = events<read_done>(world, reader_node);
   REQUIRE(read.size() == 2);
   CHECK(read[0].content == bytes{1});
   CHECK(read[1].content == bytes{2});
@@ -162,49 +174,55 @@ TEST_CASE("two opens at the same time are told apart by name", "[stream][STR-12]
 
 TEST_CASE("the queue of a remote stream is at the read end", "[stream][STR-03][STR-15]") {
   stream_fixture world(2);
-  const auto reader =
-      world.take(b, world.open(b, {.destination = address(b), .name = 7, .queue_size = 2}));
+  const auto reader = world.take(
+      reader_node, world.open(reader_node, {.destination = stream_fixture::address(reader_node),
+                                            .name = 7,
+                                            .queue_size = 2}));
   const auto writer = open_writer(world);
   world.run_for(1s);
   for (std::uint8_t i = 1; i <= 4; ++i)
-    world.take(a, world.at(a).write(writer, bytes{i}));
-  CHECK(world.at(a).counters().stored == 0);
+    world.take(writer_node, world.at(writer_node).write(writer, bytes{i}));
+  CHECK(world.at(writer_node).counters().stored == 0);
   world.run_for(1s);
-  CHECK(world.at(b).counters().dropped == 2);
-  world.take(b, world.at(b).read(reader, 1));
-  CHECK(events<read_done>(world, b).at(0).content == bytes{3});
+  CHECK(world.at(reader_node).counters().dropped == 2);
+  world.take(reader_node, world.at(reader_node).read(reader, 1));
+  CHECK(events<read_done>(world, reader_node).at(0).content == bytes{3});
 }
 
 TEST_CASE("records longer than a buffer are refused at the write end and dropped at the read end",
           "[stream][MCK-08]") {
   stream_fixture world(2);
-  const auto reader =
-      world.take(b, world.open(b, {.destination = address(b), .name = 7, .buffer_size = 4}));
-  const auto writer =
-      world.take(a, world.open(a, {.destination = address(b), .name = 7, .buffer_size = 6}));
+  const auto reader = world.take(
+      reader_node, world.open(reader_node, {.destination = stream_fixture::address(reader_node),
+                                            .name = 7,
+                                            .buffer_size = 4}));
+  const auto writer = world.take(
+      writer_node, world.open(writer_node, {.destination = stream_fixture::address(reader_node),
+                                            .name = 7,
+                                            .buffer_size = 6}));
   world.run_for(1s);
-  CHECK(world.at(a).write(writer, bytes(7)).refused == failure::too_long);
-  world.take(a, world.at(a).write(writer, bytes(5)));
-  world.take(a, world.at(a).write(writer, bytes(4)));
+  CHECK(world.at(writer_node).write(writer, bytes(7)).refused == failure::too_long);
+  world.take(writer_node, world.at(writer_node).write(writer, bytes(5)));
+  world.take(writer_node, world.at(writer_node).write(writer, bytes(4)));
   world.run_for(1s);
-  CHECK(world.at(b).counters().oversized == 1);
-  world.take(b, world.at(b).read(reader, 10));
-  CHECK(events<read_done>(world, b).at(0).content == bytes(4));
+  CHECK(world.at(reader_node).counters().oversized == 1);
+  world.take(reader_node, world.at(reader_node).read(reader, 10));
+  CHECK(events<read_done>(world, reader_node).at(0).content == bytes(4));
 }
 
 TEST_CASE("records that nobody has opened for are counted", "[stream]") {
   stream_fixture world(2);
   const auto writer = open_writer(world);
   world.run_for(1s);
-  world.take(a, world.at(a).write(writer, bytes{1}));
+  world.take(writer_node, world.at(writer_node).write(writer, bytes{1}));
   world.run_for(1s);
-  CHECK(world.at(b).counters().unclaimed == 1);
+  CHECK(world.at(reader_node).counters().unclaimed == 1);
   const auto reader = open_reader(world);
-  world.take(a, world.at(a).write(writer, bytes{2}));
+  world.take(writer_node, world.at(writer_node).write(writer, bytes{2}));
   world.run_for(1s);
-  world.take(b, world.at(b).read(reader, 10));
-  CHECK(events<read_done>(world, b).at(0).content == bytes{2});
-  CHECK(world.at(b).counters().lost == 0);
+  world.take(reader_node, world.at(reader_node).read(reader, 10));
+  CHECK(events<read_done>(world, reader_node).at(0).content == bytes{2});
+  CHECK(world.at(reader_node).counters().lost == 0);
 }
 
 TEST_CASE("SS_OPEN is repeated until it is acknowledged", "[stream][STR-13]") {
@@ -216,9 +234,9 @@ TEST_CASE("SS_OPEN is repeated until it is acknowledged", "[stream][STR-13]") {
   CHECK(world.packets == std::vector<bytes>(3, {1, 0, 7}));
   world.service.loss = 0;
   world.run_for(2s);
-  REQUIRE(events<open_done>(world, a).size() == 1);
-  CHECK(events<open_done>(world, a)[0].stream == writer);
-  CHECK(events<open_done>(world, a)[0].success);
+  REQUIRE(events<open_done>(world, writer_node).size() == 1);
+  CHECK(events<open_done>(world, writer_node)[0].stream == writer);
+  CHECK(events<open_done>(world, writer_node)[0].success);
   const auto sent = world.packets.size();
   world.run_for(1min);
   CHECK(world.packets.size() == sent);
@@ -277,42 +295,44 @@ TEST_CASE("sequence numbers begin again after the last", "[stream]") {
   const auto writer = open_writer(world);
   world.run_for(1s);
   for (int i = 0; i < 65'540; ++i)
-    world.take(a, world.at(a).write(writer, bytes{1}));
+    world.take(writer_node, world.at(writer_node).write(writer, bytes{1}));
   world.run_for(1s);
-  CHECK(world.at(b).counters().stored == 65'540);
-  CHECK(world.at(b).counters().lost == 0);
-  CHECK(world.at(b).counters().repeated == 0);
-  CHECK_FALSE(world.at(b).close(reader).refused);
+  CHECK(world.at(reader_node).counters().stored == 65'540);
+  CHECK(world.at(reader_node).counters().lost == 0);
+  CHECK(world.at(reader_node).counters().repeated == 0);
+  CHECK_FALSE(world.at(reader_node).close(reader).refused);
 }
 
 TEST_CASE("a node may stream to itself", "[stream][STR-01]") {
   stream_fixture world(1);
   const bool reader_first = GENERATE(true, false);
   remote_request wish{.destination = {own_island, own_mote}, .name = 7};
-  const auto open_reader_here = [&] { return world.take(a, world.open(a, wish)); };
+  const auto open_reader_here = [&] {
+    return world.take(writer_node, world.open(writer_node, wish));
+  };
   const auto open_writer_here = [&] {
     auto writing = wish;
     writing.writes_to_self = true;
-    return world.take(a, world.open(a, writing));
+    return world.take(writer_node, world.open(writer_node, writing));
   };
   descriptor reader = reader_first ? open_reader_here() : descriptor{};
   const auto writer = open_writer_here();
   if (!reader_first) {
-    CHECK_FALSE(world.at(a).write(writer, bytes{9}).refused);
-    CHECK(world.at(a).counters().unclaimed == 1);
+    CHECK_FALSE(world.at(writer_node).write(writer, bytes{9}).refused);
+    CHECK(world.at(writer_node).counters().unclaimed == 1);
     reader = open_reader_here();
   }
-  CHECK(events<open_done>(world, a).size() == 2);
+  CHECK(events<open_done>(world, writer_node).size() == 2);
   CHECK(world.connects.empty());
-  world.take(a, world.at(a).read(reader, 1));
-  world.take(a, world.at(a).write(writer, bytes{1}));
-  CHECK(events<read_done>(world, a).at(0).content == bytes{1});
+  world.take(writer_node, world.at(writer_node).read(reader, 1));
+  world.take(writer_node, world.at(writer_node).write(writer, bytes{1}));
+  CHECK(events<read_done>(world, writer_node).at(0).content == bytes{1});
 
-  world.take(a, world.at(a).write(writer, bytes{2}));
-  world.take(a, world.at(a).close(writer));
-  world.take(a, world.at(a).read(reader, 1));
-  CHECK(events<read_done>(world, a).at(1).content == bytes{2});
-  CHECK(world.at(a).read(reader, 1).refused == failure::ended);
-  world.take(a, world.at(a).close(reader));
-  CHECK(world.at(a).open_streams() == 0);
+  world.take(writer_node, world.at(writer_node).write(writer, bytes{2}));
+  world.take(writer_node, world.at(writer_node).close(writer));
+  world.take(writer_node, world.at(writer_node).read(reader, 1));
+  CHECK(events<read_done>(world, writer_node).at(1).content == bytes{2});
+  CHECK(world.at(writer_node).read(reader, 1).refused == failure::ended);
+  world.take(writer_node, world.at(writer_node).close(reader));
+  CHECK(world.at(writer_node).open_streams() == 0);
 }

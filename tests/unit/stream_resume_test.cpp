@@ -4,13 +4,11 @@
 
 using namespace rubicon;
 using namespace rubicon::stream;
+using test::reader_node;
 using test::stream_fixture;
+using test::writer_node;
 
 namespace {
-
-constexpr std::size_t a = 0; // the write end
-constexpr std::size_t b = 1; // the read end
-const auto address = stream_fixture::address;
 
 /// Programs at both ends that open stream 7 again whenever it ends; a record counts those written
 /// before.
@@ -22,10 +20,11 @@ public:
   }
 
   void open() {
-    for (const auto node : {b, a}) {
+    for (const auto node : {reader_node, writer_node}) {
       if (ends_[node].value != 0)
         world.take(node, world.at(node).close(ends_[node]));
-      ends_[node] = world.take(node, world.open(node, {.destination = address(b), .name = 7}));
+      ends_[node] = world.take(
+          node, world.open(node, {.destination = stream_fixture::address(reader_node), .name = 7}));
     }
     world.run_for(5s); // four times the longest delay, and then some
     read();
@@ -45,10 +44,10 @@ public:
                        8,
                        9,
                        10};
-    const auto done = world.at(a).write(ends_[a], record, world.now);
+    const auto done = world.at(writer_node).write(ends_[writer_node], record, world.now);
     if (!done.refused)
       ++next_;
-    world.take(a, done);
+    world.take(writer_node, done);
     return !done.refused;
   }
 
@@ -61,10 +60,10 @@ public:
 
   void read() {
     for (;;) {
-      const auto done = world.at(b).read(ends_[b], 100);
+      const auto done = world.at(reader_node).read(ends_[reader_node], 100);
       if (done.refused)
         return;
-      world.take(b, done);
+      world.take(reader_node, done);
     }
   }
 
@@ -112,8 +111,8 @@ TEST_CASE("records on their way into a broken channel arrive when the stream is 
     x.world.run_for(10s);
     x.read();
     CHECK(x.got() == numbers(0, x.written()));
-    CHECK(x.world.at(b).counters().lost == 0);
-    CHECK(x.world.at(b).counters().resumed > 0);
+    CHECK(x.world.at(reader_node).counters().lost == 0);
+    CHECK(x.world.at(reader_node).counters().resumed > 0);
   }
 }
 
@@ -129,8 +128,8 @@ TEST_CASE("records that the write end no longer has are counted lost", "[stream]
   for (const auto each : numbers(30 - 102 / 13, 35))
     expected.push_back(each);
   CHECK(x.got() == expected);
-  CHECK(x.world.at(b).counters().lost == 20 - 102 / 13);
-  CHECK(x.world.at(b).counters().resumed == 102 / 13);
+  CHECK(x.world.at(reader_node).counters().lost == 20 - 102 / 13);
+  CHECK(x.world.at(reader_node).counters().resumed == 102 / 13);
 }
 
 TEST_CASE("a stream that was left for long begins with new records", "[stream]") {
@@ -143,11 +142,11 @@ TEST_CASE("a stream that was left for long begins with new records", "[stream]")
   x.write_for(5s);
   REQUIRE(x.written() == 18);
   CHECK(x.got().size() == 15);
-  CHECK(x.world.at(b).counters().lost == 3);
+  CHECK(x.world.at(reader_node).counters().lost == 3);
 }
 
 TEST_CASE("an end that has started anew begins with the channel", "[stream]") {
-  const auto node = GENERATE(a, b);
+  const auto node = GENERATE(writer_node, reader_node);
   CAPTURE(node);
   resumed_stream x;
   x.write_for(10s);
@@ -156,6 +155,6 @@ TEST_CASE("an end that has started anew begins with the channel", "[stream]") {
   x.open();
   x.write_for(10s);
   CHECK(x.got() == numbers(0, 20));
-  CHECK(x.world.at(b).counters().lost == 0);
-  CHECK(x.world.at(b).counters().resumed == 0);
+  CHECK(x.world.at(reader_node).counters().lost == 0);
+  CHECK(x.world.at(reader_node).counters().resumed == 0);
 }

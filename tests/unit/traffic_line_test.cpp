@@ -12,11 +12,13 @@
 
 #include "core/random.hpp"
 #include "support/catch.hpp"
+#include "support/mote_ids.hpp"
 #include "traffic/packet.hpp"
 #include "traffic/program.hpp"
 
 using namespace rubicon;
 using namespace rubicon::traffic;
+using test::id;
 
 namespace {
 
@@ -29,10 +31,6 @@ struct mac_habits {
   unsigned copies_max = 3; ///< of those that arrive
   duration slowest = 20ms;
 };
-
-mote_id id(int x) {
-  return mote_id{static_cast<std::uint16_t>(x)};
-}
 
 sender_config sender(arrivals pattern, int to, std::optional<int> via, duration every) {
   sender_config x;

@@ -10,10 +10,6 @@ using namespace rubicon::traffic;
 
 namespace {
 
-instant at(duration x) {
-  return instant(x);
-}
-
 sender_config sender(arrivals pattern, duration every) {
   sender_config x;
   x.pattern = pattern;
@@ -39,7 +35,8 @@ std::vector<instant> requests(const sender_config& config, std::uint64_t seed, s
 TEST_CASE("a periodic sender asks every period from its start", "[traffic]") {
   auto config = sender(arrivals::periodic, 100ms);
   config.start = 2s;
-  CHECK(requests(config, 1, 4) == std::vector{at(2s), at(2100ms), at(2200ms), at(2300ms)});
+  CHECK(requests(config, 1, 4) ==
+        std::vector{instant(2s), instant(2100ms), instant(2200ms), instant(2300ms)});
 }
 
 TEST_CASE("jitter moves each request of a periodic sender by itself", "[traffic]") {
@@ -51,7 +48,7 @@ TEST_CASE("jitter moves each request of a periodic sender by itself", "[traffic]
   auto least = 100ms + 0ns;
   auto most = 0ns;
   for (std::size_t k = 0; k < made.size(); ++k) {
-    const auto late = made[k] - at(1s + static_cast<duration::rep>(k) * 100ms);
+    const auto late = made[k] - instant(1s + static_cast<duration::rep>(k) * 100ms);
     CHECK(late >= 0ns);
     CHECK(late < 40ms);
     least = std::min(least, late);
@@ -66,30 +63,30 @@ TEST_CASE("a sender without a start begins at a random moment of its first perio
   const auto config = sender(pattern, 10s);
   std::vector<instant> firsts;
   for (std::uint64_t seed = 0; seed < 100; ++seed)
-    firsts.push_back(requests(config, seed, 1, at(5s)).at(0));
+    firsts.push_back(requests(config, seed, 1, instant(5s)).at(0));
   const auto [first, last] = std::ranges::minmax(firsts);
-  CHECK(first >= at(5s));
-  CHECK(first < at(6s));
-  CHECK(last < at(15s));
-  CHECK(last > at(14s));
+  CHECK(first >= instant(5s));
+  CHECK(first < instant(6s));
+  CHECK(last < instant(15s));
+  CHECK(last > instant(14s));
 }
 
 TEST_CASE("a periodic sender that boots late keeps to the grid of its start", "[traffic]") {
   auto config = sender(arrivals::periodic, 100ms);
   config.start = 1s;
-  CHECK(requests(config, 1, 1, at(1s)).at(0) == at(1s));
-  CHECK(requests(config, 1, 1, at(1s + 1ns)).at(0) == at(1100ms));
-  CHECK(requests(config, 1, 2, at(1250ms)) == std::vector{at(1300ms), at(1400ms)});
-  CHECK(requests(config, 1, 1, at(1300ms)).at(0) == at(1300ms));
+  CHECK(requests(config, 1, 1, instant(1s)).at(0) == instant(1s));
+  CHECK(requests(config, 1, 1, instant(1s + 1ns)).at(0) == instant(1100ms));
+  CHECK(requests(config, 1, 2, instant(1250ms)) == std::vector{instant(1300ms), instant(1400ms)});
+  CHECK(requests(config, 1, 1, instant(1300ms)).at(0) == instant(1300ms));
 }
 
 TEST_CASE("a Poisson sender begins at its start, or a random gap after a late boot", "[traffic]") {
   auto config = sender(arrivals::poisson, 100ms);
   config.start = 1s;
-  CHECK(requests(config, 1, 1).at(0) == at(1s));
-  CHECK(requests(config, 1, 1, at(1s)).at(0) == at(1s));
-  CHECK(requests(config, 1, 1, at(2s)).at(0) > at(2s));
-  CHECK(requests(config, 1, 1, at(2s)) != requests(config, 2, 1, at(2s)));
+  CHECK(requests(config, 1, 1).at(0) == instant(1s));
+  CHECK(requests(config, 1, 1, instant(1s)).at(0) == instant(1s));
+  CHECK(requests(config, 1, 1, instant(2s)).at(0) > instant(2s));
+  CHECK(requests(config, 1, 1, instant(2s)) != requests(config, 2, 1, instant(2s)));
 }
 
 TEST_CASE("the gaps of a Poisson sender are exponential", "[traffic]") {
@@ -115,7 +112,7 @@ TEST_CASE("the gaps of a Poisson sender are exponential", "[traffic]") {
 
 TEST_CASE("a saturated sender asks again when its request has ended", "[traffic]") {
   schedule x(sender(arrivals::saturated, 1s), random_stream(1));
-  x.start(at(3s));
+  x.start(instant(3s));
   const auto first = x.due().value();
   x.on_request(first);
   CHECK(!x.due());
@@ -126,9 +123,9 @@ TEST_CASE("a saturated sender asks again when its request has ended", "[traffic]
 TEST_CASE("a saturated sender begins at its start", "[traffic]") {
   auto config = sender(arrivals::saturated, 1s);
   config.start = 4s;
-  CHECK(requests(config, 1, 1).at(0) >= at(4s));
-  CHECK(requests(config, 1, 1).at(0) <= at(4s + schedule::phase_max));
-  CHECK(requests(config, 1, 1, at(9s)).at(0) >= at(9s));
+  CHECK(requests(config, 1, 1).at(0) >= instant(4s));
+  CHECK(requests(config, 1, 1).at(0) <= instant(4s + schedule::phase_max));
+  CHECK(requests(config, 1, 1, instant(9s)).at(0) >= instant(9s));
 }
 
 TEST_CASE("saturated senders begin at random phases", "[traffic]") {
@@ -137,8 +134,8 @@ TEST_CASE("saturated senders begin at random phases", "[traffic]") {
     config.start = 4s;
   constexpr int count = 1000;
   std::set<duration> phases; // of the 16 us of a symbol
-  auto first = at(24h);
-  auto last = at(0s);
+  auto first = instant(24h);
+  auto last = instant(0s);
   for (int seed = 1; seed <= count; ++seed) {
     const auto begins = requests(config, static_cast<std::uint64_t>(seed), 1).at(0);
     phases.insert(begins.time_since_epoch() % duration(16us));
@@ -152,7 +149,7 @@ TEST_CASE("saturated senders begin at random phases", "[traffic]") {
 
 TEST_CASE("a saturated sender whose request ends on the spot waits a millisecond", "[traffic]") {
   schedule x(sender(arrivals::saturated, 1s), random_stream(1));
-  x.start(at(3s));
+  x.start(instant(3s));
   const auto first = x.due().value();
   x.on_request(first);
   x.on_answer(first, first);
@@ -163,7 +160,7 @@ TEST_CASE("nothing is sent at or after the stop", "[traffic]") {
   auto config = sender(arrivals::periodic, 100ms);
   config.start = 0s;
   config.stop = 300ms;
-  CHECK(requests(config, 1, 10) == std::vector{at(0ms), at(100ms), at(200ms)});
+  CHECK(requests(config, 1, 10) == std::vector{instant(0ms), instant(100ms), instant(200ms)});
   config.stop = 301ms;
   CHECK(requests(config, 1, 10).size() == 4);
   config.start = 301ms;
@@ -172,13 +169,13 @@ TEST_CASE("nothing is sent at or after the stop", "[traffic]") {
   config = sender(arrivals::saturated, 1s);
   config.stop = 1s;
   schedule x(config, random_stream(1));
-  x.start(at(0s));
+  x.start(instant(0s));
   x.on_request(x.due().value());
-  x.on_answer(at(0s), at(1s - 1ns));
-  CHECK(x.due() == at(1s - 1ns));
-  x.on_time(at(1s)); // woken late
+  x.on_answer(instant(0s), instant(1s - 1ns));
+  CHECK(x.due() == instant(1s - 1ns));
+  x.on_time(instant(1s)); // woken late
   CHECK(!x.due());
-  x.on_answer(at(0s), at(1s));
+  x.on_answer(instant(0s), instant(1s));
   CHECK(!x.due());
 }
 
@@ -192,9 +189,9 @@ TEST_CASE("a sender makes no more requests than its count", "[traffic]") {
   config = sender(arrivals::saturated, 1s);
   config.count = 1;
   schedule x(config, random_stream(1));
-  x.start(at(0s));
+  x.start(instant(0s));
   x.on_request(x.due().value());
-  x.on_answer(at(0s), at(15ms));
+  x.on_answer(instant(0s), instant(15ms));
   CHECK(!x.due());
 }
 
@@ -203,39 +200,39 @@ TEST_CASE("a sender is active from its first request to the end of sending", "[t
   config.start = 1s;
   schedule x(config, random_stream(1));
   const auto active = [&](duration now) {
-    const auto span = x.active(at(now));
+    const auto span = x.active(instant(now));
     return span ? std::optional(span->until - span->from) : std::nullopt;
   };
-  x.start(at(0s));
+  x.start(instant(0s));
   CHECK(!active(2s));
-  x.on_request(at(1s));
+  x.on_request(instant(1s));
   CHECK(active(1s) == 0s);
   CHECK(active(1050ms) == 50ms);
-  x.end(at(1060ms)); // power lost
+  x.end(instant(1060ms)); // power lost
   CHECK(active(5s) == 60ms);
 
   config.count = 2; // two packets in two periods
   x = schedule(config, random_stream(1));
-  x.start(at(0s));
-  x.on_request(at(1s));
-  x.on_request(at(1100ms));
+  x.start(instant(0s));
+  x.on_request(instant(1s));
+  x.on_request(instant(1100ms));
   CHECK(active(1150ms) == 150ms);
   CHECK(active(5s) == 200ms);
 
   config.count.reset();
   config.stop = 1070ms;
   x = schedule(config, random_stream(1));
-  x.start(at(0s));
-  x.on_request(at(1s));
+  x.start(instant(0s));
+  x.on_request(instant(1s));
   CHECK(active(1050ms) == 50ms);
   CHECK(active(5s) == 70ms);
 
   config = sender(arrivals::saturated, 1s);
   config.stop = 2s;
   x = schedule(config, random_stream(1));
-  x.start(at(0s));
+  x.start(instant(0s));
   const auto first = x.due().value().time_since_epoch();
-  x.on_request(at(first));
+  x.on_request(instant(first));
   CHECK(active(1s) == 1s - first);
   CHECK(active(3s) == 2s - first);
 }
@@ -243,10 +240,10 @@ TEST_CASE("a sender is active from its first request to the end of sending", "[t
 TEST_CASE("times near the end of time do not overflow", "[traffic]") {
   auto config = sender(GENERATE(arrivals::periodic, arrivals::poisson), duration::max());
   config.jitter = duration::max();
-  const auto made = requests(config, 1, 5, at(1s));
+  const auto made = requests(config, 1, 5, instant(1s));
   CHECK(std::ranges::is_sorted(made));
   CHECK(made.size() == 5);
   config.start = 1s;
-  const auto late = requests(config, 1, 5, at(2s));
+  const auto late = requests(config, 1, 5, instant(2s));
   CHECK(std::ranges::is_sorted(late));
 }

@@ -3,15 +3,15 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/start.hpp"
 #include "translate/pattern.hpp"
 #include "translate/translator.hpp"
 
 using namespace rubicon;
 using namespace rubicon::translate;
+using test::start;
 
 namespace {
-
-constexpr instant start{};
 
 expression parsed(const char* text) {
   return std::get<expression>(expression::parse(text));

@@ -4,18 +4,19 @@
 
 #include "support/catch.hpp"
 #include "support/pick.hpp"
+#include "support/start.hpp"
 #include "transport/messenger.hpp"
 
 using namespace rubicon;
 using namespace rubicon::transport;
 using test::pick;
+using test::start;
 
 namespace {
 
 constexpr island_id island{1};
-constexpr mote_id alice{7};
-constexpr mote_id bob{8};
-constexpr instant start{};
+constexpr mote_id alice_mote{7};
+constexpr mote_id bob_mote{8};
 
 messenger make(mote_id self, std::uint32_t incarnation = 0, std::uint64_t seed = 1) {
   messenger_config config;
@@ -32,8 +33,8 @@ class pair_of_ends {
 public:
   pair_of_ends(double loss, duration delay_max, std::uint64_t seed = 1)
       : loss_(loss), delay_max_(delay_max), rng_(seed) {
-    restart(alice);
-    restart(bob);
+    restart(alice_mote);
+    restart(bob_mote);
   }
 
   void restart(mote_id who) {
@@ -65,7 +66,7 @@ public:
   void run_for(duration length) {
     const auto end = now_ + length;
     while (true) {
-      auto next = earliest(at(alice).deadline(), at(bob).deadline());
+      auto next = earliest(at(alice_mote).deadline(), at(bob_mote).deadline());
       if (!in_flight_.empty())
         next = earliest(next, in_flight_.begin()->first);
       if (!next || *next > end) {
@@ -77,7 +78,7 @@ public:
         const auto x = in_flight_.extract(in_flight_.begin());
         take(x.mapped().first, at(x.mapped().first).on_segment(island, x.mapped().second, now_));
       }
-      for (const auto who : {alice, bob})
+      for (const auto who : {alice_mote, bob_mote})
         take(who, at(who).on_time(now_));
     }
   }
@@ -133,12 +134,12 @@ int count_of(const std::vector<std::uint16_t>& all, std::uint16_t x) {
 
 TEST_CASE("a reliable message is greeted, acknowledged and passed up once",
           "[transport][GEN-08][MCK-10][MCK-12]") {
-  auto a = make(alice);
-  auto b = make(bob, 3, 2);
-  const auto asked = a.send(1, {own_island, bob}, 10, bytes{1, 2}, true, start);
+  auto a = make(alice_mote);
+  auto b = make(bob_mote, 3, 2);
+  const auto asked = a.send(1, {own_island, bob_mote}, 10, bytes{1, 2}, true, start);
   REQUIRE(asked.has_value());
   const auto hello = pick<to_network>(*asked).at(0);
-  CHECK(hello.destination == mote_address{island, bob});
+  CHECK(hello.destination == mote_address{island, bob_mote});
   const auto known = b.on_segment(island, hello.segment, start);
   CHECK(pick<received>(known).empty());
   const auto sent = a.on_segment(island, pick<to_network>(known).at(0).segment, start);
@@ -148,7 +149,7 @@ TEST_CASE("a reliable message is greeted, acknowledged and passed up once",
 
   const auto at_b = b.on_segment(island, packet.segment, start);
   REQUIRE(pick<received>(at_b).size() == 1);
-  CHECK(pick<received>(at_b)[0].source == mote_address{island, alice});
+  CHECK(pick<received>(at_b)[0].source == mote_address{island, alice_mote});
   CHECK(pick<received>(at_b)[0].payload == bytes{1, 2});
   const auto ack = pick<to_network>(at_b).at(0);
   const auto done = a.on_segment(island, ack.segment, start + 5ms);
@@ -167,17 +168,17 @@ TEST_CASE("a reliable message is greeted, acknowledged and passed up once",
 TEST_CASE("only the first message to a receiver costs a greeting", "[transport][MCK-12]") {
   pair_of_ends x(0, 10ms);
   for (std::uint16_t i = 0; i < 5; ++i)
-    CHECK(x.send(alice, bob, i));
+    CHECK(x.send(alice_mote, bob_mote, i));
   x.settle();
-  CHECK(x.at(alice).counters().hellos == 1);
+  CHECK(x.at(alice_mote).counters().hellos == 1);
   CHECK(x.handled == std::vector<std::uint16_t>{0, 1, 2, 3, 4});
-  CHECK(x.at(alice).counters().retries == 0);
+  CHECK(x.at(alice_mote).counters().retries == 0);
 }
 
 TEST_CASE("an unanswered message is repeated with growing waits and then fails",
           "[transport][MCK-10]") {
-  auto a = make(alice);
-  REQUIRE(a.send(1, {island, bob}, 10, {}, true, start).has_value());
+  auto a = make(alice_mote);
+  REQUIRE(a.send(1, {island, bob_mote}, 10, {}, true, start).has_value());
   std::vector<duration> times;
   std::vector<outcome> ends;
   while (const auto due = a.deadline()) {
@@ -197,27 +198,27 @@ TEST_CASE("an unanswered message is repeated with growing waits and then fails",
 }
 
 TEST_CASE("a send is refused when it cannot be honoured", "[transport][MCK-09][WIR-03]") {
-  auto a = make(alice);
-  CHECK(a.send(1, {island, bob}, 10, bytes(256), false, start).has_value());
-  CHECK_FALSE(a.send(1, {island, bob}, 10, bytes(257), false, start).has_value());
+  auto a = make(alice_mote);
+  CHECK(a.send(1, {island, bob_mote}, 10, bytes(256), false, start).has_value());
+  CHECK_FALSE(a.send(1, {island, bob_mote}, 10, bytes(257), false, start).has_value());
   CHECK_FALSE(a.send(1, {island, broadcast_mote}, 10, {}, true, start).has_value());
   CHECK(a.send(1, {island, broadcast_mote}, 10, {}, false, start).has_value());
   for (ticket i = 0; i < 8; ++i)
-    CHECK(a.send(i, {island, bob}, 10, {}, true, start).has_value());
-  CHECK_FALSE(a.send(9, {island, bob}, 10, {}, true, start).has_value());
+    CHECK(a.send(i, {island, bob_mote}, 10, {}, true, start).has_value());
+  CHECK_FALSE(a.send(9, {island, bob_mote}, 10, {}, true, start).has_value());
   CHECK(a.counters().refused == 3);
   CHECK(pick<outcome>(a.fail_all()).size() == 8);
   CHECK_FALSE(a.deadline().has_value());
 }
 
 TEST_CASE("answers of others are not taken", "[transport][MCK-12]") {
-  auto a = make(alice);
-  const auto sent = a.send(1, {island, bob}, 10, {}, true, start);
+  auto a = make(alice_mote);
+  const auto sent = a.send(1, {island, bob_mote}, 10, {}, true, start);
   auto answer = *decode_segment(pick<to_network>(*sent)[0].segment);
   answer.what = segment::kind::acknowledgement;
   answer.source = mote_id{9};
   CHECK(a.on_segment(island, encode(answer), start).empty());
-  answer.source = bob;
+  answer.source = bob_mote;
   answer.sender = 5; // to another incarnation of ours
   CHECK(a.on_segment(island, encode(answer), start).empty());
   CHECK(a.counters().stray_answers == 2);
@@ -225,31 +226,31 @@ TEST_CASE("answers of others are not taken", "[transport][MCK-12]") {
 }
 
 TEST_CASE("broken segments are counted and dropped", "[transport]") {
-  auto a = make(alice);
+  auto a = make(alice_mote);
   CHECK(a.on_segment(island, bytes{1, 2, 3}, start).empty());
   CHECK(a.counters().malformed == 1);
 }
 
 TEST_CASE("a receiver without room delays its senders and loses nothing", "[transport][MCK-18]") {
   pair_of_ends x(0.1, 20ms);
-  x.at(bob).hold(10);
+  x.at(bob_mote).hold(10);
   for (std::uint16_t i = 0; i < 8; ++i)
-    CHECK(x.send(alice, bob, i));
-  CHECK(x.send(bob, alice, 100));
+    CHECK(x.send(alice_mote, bob_mote, i));
+  CHECK(x.send(bob_mote, alice_mote, 100));
   x.run_for(2min);
   CHECK(x.handled == std::vector<std::uint16_t>{100});
   CHECK(x.ends.size() == 1);
-  CHECK(x.at(bob).counters().throttled > 100);
-  x.at(bob).release(10);
+  CHECK(x.at(bob_mote).counters().throttled > 100);
+  x.at(bob_mote).release(10);
   x.settle();
   CHECK(x.handled == std::vector<std::uint16_t>{100, 0, 1, 2, 3, 4, 5, 6, 7});
-  CHECK(x.at(alice).counters().reliable_acked == 8);
+  CHECK(x.at(alice_mote).counters().reliable_acked == 8);
 }
 
 TEST_CASE("a receiver without room for one AM type takes the others", "[transport][NFR-04]") {
   pair_of_ends x(0, 20ms);
-  x.at(bob).hold(10);
-  CHECK(x.send(alice, bob, 1, 11));
+  x.at(bob_mote).hold(10);
+  CHECK(x.send(alice_mote, bob_mote, 1, 11));
   x.settle();
   CHECK(x.handled == std::vector<std::uint16_t>{1});
 }
@@ -257,52 +258,53 @@ TEST_CASE("a receiver without room for one AM type takes the others", "[transpor
 TEST_CASE("another incarnation of the receiver is greeted when it is known to be one",
           "[transport][DIS-07][MCK-12]") {
   pair_of_ends x(0, 10ms);
-  CHECK(x.send(alice, bob, 1));
+  CHECK(x.send(alice_mote, bob_mote, 1));
   x.settle();
-  x.restart(bob);
-  x.at(alice).forget_incarnation({own_island, bob});
-  CHECK(x.send(alice, bob, 2));
+  x.restart(bob_mote);
+  x.at(alice_mote).forget_incarnation({own_island, bob_mote});
+  CHECK(x.send(alice_mote, bob_mote, 2));
   x.settle();
   CHECK(x.handled == std::vector<std::uint16_t>{1, 2});
-  CHECK(x.at(bob).counters().strangers == 0);
-  CHECK(x.at(alice).counters().hellos == 2);
+  CHECK(x.at(bob_mote).counters().strangers == 0);
+  CHECK(x.at(alice_mote).counters().hellos == 2);
 }
 
 TEST_CASE("another incarnation of the receiver refuses what was for the first",
           "[transport][DIS-07][MCK-12]") {
   pair_of_ends x(0, 10ms);
-  CHECK(x.send(alice, bob, 1));
+  CHECK(x.send(alice_mote, bob_mote, 1));
   x.settle();
-  x.restart(bob);
-  CHECK(x.send(alice, bob, 2));
-  CHECK(x.send(alice, bob, 3));
+  x.restart(bob_mote);
+  CHECK(x.send(alice_mote, bob_mote, 2));
+  CHECK(x.send(alice_mote, bob_mote, 3));
   x.settle();
   CHECK(x.handled == std::vector<std::uint16_t>{1, 3});
   CHECK_FALSE(x.acked.at(2));
-  CHECK(x.at(bob).counters().strangers == 1);
+  CHECK(x.at(bob_mote).counters().strangers == 1);
 }
 
 TEST_CASE("a receiver is not greeted in the midst of a message", "[transport][DIS-07][MCK-12]") {
   pair_of_ends x(0, 10ms);
-  CHECK(x.send(alice, bob, 1));
+  CHECK(x.send(alice_mote, bob_mote, 1));
   x.settle();
-  auto& a = x.at(alice);
-  const auto first = pick<to_network>(*a.send(2, {own_island, bob}, 10, {2}, true, x.now())).at(0);
-  a.forget_incarnation({own_island, bob}); // whether it has the message nobody knows
+  auto& a = x.at(alice_mote);
+  const auto first =
+      pick<to_network>(*a.send(2, {own_island, bob_mote}, 10, {2}, true, x.now())).at(0);
+  a.forget_incarnation({own_island, bob_mote}); // whether it has the message nobody knows
   const auto again = pick<to_network>(a.on_time(*a.deadline())).at(0);
   CHECK(again.segment == first.segment);
 }
 
 TEST_CASE("a receiver that has forgotten its sender is greeted again", "[transport][AM-03]") {
   messenger_config config;
-  config.self = bob;
+  config.self = bob_mote;
   config.sources_max = 1;
   messenger b(config, random_stream(1));
-  auto a = make(alice);
+  auto a = make(alice_mote);
   auto c = make(mote_id{9});
   int arrived = 0;
   const auto deliver = [&](messenger& from, ticket id) {
-    auto todo = *from.send(id, {island, bob}, 10, {1}, true, start);
+    auto todo = *from.send(id, {island, bob_mote}, 10, {1}, true, start);
     while (!pick<to_network>(todo).empty()) {
       const auto answer = b.on_segment(island, pick<to_network>(todo)[0].segment, start);
       arrived += static_cast<int>(pick<received>(answer).size());
@@ -318,26 +320,26 @@ TEST_CASE("a receiver that has forgotten its sender is greeted again", "[transpo
 
 TEST_CASE("many starts of a sender are not taken for old ones for ever", "[transport][DIS-07]") {
   pair_of_ends x(0, 10ms);
-  CHECK(x.send(alice, bob, 1));
+  CHECK(x.send(alice_mote, bob_mote, 1));
   x.settle();
   for (int i = 0; i < 12; ++i)
-    x.restart(alice);
-  CHECK(x.send(alice, bob, 2));
+    x.restart(alice_mote);
+  CHECK(x.send(alice_mote, bob_mote, 2));
   x.settle();
   CHECK(x.handled == std::vector<std::uint16_t>{1, 2});
 }
 
 TEST_CASE("a reliable message that no program takes fails at once", "[transport][ACK-01][AM-01]") {
   messenger_config config;
-  config.self = alice;
+  config.self = alice_mote;
   messenger a(config, random_stream(1));
-  config.self = bob;
+  config.self = bob_mote;
   messenger b(config, random_stream(2));
   a.join(island);
   b.join(island);
   const auto only_10 = [](std::uint8_t am_type) { return am_type == 10; };
   const auto deliver = [&](ticket id, std::uint8_t am_type) {
-    auto todo = *a.send(id, {island, bob}, am_type, {1}, true, start);
+    auto todo = *a.send(id, {island, bob_mote}, am_type, {1}, true, start);
     std::size_t arrived = 0;
     while (!pick<to_network>(todo).empty()) {
       const auto at_b = b.on_segment(island, pick<to_network>(todo).at(0).segment, start, only_10);
@@ -356,7 +358,7 @@ TEST_CASE("a reliable message that no program takes fails at once", "[transport]
 
 TEST_CASE("memory for sources and sessions is bounded", "[transport][AM-03]") {
   messenger_config config;
-  config.self = bob;
+  config.self = bob_mote;
   config.sources_max = 2;
   config.sessions_max = 2;
   messenger b(config, random_stream(1));
@@ -380,7 +382,7 @@ TEST_CASE("memory for sources and sessions is bounded", "[transport][AM-03]") {
 
 TEST_CASE("a session above their limit ends with its last message", "[transport][AM-03]") {
   messenger_config config;
-  config.self = alice;
+  config.self = alice_mote;
   config.sessions_max = 1;
   messenger a(config, random_stream(1));
   a.join(island);
@@ -401,22 +403,22 @@ TEST_CASE("a session above their limit ends with its last message", "[transport]
     take(a.on_segment(island, encode(answer), start));
   };
   constexpr mote_id carol{9};
-  for (const auto to : {bob, carol})
+  for (const auto to : {bob_mote, carol})
     send(to); // neither can be forgotten while its message is in flight
-  for (const auto from : {bob, bob, carol, carol})
+  for (const auto from : {bob_mote, bob_mote, carol, carol})
     acknowledge(from); // the greeting, then the message
   CHECK(a.outstanding() == 0);
   CHECK(a.counters().hellos == 2);
   send(carol);
   CHECK(sent.at(carol).what == segment::kind::reliable);
-  send(bob);
-  CHECK(sent.at(bob).what == segment::kind::hello);
+  send(bob_mote);
+  CHECK(sent.at(bob_mote).what == segment::kind::hello);
 }
 
 TEST_CASE("who answers slowly is asked once, after a few messages", "[transport][MCK-12][MCK-18]") {
   const auto round_trip = GENERATE(duration(100ms), duration(900ms), duration(3s));
-  auto a = make(alice);
-  auto b = make(bob);
+  auto a = make(alice_mote);
+  auto b = make(bob_mote);
   std::map<instant, std::pair<mote_id, bytes>> in_flight; // to whom
   instant now = start;
   int acked = 0;
@@ -425,7 +427,7 @@ TEST_CASE("who answers slowly is asked once, after a few messages", "[transport]
       auto at = now + round_trip / 2;
       while (in_flight.contains(at))
         at += 1ns;
-      in_flight[at] = {from == alice ? bob : alice, x.segment};
+      in_flight[at] = {from == alice_mote ? bob_mote : alice_mote, x.segment};
     }
     for (const auto& x : pick<outcome>(todo))
       acked += x.acked ? 1 : 0;
@@ -434,16 +436,16 @@ TEST_CASE("who answers slowly is asked once, after a few messages", "[transport]
   for (ticket i = 0; i < 20; ++i) {
     if (i == 4)
       retries = a.counters().retries;
-    take(alice, *a.send(i, {island, bob}, 10, {1}, true, now));
+    take(alice_mote, *a.send(i, {island, bob_mote}, 10, {1}, true, now));
     for (const auto end = now + 20s; now < end;) {
       now = std::min(end, *earliest(a.deadline(), end));
       if (!in_flight.empty())
         now = std::min(now, in_flight.begin()->first);
       while (!in_flight.empty() && in_flight.begin()->first <= now) {
         const auto [to, octets] = in_flight.extract(in_flight.begin()).mapped();
-        take(to, (to == alice ? a : b).on_segment(island, octets, now));
+        take(to, (to == alice_mote ? a : b).on_segment(island, octets, now));
       }
-      take(alice, a.on_time(now));
+      take(alice_mote, a.on_time(now));
     }
   }
   CHECK(acked == 20);
@@ -453,23 +455,23 @@ TEST_CASE("who answers slowly is asked once, after a few messages", "[transport]
 TEST_CASE("a receiver that is gone is given up at the same time, however slowly it answered",
           "[transport][MCK-12]") {
   messenger_config config;
-  config.self = alice;
+  config.self = alice_mote;
   messenger a(config, random_stream(1));
   a.join(island);
   auto now = start;
   const auto answer = [&](const outputs& todo) {
     auto x = *decode_segment(pick<to_network>(todo).at(0).segment);
-    x.source = bob;
+    x.source = bob_mote;
     x.what = segment::kind::acknowledgement;
     x.payload.clear();
     return encode(x);
   };
-  auto todo = *a.send(1, {island, bob}, 10, {1}, true, now);
+  auto todo = *a.send(1, {island, bob_mote}, 10, {1}, true, now);
   for (int i = 0; i < 12; ++i) { // the greeting, then messages: each is answered after 400 ms
     const auto octets = answer(todo);
     auto next = a.on_segment(island, octets, now += 400ms);
     if (pick<to_network>(next).empty())
-      next = *a.send(2, {island, bob}, 10, {1}, true, now);
+      next = *a.send(2, {island, bob_mote}, 10, {1}, true, now);
     todo = next;
   }
   const auto asked = now;
@@ -488,7 +490,7 @@ TEST_CASE("over a bad network every reliable message ends once and arrives once 
     pair_of_ends x(0.3, 400ms, seed);
     x.copies = 0.2;
     for (std::uint16_t i = 0; i < 8; ++i)
-      REQUIRE(x.send(alice, bob, i));
+      REQUIRE(x.send(alice_mote, bob_mote, i));
     x.settle();
     REQUIRE(x.ends.size() == 8);
     CHECK(std::is_sorted(x.handled.begin(), x.handled.end()));
@@ -511,11 +513,11 @@ TEST_CASE("restarts of either end double nothing and leave nothing open",
     random_stream rng(seed, "restarts");
     std::uint16_t accepted = 0;
     for (std::uint16_t i = 0; i < 40; ++i) {
-      if (x.send(i % 2 == 0 ? alice : bob, i % 2 == 0 ? bob : alice, i))
+      if (x.send(i % 2 == 0 ? alice_mote : bob_mote, i % 2 == 0 ? bob_mote : alice_mote, i))
         ++accepted;
       x.run_for(rng.between(0s, 1s));
       if (rng.chance(0.15))
-        x.restart(rng.chance(0.5) ? alice : bob);
+        x.restart(rng.chance(0.5) ? alice_mote : bob_mote);
     }
     x.settle();
     REQUIRE(x.ends.size() + static_cast<std::size_t>(x.aborted) == accepted);

@@ -5,6 +5,7 @@
 
 #include "support/catch.hpp"
 #include "support/pick.hpp"
+#include "support/start.hpp"
 #include "unit/transport_tunnels_fixture.hpp"
 
 using namespace rubicon;
@@ -16,10 +17,9 @@ using test::pc;
 using test::pick;
 using world = test::tunnel_fixture;
 using kind = tunnel_message::kind;
+using test::start;
 
 namespace {
-
-constexpr instant start{};
 
 /// The only end that this node has accepted.
 tunnel_id accepted(world& x, mote_address who) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* hostile = "<img src=x onerror=alert(1)>\xff\"\\";
 
-config::ecology_description two_motes() {
+config::ecology_description ecology_of_two() {
   config::ecology_description x;
   x.name = hostile;
   x.length = 1h;
@@ -37,7 +37,7 @@ config::ecology_description two_motes() {
   return x;
 }
 
-report::run_sample sample_at(duration at) {
+report::run_sample climate_sample_at(duration at) {
   report::run_sample x{instant(at), {{island_id(1), {{"radio", {{"collision", 7}}}}}}, {}};
   report::mote_sample mote;
   mote.address = {island_id(1), mote_id(5)};
@@ -59,7 +59,8 @@ std::shared_ptr<const view::introduction> about(std::string facts) {
 struct page {
   std::shared_ptr<view::timeline> all = std::make_shared<view::timeline>();
   view::conversation with{
-      all, about(view::with_facts(view::ecology_json(two_motes()), {.file = "home.toml"}, "wall")),
+      all,
+      about(view::with_facts(view::ecology_json(ecology_of_two()), {.file = "home.toml"}, "wall")),
       nullptr};
 
   json ask(const json& question) { return json::parse(with.on_text(question.dump())); }
@@ -93,7 +94,7 @@ TEST_CASE("a page is told the ecology first, then how far the run is", "[view][A
 }
 
 TEST_CASE("what is planned to go wrong is told, and is in a record", "[view]") {
-  auto ecology = two_motes();
+  auto ecology = ecology_of_two();
   ecology.faults.push_back({20s, config::unplug_fault{island_id(1)}});
   ecology.faults.push_back({10s, config::unplug_fault{island_id(1)}});
   std::ranges::sort(ecology.faults, {}, &config::fault_description::at);
@@ -116,20 +117,20 @@ TEST_CASE("who follows is told the newest moment, and states in turns with it", 
   x.news();
   std::size_t moments = 0;
   for (int i = 1; i <= 20; ++i) {
-    x.all->add(sample_at(i * 1s));
+    x.all->add(climate_sample_at(i * 1s));
     x.all->set({instant(i * 1s), instant(1h), true, 1, 1});
     moments += x.news()["kind"] == "moment" ? 1 : 0;
   }
   CHECK(moments == 10);
   CHECK(x.ask({{"ask", "follow"}, {"on", false}})["ok"] == true);
   x.news();
-  x.all->add(sample_at(30s));
+  x.all->add(climate_sample_at(30s));
   CHECK(x.news().is_null());
 }
 
 TEST_CASE("a moment tells of each mote in the order of the ecology", "[view][ACT-09]") {
   page x;
-  x.all->add(sample_at(3600s));
+  x.all->add(climate_sample_at(3600s));
   const auto y = x.ask({{"ask", "moment"}, {"at_s", 4000}, {"id", 7}});
   CHECK(y["id"] == 7);
   CHECK(y["sample_s"] == 3600.0);
@@ -146,7 +147,7 @@ TEST_CASE("a moment tells of each mote in the order of the ecology", "[view][ACT
 TEST_CASE("states of motes are told apart", "[view]") {
   page x;
   const auto state_of = [&x](auto change) {
-    auto sample = sample_at(10s);
+    auto sample = climate_sample_at(10s);
     change(sample.motes[0]);
     x.all->add(std::move(sample));
     return x.ask({{"ask", "moment"}, {"at_s", 10}})["motes"]["state"][0].get<int>();
@@ -164,8 +165,8 @@ TEST_CASE("states of motes are told apart", "[view]") {
 
 TEST_CASE("a mote, tuples and curves are asked for", "[view][ACT-09][SVC-07]") {
   page x;
-  x.all->add(sample_at(10s));
-  x.all->add(sample_at(20s));
+  x.all->add(climate_sample_at(10s));
+  x.all->add(climate_sample_at(20s));
   const auto mote = x.ask({{"ask", "mote"}, {"address", "1/5"}, {"at_s", 20}});
   CHECK(mote["name"] == "kitchen/stove");
   CHECK(mote["neighbours"][0][0] == "sink");
@@ -258,7 +259,7 @@ TEST_CASE("messages of a run that goes on are told, as of when they are", "[view
 
 TEST_CASE("a peer tells its links, queues and newest tuples", "[view]") {
   page x;
-  auto sample = sample_at(10s);
+  auto sample = climate_sample_at(10s);
   sample.peers = {{"kitchen-gateway", true, {{peer_id(1), 2}, {peer_id(77), 3}}, 4}};
   x.all->add(sample);
   for (int i = 0; i < 10; ++i)

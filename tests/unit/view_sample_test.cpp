@@ -9,7 +9,7 @@ using report::run_sample;
 
 namespace {
 
-run_sample two_motes() {
+run_sample sample_of_two() {
   run_sample x{instant(1500ms), {{island_id(1), {{"radio", {{"collision", 7}}}}}}, {}};
   mote_sample first;
   first.address = {island_id(1), mote_id(2)};
@@ -39,7 +39,7 @@ run_sample two_motes() {
 } // namespace
 
 TEST_CASE("a sample is what it was when it is read again", "[view]") {
-  const auto text = view::encode(two_motes());
+  const auto text = view::encode(sample_of_two());
   const auto again = view::decode_sample(text);
   REQUIRE(again);
   CHECK(view::encode(*again) == text);
@@ -75,13 +75,13 @@ TEST_CASE("what is no sample is none", "[view]") {
                            R"({"at_ns":0,"lost":{},"islands":[1],"motes":{"mote":[]}})",
                            R"({"at_ns":0,"lost":{},"islands":{"a":1},"motes":[]})"})
     CHECK_FALSE(view::decode_sample(text));
-  auto text = view::encode(two_motes());
+  auto text = view::encode(sample_of_two());
   for (std::size_t i = 0; i < text.size(); ++i)
     static_cast<void>(view::decode_sample(std::string_view(text).substr(0, i)));
 }
 
 TEST_CASE("of many motes neighbours are left out of the text", "[view]") {
-  auto x = two_motes();
+  auto x = sample_of_two();
   while (x.motes.size() <= view::motes_with_neighbours_max) {
     auto next = x.motes[0];
     next.address.mote = mote_id(static_cast<std::uint16_t>(x.motes.size() + 2));
