@@ -140,6 +140,7 @@ std::shared_ptr<const mote::node_tables> tables_of(ecology_pointer self, island_
   mote::node_tables x;
   x.layer.synaptic.tick_period = self->state.description.tick;
   x.layer.messages.slacks = self->state.slacks;
+  x.layer.home = island;
   apps::make_room(x.layer, programs);
   apps::make_room(x.network, apps::traffic_of(island, programs), traffic);
   auto made = std::make_shared<const mote::node_tables>(std::move(x));

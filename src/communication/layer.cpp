@@ -316,7 +316,8 @@ void layer::take(transport::tunnels_outputs todo, bool in_slot) {
 }
 
 void layer::send_on(stream::channel_handle channel, bytes octets, bool in_slot) {
-  const acting_on its_copies(begin_message(kind_of(channel), self(), {}));
+  const mote_address sender{island_.value_or(config_.home), config_.self};
+  const acting_on its_copies(begin_message(kind_of(channel), sender, {}));
   if (!is_tunnel(channel))
     outputs_.emplace_back(channel_packet{channel, std::move(octets), in_slot});
   else if (auto todo = tunnels_.send(tunnel_of(channel), octets, now_))

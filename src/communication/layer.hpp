@@ -116,6 +116,7 @@ inline constexpr std::uint8_t transducers_max = 32; ///< bits of a mask
 /// Of the layer itself.
 struct own_layer_config {
   mote_id self;                      ///< no_mote: a PC
+  island_id home = own_island;       ///< accounts for what is sent before the node has joined one
   std::uint32_t incarnation = 0;     ///< how often this node has been started before
   std::uint32_t transducer_mask = 0; ///< bit n: there is a transducer n
   std::size_t unclaimed_max = 4;     ///< accepted channels that have carried nothing yet
