@@ -167,7 +167,7 @@ placed_app read_sender(table_reader& in) {
 placed_app read_relay(table_reader& in) {
   traffic::relay_config app;
   placed_app out;
-  read_end(in, "next", {}, true, out, "where to");
+  read_end(in, "next", {}, true, out, "radio to which it passes packets on");
   in.all(app);
   out.app = app;
   return out;

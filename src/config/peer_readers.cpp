@@ -271,7 +271,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
   in.optional("host", host_name{}, like.host,
               {"computer of the peer; links between peers of one host cost nothing; without it, "
                "each peer has a computer of its own",
-               "wherever the run is started"});
+               "host on which the run is started"});
   read_connections(in, with, peers, apps, like);
   read_adapters(in, apps.places, like);
   end_claims ends;

@@ -81,7 +81,7 @@ TEST_CASE("what is no frame, or of another layout or kind, is refused in words",
   frame_reader reader(control::question_limits());
   static_cast<void>(reader.feed(other));
   REQUIRE(reader.now() == state::refused);
-  CHECK(reader.problem().find("layout 9") != std::string::npos);
+  CHECK(reader.problem().find("version 9") != std::string::npos);
   CHECK(reader.feed(other) == 0);
   CHECK(after(bytes{0x16, 3, 1, 2, 0, 1, 0, 1, 0xfc, 3, 3, 0}) == state::refused); // a ClientHello
   CHECK(after(header(200, 0)) == state::refused);

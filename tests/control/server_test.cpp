@@ -264,7 +264,7 @@ TEST_CASE("who is refused, and why, is told in words at both ends", "[control]")
         "has a certificate `kitchen` of another authority, and rejected our certificate");
   CHECK(why({}, "").starts_with("does not answer as a rubicon host without certificates"));
   CHECK(comes_true(loop, [&] { return log.has("does not speak TLS"); }));
-  CHECK(log.has("127.0.0.1 was rejected: it rejected our certificate `kitchen`: it is of another"));
+  CHECK(log.has("127.0.0.1 was rejected: it rejected our certificate `kitchen`: it was signed by another"));
   CHECK(log.has("it expects another host"));
 
   control::system bare{{}};
@@ -300,7 +300,7 @@ TEST_CASE("a list of revoked certificates travels with whoever asks, and shuts o
   CHECK_FALSE(host.own().revoked()); // another version may not know what it is
   CHECK(std::holds_alternative<deploy::answer>(ask(loop, client, deploy::ask_news{})));
   REQUIRE(host.own().revoked());
-  CHECK(log.has("takes list 1 of revoked certificates, with 1"));
+  CHECK(log.has("accepts list 1 of revoked certificates, with 1"));
   CHECK(log.has("127.0.0.1 was rejected: it has a certificate `thief` that was revoked"));
   CHECK(std::holds_alternative<deploy::answer>(ask(loop, client, deploy::ask_news{})));
 

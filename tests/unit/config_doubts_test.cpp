@@ -95,8 +95,8 @@ TEST_CASE("windows have room for those who share them", "[config][NRG-01]") {
   CHECK_FALSE(said(50, "330ms").empty());
   CHECK(said(14, "100ms").empty());
   CHECK_FALSE(said(15, "100ms").empty());
-  CHECK(said(14, "100ms", "1s").find("carries about 6.67 packets over 1 hop, but the programs of "
-                                     "the island send 28 per window, answers included") !=
+  CHECK(said(14, "100ms", "1s").find("carries about 6.7 packets over 1 hop, but the programs of "
+                                     "the island send 28.0 per window, answers included") !=
         std::string::npos);
   CHECK(said(3, "100ms", "1s").empty());
   CHECK_FALSE(said(4, "100ms", "1s").empty());

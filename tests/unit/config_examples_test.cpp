@@ -104,7 +104,7 @@ TEST_CASE("what the configuration reference shows can be written", "[config][doc
     for (const auto& each : found) {
       // An excerpt lacks what it refers to and what it is a part of; what it has must be right.
       const bool excerpt = each.message.find("lacks the table") != std::string::npos ||
-                           each.message.find("is called") != std::string::npos ||
+                           each.message.find("is named") != std::string::npos ||
                            each.message.find("no component starts") == 0 ||
                            each.message.find("neither an") != std::string::npos ||
                            each.message.find("`type` is missing") == 0 ||

@@ -125,7 +125,7 @@ id = 2
 type = 1
 position_m = [0, 0]
 apps = [{ app = "messenger", to = "k/mote-2", text = "x" }]
-#                                 ^ a mote of an island with stack = "mac" or with a base station takes
+#                                 ^ a mote of an island with stack = "mac" or with a base station accepts
 #   no messages
 )");
 }

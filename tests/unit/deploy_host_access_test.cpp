@@ -83,6 +83,6 @@ TEST_CASE("commands and locks of an init are the host's to allow", "[deploy][sec
   };
   CHECK(said_of(init("")).find("--allow-commands") != std::string::npos);
   CHECK(said_of(init(""), {true, {}}).empty());
-  CHECK(said_of(init(", lock = \"/etc/passwd\""), {true, {}}).find("outside of") !=
+  CHECK(said_of(init(", lock = \"/etc/passwd\""), {true, {}}).find("outside the part's folder") !=
         std::string::npos);
 }

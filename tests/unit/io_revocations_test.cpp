@@ -132,7 +132,7 @@ TEST_CASE("what cannot be renewed stays as it is", "[io][tls]") {
   CHECK(why({"old", 100, false, certificate_use::coordinator}).empty());
   CHECK(good(io::list_certificates(at.path()))[2].use == certificate_use::coordinator);
   fs::copy_file(others.add("attic").certificate, at.files("attic").certificate);
-  CHECK(has(why({"attic"}), "of another authority"));
+  CHECK(has(why({"attic"}), "signed by another authority"));
   at.revoke("kitchen");
   CHECK(has(why({"kitchen"}), "--new-key"));
   CHECK(why({"kitchen", 100, true}).empty());
@@ -200,7 +200,7 @@ TEST_CASE("a host takes newer lists only, and keeps them over its own end", "[io
     CHECK(host.take(first).is_taken);
     const auto told = host.take(second);
     CHECK(told.is_taken);
-    CHECK(told.told == "takes list 2 of revoked certificates, with 2");
+    CHECK(told.told == "accepts list 2 of revoked certificates, with 2");
     CHECK(has(meet(host, thief).server, "revoked"));
     CHECK(host.take(second).told.empty());
     CHECK(has(host.take(first).told, "has number 1, and list 2"));
@@ -264,7 +264,7 @@ TEST_CASE("a list that is forged, over, or none is refused, and the one in force
   CHECK(read(now, false).empty());
   CHECK(has(read(now + days(301), false), "expired on"));
   CHECK(read(now + days(301), true).empty());
-  CHECK(has(read(now - days(3), false), "only, and the clock here shows"));
+  CHECK(has(read(now - days(3), false), "only, and the clock here says"));
 
   put(at.path() + "/ca.crl", others.list());
   CHECK(has(why_unfit(kitchen, "kitchen"), "is not signed by"));
@@ -298,7 +298,7 @@ TEST_CASE("a list that takes back the own certificate is taken, and a new author
   at.revoke("kitchen");
   const auto told = host.look();
   CHECK(
-      has(told, "takes list 1 of revoked certificates, with 1; its own certificate is among them"));
+      has(told, "accepts list 1 of revoked certificates, with 1; its own certificate is among them"));
   CHECK(has(host.look(/*again=*/true), "keeps its certificate, since the new one is invalid"));
   const auto renewed = next.add("kitchen");
   at.remove_list();

@@ -216,7 +216,7 @@ TEST_CASE("a request waits as much longer as the mote's radio sleeps", "[proxy][
   CHECK(aut.deadline() == start + 121s);
   CHECK(told(aut.on_time(start + 121s)) == lines{base + "switch.outcome = on timeout"});
   const auto shorter = aut.on_class_changed({.class_name = "climate", .answer_timeout = 5s});
-  CHECK(told(shorter).at(0) == base + "switch.deadline = 105.000000");
+  CHECK(told(shorter).at(0) == base + "switch.deadline = 210.000000");
 }
 
 TEST_CASE("a lost mote shows, and the same proxy carries on when it returns",

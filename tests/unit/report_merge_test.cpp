@@ -150,7 +150,7 @@ TEST_CASE("what nobody can know any more is said, and the whole is not complete"
   };
   const auto seen = merged_after(24s); // it has left reports until 4 s before its end
   CHECK(seen.complete);
-  CHECK(seen.event_log.at(0).what == "last contact: its part's counts until 0:24 is not known");
+  CHECK(seen.event_log.at(0).what == "last contact: its part's counts until 0:24 are unknown");
   for (const auto& x : {merged_after(31s), merged_after(0s)}) {
     CHECK(!x.complete);
     CHECK(x.reason.starts_with("host a: its part's counts from 0:20 to "));

@@ -293,7 +293,7 @@ TEST_CASE("the verdict comes last", "[report]") {
 TEST_CASE("a large run is told in two hundred lines and says what it leaves out", "[report]") {
   const auto text = to_text(large_report());
   CHECK(lines_of(text).size() < 200);
-  CHECK(contains(text, "… 360 lines left out"));
+  CHECK(contains(text, "… 360 lines omitted"));
   CHECK(contains(text, "… and 600 more"));
   CHECK(contains(text, "… and 30 more"));
   CHECK(contains(text, "median 302.7"));
