@@ -246,8 +246,8 @@ std::string doubt_of_window(const island_description& x, const radio::channel_co
             "for a long time";
   else
     text += " carries about " + decimal_text(carried, 1) + " packets over " +
-            (hops == 1 ? "1 hop" : std::to_string(hops) + " hops") + ", but the programs of the island send " +
-            decimal_text(packets, 1) +
+            (hops == 1 ? "1 hop" : std::to_string(hops) + " hops") +
+            ", but the programs of the island send " + decimal_text(packets, 1) +
             " per window, answers included: many are lost, and motes leave the island";
   text += "; " + to_text(needed) + " would do";
   if (2 * needed > x.duty.period)

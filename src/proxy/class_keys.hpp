@@ -17,9 +17,10 @@ inline auto keys_of(const field*) {
 
 inline auto keys_of(const proxy_settings*) {
   return keys::of(
-      keys::optional("answer_timeout", &proxy_settings::answer_timeout, keys::time_span{1s, 1h},
-                     "longest time that a write waits for its outcome from the gateway; longer, by as "
-                     "much as answers take longer, where radios of the mote's island sleep"),
+      keys::optional(
+          "answer_timeout", &proxy_settings::answer_timeout, keys::time_span{1s, 1h},
+          "longest time that a write waits for its outcome from the gateway; longer, by as "
+          "much as answers take longer, where radios of the mote's island sleep"),
       keys::optional("retry_for", &proxy_settings::retry_for, keys::time_span{0s, 24h},
                      "a write that failed, was unreachable or got no answer is repeated until this "
                      "time after the first attempt, and then has its only outcome; a newer word "

@@ -84,8 +84,7 @@ public:
   [[nodiscard]] answer create_out(mote_address self, mote_address destination, std::size_t size,
                                   const parameters& x, instant now, duration far_slack = {});
   [[nodiscard]] answer create_in(mote_address self, mote_address source, std::size_t size,
-                                 const parameters& x, instant now,
-                                 duration far_slack = {});
+                                 const parameters& x, instant now, duration far_slack = {});
 
   /// Stops it, closes it. Failure: bad_descriptor.
   [[nodiscard]] answer dispose(descriptor channel);
@@ -151,7 +150,7 @@ private:
     open_message shape{};
     std::optional<channel_handle> channel{};
     std::optional<instant> due{};
-    instant gives_up{}; ///< asking, and connecting
+    instant gives_up{};   ///< asking, and connecting
     duration far_slack{}; ///< of the other end's island
 
     std::vector<float> values{}; ///< ChOut

@@ -13,7 +13,7 @@ namespace rubicon::transport {
 /// whether a radio happens to sleep at the moment or not.
 struct answer_slack {
   duration there_and_back{}; ///< what answers take longer, over as many hops as are likely
-  duration period{}; ///< of the windows in which all their packets go
+  duration period{};         ///< of the windows in which all their packets go
 };
 
 /// By island; nullptr: all radios are on. Islands whose radios are on need not be there.

@@ -52,11 +52,11 @@ using output = std::variant<to_network, received, outcome>;
 using outputs = std::vector<output>;
 
 struct messenger_config {
-  mote_id self;                    ///< no_mote for the PC side
-  std::uint32_t incarnation = 0;   ///< how often this node has been started before
-  duration ack_wait = 500ms;       ///< after the first attempt; doubles with each further one,
-  answer_slacks slacks = {}; ///< and this more after each, but for a mote's own island: as
-                             ///< set_answer_slack() has it
+  mote_id self;                  ///< no_mote for the PC side
+  std::uint32_t incarnation = 0; ///< how often this node has been started before
+  duration ack_wait = 500ms;     ///< after the first attempt; doubles with each further one,
+  answer_slacks slacks = {};     ///< and this more after each, but for a mote's own island: as
+                                 ///< set_answer_slack() has it
   static constexpr unsigned attempts_max = 5; ///< failure after 31 times ack_wait
   /// No attempt waits less than twice as long as answers of that receiver take, up to this: a slow
   /// line is not filled with copies of what it still holds. It fails no later for that: there are

@@ -74,14 +74,14 @@ struct tunnels_config {
   std::size_t tunnels_max = 3;   ///< that begin or end here
   /// Ended ones whose late connects are not taken for new ones.
   static constexpr std::size_t remembered_max = 4;
-  answer_slacks slacks = {};     ///< of all islands, the other end's and our own
+  answer_slacks slacks = {}; ///< of all islands, the other end's and our own
   /// After the first connect; doubles with each further one. What answers take longer comes on top,
   /// and twice on top of the time-out: the first may be lost.
   static constexpr duration connect_wait = 1s;
   static constexpr duration connect_wait_max = 8s;
   duration connect_timeout = 30s; ///< until the opener gives up (STR-19)
-  /// Having sent nothing for so long, an end says that it is there; where radios sleep no more often
-  /// than once in four of their periods.
+  /// Having sent nothing for so long, an end says that it is there; where radios sleep no more
+  /// often than once in four of their periods.
   duration keep_alive = 10s;
   /// Having received nothing for so long, it ends the tunnel; as many keep-alives of a longer
   /// period, and what answers take longer.

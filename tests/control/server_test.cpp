@@ -264,7 +264,8 @@ TEST_CASE("who is refused, and why, is told in words at both ends", "[control]")
         "has a certificate `kitchen` of another authority, and rejected our certificate");
   CHECK(why({}, "").starts_with("does not answer as a rubicon host without certificates"));
   CHECK(comes_true(loop, [&] { return log.has("does not speak TLS"); }));
-  CHECK(log.has("127.0.0.1 was rejected: it rejected our certificate `kitchen`: it was signed by another"));
+  CHECK(log.has(
+      "127.0.0.1 was rejected: it rejected our certificate `kitchen`: it was signed by another"));
   CHECK(log.has("it expects another host"));
 
   control::system bare{{}};

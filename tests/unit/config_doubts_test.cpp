@@ -95,9 +95,9 @@ TEST_CASE("windows have room for those who share them", "[config][NRG-01]") {
   CHECK_FALSE(said(50, "330ms").empty());
   CHECK(said(14, "100ms").empty());
   CHECK_FALSE(said(15, "100ms").empty());
-  CHECK(said(14, "100ms", "1s").find("carries about 6.7 packets over 1 hop, but the programs of "
-                                     "the island send 28.0 per window, answers included") !=
-        std::string::npos);
+  CHECK(said(14, "100ms", "1s")
+            .find("carries about 6.7 packets over 1 hop, but the programs of "
+                  "the island send 28.0 per window, answers included") != std::string::npos);
   CHECK(said(3, "100ms", "1s").empty());
   CHECK_FALSE(said(4, "100ms", "1s").empty());
   const auto crowd = said(300, "1s");
@@ -148,8 +148,8 @@ TEST_CASE("streams to elsewhere and answers take a part of each window", "[confi
                        "duty_cycle = { period = '" +
                        period + "', window = '100ms' }\n[[peer]]\nid = 40\nname = 'pc'\n";
     for (int i = 1; i <= 6; ++i)
-      toml += "[[island.mote]]\nid = " + std::to_string(i + 1) +
-              "\ntype = 'c'\nposition_m = [" + std::to_string(20 * i) + ", 0]\n";
+      toml += "[[island.mote]]\nid = " + std::to_string(i + 1) + "\ntype = 'c'\nposition_m = [" +
+              std::to_string(20 * i) + ", 0]\n";
     const auto x = load_text(toml, "t.toml");
     for (const auto& each : x.problems)
       FAIL_CHECK(to_string(each));

@@ -134,11 +134,12 @@ TEST_CASE("each mote replays its own readings of a trace, or those of the one na
   CHECK(trace(0).table == trace(2).table);
   CHECK(trace(0).table->skipped == 1);
   CHECK(trace(1).table->of_mote.at(3) == device::time_series{{60s, 4000}});
-  CHECK(problems_of(load_traced(toml)) == "lab/x.toml:20:6: the trace of `light` has no readings of "
-                                       "mote 4: choose one of its motes with `mote`");
+  CHECK(problems_of(load_traced(toml)) ==
+        "lab/x.toml:20:6: the trace of `light` has no readings of "
+        "mote 4: choose one of its motes with `mote`");
   CHECK(problems_of(load_traced(toml.substr(0, toml.find("[[island.mote]]")) +
-                             "[[island.group]]\ncount = 3\nfirst = 2\ntype = \"c\"\n"
-                             "layout = \"grid\"\nspacing = \"1m\"\n")) ==
+                                "[[island.group]]\ncount = 3\nfirst = 2\ntype = \"c\"\n"
+                                "layout = \"grid\"\nspacing = \"1m\"\n")) ==
         "lab/x.toml:11:9: the trace of `light` has no readings of mote 4: choose one of its motes "
         "with `mote`");
 }

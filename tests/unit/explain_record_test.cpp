@@ -102,9 +102,8 @@ TEST_CASE("what is no record is refused at its first line", "[explain]") {
 TEST_CASE("a record of the version before is refused by its number", "[explain]") {
   const auto x = read("{\"rubicon_record\":1}\n");
   REQUIRE(x.problem);
-  CHECK(x.problem->message ==
-        "a record of version 1, this program reads version " + std::to_string(record_version) +
-            ": record the run again");
+  CHECK(x.problem->message == "a record of version 1, this program reads version " +
+                                  std::to_string(record_version) + ": record the run again");
 }
 
 TEST_CASE("fields that are as usual are left out", "[explain][codec]") {

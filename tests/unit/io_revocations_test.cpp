@@ -297,8 +297,8 @@ TEST_CASE("a list that takes back the own certificate is taken, and a new author
   io::tls_keeper host(kitchen, "kitchen", at.state());
   at.revoke("kitchen");
   const auto told = host.look();
-  CHECK(
-      has(told, "accepts list 1 of revoked certificates, with 1; its own certificate is among them"));
+  CHECK(has(told,
+            "accepts list 1 of revoked certificates, with 1; its own certificate is among them"));
   CHECK(has(host.look(/*again=*/true), "keeps its certificate, since the new one is invalid"));
   const auto renewed = next.add("kitchen");
   at.remove_list();

@@ -81,7 +81,8 @@ TEST_CASE("who is not believed is told apart, at both ends", "[io][tls]") {
 
   const auto foreign = meet(kitchen, identity(others.add("me")));
   CHECK(has(foreign.client, "has a certificate `kitchen` of another authority"));
-  CHECK(has(foreign.server, "rejected our certificate `kitchen`: it was signed by another authority"));
+  CHECK(has(foreign.server,
+            "rejected our certificate `kitchen`: it was signed by another authority"));
 
   const auto old = now - days(300);
   const auto expired = meet(kitchen, identity(ours.add("old", old), old));

@@ -179,8 +179,12 @@ TEST_CASE("an opener waits as long as radios sleep on either side", "[transport]
   };
   const mote_address neighbour{alice.island, mote_id{9}};
   const mote_address gateway{alice.island, no_mote};
-  for (const auto& x : {wanted{alice, pc, 120s}, {pc, alice, 120s}, {alice, bob, 128s},
-                        {alice, neighbour, 120s}, {gateway, alice, 120s}, {gateway, pc, 0s}}) {
+  for (const auto& x : {wanted{alice, pc, 120s},
+                        {pc, alice, 120s},
+                        {alice, bob, 128s},
+                        {alice, neighbour, 120s},
+                        {gateway, alice, 120s},
+                        {gateway, pc, 0s}}) {
     auto core = make_tunnels(x.from, 0, 4, slacks);
     static_cast<void>(core.connect(x.to, start));
     CHECK(core.deadline() == start + 1s + x.slack);
