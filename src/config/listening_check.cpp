@@ -5,7 +5,6 @@
 #include <variant>
 #include <vector>
 
-#include "config/reach.hpp"
 #include "config/slot_check.hpp"
 #include "config/window_room.hpp"
 #include "core/decimal.hpp"
@@ -44,15 +43,10 @@ std::string rounded(double x) {
 } // namespace
 
 air_need air_need_of(const island_description& x, std::optional<double> range_m, duration tick) {
-  std::vector<position> places{x.sink.place};
-  for (const auto& mote : x.motes)
-    places.push_back(mote.place);
-  std::vector<unsigned> hops(places.size(), 1);
-  if (range_m)
-    hops = hops_from(places, 0, *range_m);
+  const auto hops = hops_to_sink(x, range_m);
   air_need sum;
   for (std::size_t i = 0; i < x.motes.size(); ++i) {
-    const auto sleeping = std::max(hops[i + 1], 1U) - 1; // the sink's radio is always on
+    const auto sleeping = hops[i] - 1; // the sink's radio is always on
     const auto rate = std::max(messages_per_second(x.motes[i]), signs_per_second(x));
     sum.hops_per_second += rate * sleeping;
   }
@@ -61,7 +55,8 @@ air_need air_need_of(const island_description& x, std::optional<double> range_m,
       sum.hops_per_second +=
           static_cast<double>(std::max<std::size_t>(flow.hops, 1)) / seconds(tick);
   if (x.stack == stack::full)
-    sum.broadcasts_per_second = static_cast<double>(places.size()) * rounds_per_second(x.listening);
+    sum.broadcasts_per_second =
+        static_cast<double>(x.motes.size() + 1) * rounds_per_second(x.listening);
   sum.share = sum.hops_per_second * seconds(x.listening.interval) / 2 +
               sum.broadcasts_per_second * seconds(x.listening.train());
   return sum;
@@ -69,9 +64,7 @@ air_need air_need_of(const island_description& x, std::optional<double> range_m,
 
 std::string doubt_of_interval(const island_description& x, const radio::channel_config& radio,
                               duration tick) {
-  const auto* disk = std::get_if<radio::unit_disk>(&radio.propagation);
-  const auto need =
-      air_need_of(x, disk != nullptr ? std::optional(disk->range_m) : std::nullopt, tick);
+  const auto need = air_need_of(x, range_of(radio), tick);
   if (need.share <= share_max)
     return {};
   const auto least_ms = std::ceil(seconds(x.listening.interval) * 1000 * share_max / need.share);

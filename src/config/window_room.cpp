@@ -56,17 +56,6 @@ duration rounded_up(duration window) {
   return (window + step - duration(1)) / step * step;
 }
 
-/// The farthest mote's, as far as it can be told.
-unsigned hops_of(const island_description& x, const radio::channel_config& radio) {
-  const auto* disk = std::get_if<radio::unit_disk>(&radio.propagation);
-  if (disk == nullptr || disk->range_m <= 0)
-    return 1;
-  std::vector<position> places{x.sink.place};
-  for (const auto& mote : x.motes)
-    places.push_back(mote.place);
-  return std::max(std::ranges::max(hops_from(places, 0, disk->range_m)), 1U);
-}
-
 struct listener {
   mote_id id;
   position place;
@@ -118,6 +107,24 @@ std::size_t crowd_of_table(const std::vector<listener>& all, const radio::gain_m
 }
 
 } // namespace
+
+std::optional<double> range_of(const radio::channel_config& x) {
+  const auto* disk = std::get_if<radio::unit_disk>(&x.propagation);
+  return disk != nullptr ? std::optional(disk->range_m) : std::nullopt;
+}
+
+std::vector<unsigned> hops_to_sink(const island_description& x, std::optional<double> range_m) {
+  std::vector<unsigned> hops(x.motes.size(), 1);
+  if (!range_m)
+    return hops;
+  std::vector<position> places{x.sink.place};
+  for (const auto& mote : x.motes)
+    places.push_back(mote.place);
+  const auto all = hops_from(places, 0, *range_m);
+  for (std::size_t i = 0; i < hops.size(); ++i)
+    hops[i] = std::max(all[i + 1], 1U);
+  return hops;
+}
 
 std::size_t beacons_in(duration window) {
   return static_cast<std::size_t>(window * open_quarters / 4 / beacon_time);
@@ -233,7 +240,9 @@ std::string doubt_of_window(const island_description& x, const radio::channel_co
     return {};
   const auto room = beacons_in(x.duty.window);
   const auto crowd = crowd_of(x, radio);
-  const auto hops = hops_of(x, radio);
+  unsigned hops = 1;
+  for (const auto each : hops_to_sink(x, range_of(radio)))
+    hops = std::max(hops, each);
   const auto packets = packets_per_window(x);
   const auto carried = packets_in(x.duty.window, hops, radio.loss);
   if (crowd <= room && packets <= carried)

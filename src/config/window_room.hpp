@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "config/ecology.hpp"
 #include "core/time.hpp"
@@ -17,6 +19,13 @@ namespace rubicon::config {
 
 /// The shortest window, in steps of 10 ms, with room for so many.
 [[nodiscard]] duration window_for(std::size_t beacons);
+
+/// How far all radios reach, where that alone decides. [m]
+[[nodiscard]] std::optional<double> range_of(const radio::channel_config& x);
+
+/// From each mote to the sink, 1 at least. @param range_m nothing: all are next to it
+[[nodiscard]] std::vector<unsigned> hops_to_sink(const island_description& x,
+                                                 std::optional<double> range_m);
 
 /// How many motes share the air around one of them, or the sink: those that it hears without
 /// shadowing, itself included. Of large islands the sink and some of the motes are looked at.
