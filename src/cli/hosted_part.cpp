@@ -229,8 +229,9 @@ void hosted_part::start() {
 void hosted_part::on_end(io::process_end how) {
   process_.reset();
   auto& x = *part_;
-  take_reports();
   auto& last = x.lives.back();
+  last.file_written = {}; // the last report may bear the time of the one before it
+  take_report(last);
   last.ended = elapsed();
   last.change = ++x.changes;
   keep_lives();

@@ -408,6 +408,7 @@ TEST_CASE("every shipped file can be spread over hosts, or says why not", "[host
       continue;
     }
     const auto report = in.report("spread");
+    INFO(report["reason"].dump() + ' ' + in.text("spread.err"));
     CHECK(report["complete"] == true);
     CHECK(in.text("spread.err").find("has ended with") == std::string::npos);
   }
