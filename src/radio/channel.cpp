@@ -347,6 +347,7 @@ void channel::run_down(radio_index radio, instant now) {
 
 void channel::watch_battery(radio_index radio, instant now) {
   const auto& meter = medium_.meter(radio);
+  at(radio).lasts_until = meter.lasts_until(now);
   const auto reserve_mah = at(radio).runs_low ? 0 : meter.battery_mah() * battery_reserve;
   const auto lasts = meter.lasts_until(now, reserve_mah);
   if (lasts != instant::max())

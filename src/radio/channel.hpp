@@ -231,6 +231,10 @@ public:
   /// @pre now is not before any earlier call's, and on_time(now) has been called
   [[nodiscard]] energy_use energy(radio_index radio, instant now) const;
 
+  /// No battery is flat before this, whatever the radios and MCUs do; instant::max() if none ends.
+  /// Costs O(radios).
+  [[nodiscard]] instant batteries_last_until() const;
+
   [[nodiscard]] power power_of(radio_index radio) const;
   [[nodiscard]] std::size_t radios() const;
   /// Radios within range, in ascending order.
@@ -258,7 +262,8 @@ private:
         counted; ///< copies: of links that are no more; requests.open: filled in when asked
     link_counters copies; ///< that it has sent
     instant added_at;
-    bool runs_low = false; ///< its owner knows
+    bool runs_low = false;                ///< its owner knows
+    instant lasts_until = instant::max(); ///< at least, as found at the last look at its battery
     instant flat_at = instant::max();
     instant guarded_until;            ///< mac_rules::guard
     std::optional<instant> scheduled; ///< the deadline of `sender` that stands in the event queue

@@ -73,6 +73,14 @@ energy_use channel::energy(radio_index radio, instant now) const {
           .empty_at = meter.empty_at(now)};
 }
 
+instant channel::batteries_last_until() const {
+  auto first = instant::max();
+  for (const auto& x : stations_)
+    if (x.supply != power::flat)
+      first = std::min(first, x.lasts_until);
+  return first;
+}
+
 power channel::power_of(radio_index radio) const {
   return at(radio).supply;
 }

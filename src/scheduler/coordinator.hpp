@@ -110,6 +110,12 @@ public:
   /// @returns false if something is still ready after `turns_max`
   bool drain(std::size_t turns_max);
 
+  /// From now on events happen in the order of their time, one after the other, as with
+  /// coordinator_options::in_order, or no longer: that changes nothing but when who may see what,
+  /// so that a stop which somebody requests while an event is handled comes at the time of that
+  /// event. Not for use inside a run.
+  void keep_in_order(bool x) { kept_in_order_ = x; }
+
   /// Ends the current run, or the next if there is none; each request ends one run. Thread-safe.
   void request_stop();
 
@@ -154,7 +160,8 @@ public:
 
   /// Whether some process may be ahead of another.
   [[nodiscard]] bool runs_ahead() const {
-    return processes_.size() > 1 && !in_order_ && (trace_ == nullptr || !trace_->is_observed());
+    return processes_.size() > 1 && !in_order_ && !kept_in_order_ &&
+           (trace_ == nullptr || !trace_->is_observed());
   }
 
   /// Polls the loop from time to time, if this is its thread.
@@ -241,6 +248,7 @@ private:
   const duration poll_interval_;
   const bool wall_;
   const bool in_order_;
+  bool kept_in_order_ = false;
 };
 
 } // namespace rubicon::scheduler

@@ -249,3 +249,38 @@ TEST_CASE("a radio on a cable sets no alarm", "[radio][power]") {
   x.note(x.channel.on_time(x.now));
   CHECK_FALSE(x.channel.deadline());
 }
+
+TEST_CASE("no battery is flat before the channel says that one may be", "[radio][power][NRG-05]") {
+  radio_fixture x;
+  CHECK(x.channel.batteries_last_until() == instant::max());
+  radio_config config;
+  config.kind = find_platform("micaz");
+  config.battery_mah = std::numeric_limits<double>::infinity();
+  static_cast<void>(x.add(config));
+  CHECK(x.channel.batteries_last_until() == instant::max());
+  std::vector<radio_index> all;
+  for (const auto mah : {0.3, 0.2, 0.25}) {
+    config.address = mote_id{static_cast<std::uint16_t>(mah * 1000)};
+    config.battery_mah = mah;
+    all.push_back(x.add(config));
+  }
+  x.set_power(all[2], power::off);
+  std::size_t looks = 0;
+  const auto run_to_end = [&](std::size_t which) {
+    while (x.all<exhausted>().size() < which) {
+      const auto until = x.channel.batteries_last_until();
+      if (until > x.now)
+        x.run_until(until - 1ns);
+      REQUIRE(x.all<exhausted>().size() < which);
+      x.run_until(std::max(until, x.now + 1ms));
+      REQUIRE(++looks < 1000);
+    }
+  };
+  run_to_end(1);
+  run_to_end(2);
+  CHECK(x.all<exhausted>().front().radio == all[1]);
+  CHECK(x.channel.batteries_last_until() > x.now);
+  x.set_power(all[2], power::on); // so it lasts shorter than it would have
+  run_to_end(3);
+  CHECK(x.channel.batteries_last_until() == instant::max());
+}

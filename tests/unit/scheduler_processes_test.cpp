@@ -101,7 +101,9 @@ void hire(boss_pointer self, std::size_t i) {
 struct outcome {
   std::uint64_t hash = 0;
   std::uint64_t count = 0;
-  events log; ///< the boss's
+  events log;                          ///< the boss's
+  scheduler::world* stopped = nullptr; ///< when the log has
+  std::size_t stop_after = 0;          ///< so many entries
 
   friend bool operator==(const outcome&, const outcome&) = default;
 };
@@ -135,6 +137,8 @@ mark_actor::behavior_type boss(boss_pointer self, std::uint64_t seed, outcome* r
     auto& its = self->state;
     its.log.emplace_back(time_of(self), x.value);
     result->log = its.log;
+    if (result->stopped != nullptr && its.log.size() == result->stop_after)
+      result->stopped->request_stop();
     if (x.value >= tell_boss) {
       // It does something about it, at once and later, at who has told and elsewhere.
       if (x.value % 4 == 0)
@@ -246,4 +250,34 @@ TEST_CASE("a run that is asked to stop ends at one time for all", "[scheduler][A
     other.run_until(instant(1ms));
     return other.trace().hash();
   }());
+}
+
+TEST_CASE("in order a stop comes at the time of the event that requests it, however many threads",
+          "[scheduler][GEN-07][NFR-08]") {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    CAPTURE(seed);
+    std::set<instant> ends;
+    std::set<std::uint64_t> hashes;
+    for (const unsigned threads : {1U, 2U, 3U}) {
+      outcome x;
+      world world({.threads = threads});
+      const auto root = world.spawn("boss", boss, seed, &x);
+      world.run_until(instant(500us)); // ahead of each other until here
+      world.scheduler().keep_in_order(true);
+      x.stopped = &world;
+      x.stop_after = x.log.size() + 6;
+      REQUIRE(world.run_until(instant(1ms)) == stop_cause::requested);
+      CHECK(x.log.back().first == world.now().time_since_epoch());
+      ends.insert(world.now());
+      CHECK(world.drain());
+      hashes.insert(world.trace().hash());
+    }
+    REQUIRE(ends.size() == 1);
+    outcome y;
+    world whole;
+    const auto root = whole.spawn("boss", boss, seed, &y);
+    whole.run_until(*ends.begin());
+    hashes.insert(whole.trace().hash());
+    CHECK(hashes.size() == 1);
+  }
 }
