@@ -367,6 +367,8 @@ void on_store(ecology_pointer self, const store_written& x) {
 void on_flat(ecology_pointer self, supervised_mote& mote) {
   mote.flat = true;
   mote.changed = now(self);
+  if (self->state.process.on_flat)
+    self->state.process.on_flat(mote.arguments->name);
 }
 
 /// The mote that a fault names, if it runs, or one that does and is drawn; nullptr: none.

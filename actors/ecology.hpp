@@ -131,6 +131,8 @@ struct process_facts {
   std::function<void()> on_inits_ended = {};
   /// Called when the run is to end before its time, and why; may be empty.
   std::function<void(const std::string& why)> on_end_wanted = {};
+  /// Told of each mote, `kitchen/climate-7`, when its battery is flat; may be empty.
+  std::function<void(const std::string& mote)> on_flat = {};
   /// Told of what goes wrong after the report was handed out; may be empty.
   std::function<void(report::violation)> on_late_violation = {};
   /// Who judges the run; nullptr: nobody. Outlives the ecology.

@@ -1,7 +1,9 @@
 #include "actors/look.hpp"
 
+#include <algorithm>
 #include <map>
 #include <utility>
+#include <variant>
 
 #include "actors/air.hpp"
 #include "actors/gateway.hpp"
@@ -275,6 +277,19 @@ void watch_time(ecology_state& all, instant now) {
                    look_of(all, address, mote, view == views.end() ? nullptr : &view->second, now),
                    now);
   }
+}
+
+instant batteries_last_until(const ecology_state& all, instant now) {
+  auto first = instant::max();
+  for (const auto& [island, air] : all.airs)
+    if (const auto* state = state_of<air_state>(air))
+      first = std::min(first, state->channel.batteries_last_until());
+  for (const auto& each : all.plan)
+    if (std::holds_alternative<config::battery_end_fault>(
+            all.description.faults[each.index].what) &&
+        instant(each.at) + last_words_time >= now)
+      first = std::min(first, instant(each.at));
+  return first;
 }
 
 } // namespace rubicon

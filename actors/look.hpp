@@ -14,4 +14,8 @@ namespace rubicon {
 /// Lets the ecology's watch look at its motes; the same, but for what the watch keeps.
 void watch_time(ecology_state& all, instant now);
 
+/// No battery is flat before this, by its use or by the fault plan; instant::max(): none ever is.
+/// @pre as above
+[[nodiscard]] instant batteries_last_until(const ecology_state& all, instant now);
+
 } // namespace rubicon

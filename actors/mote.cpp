@@ -25,9 +25,6 @@ namespace {
 
 using mote_pointer = scheduler::actor_pointer<mote_state, mote_actor>;
 
-/// From when a mote sees that its battery ends, as the fault plan has it, to its end.
-constexpr duration last_words_time = 1s;
-
 void perform(mote_pointer self, mote::node_outputs todo);
 void perform(mote_pointer self, smepp::node_outputs todo);
 void die(mote_pointer self);

@@ -29,6 +29,9 @@
 
 namespace rubicon {
 
+/// From when a mote sees that its battery ends, as the fault plan has it, to its end.
+inline constexpr duration last_words_time = 1s;
+
 /// What a mote actor is made of, the same in all its lives.
 struct mote_arguments {
   mote_address address;

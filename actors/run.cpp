@@ -14,6 +14,7 @@
 #include "actors/ecology.hpp"
 #include "actors/failure.hpp"
 #include "actors/frame_captures.hpp"
+#include "actors/lifetime.hpp"
 #include "actors/look.hpp"
 #include "actors/messages/peis.hpp"
 #include "actors/messages/supervision.hpp"
@@ -267,7 +268,7 @@ public:
         wall_(description.mode == config::run_mode::wall),
         speed_(wall_ && options.speed == 0 ? 1 : options.speed),
         world_(world_options_of(description.mode, speed_, options)),
-        inits_run_(has_init(description)) {
+        lifetime_(world_, description.until), inits_run_(has_init(description)) {
     files.watch(world_.trace());
     if (options.on_hangup)
       hangups_.emplace(world_.loop(), options.on_hangup);
@@ -322,6 +323,9 @@ public:
     const apply_fault message{static_cast<std::uint32_t>(faults.size() - 1)};
     for (const auto at : times)
       scheduler::post_at(root_, instant(at), message);
+    if (std::holds_alternative<config::battery_end_fault>(x.what))
+      for (const auto at : times)
+        lifetime_.expect_end(instant(at));
   }
 
   void run_until(instant end) { static_cast<void>(run_to(end)); }
@@ -329,12 +333,15 @@ public:
   void perform() {
     const auto end = std::max(instant(description_.length), world_.now());
     const auto cause = run_to(end);
+    lifetime_.close();
     timers_ = world_.stats().waiting;
     tell(collect_report{});
     world_.trace().messages().finish();
     tell(deliver_report{});
-    report_.interrupted = cause == scheduler::stop_cause::requested && ended_early_.empty();
-    if (report_.complete && !report_.interrupted && world_.now() < end && ended_early_.empty())
+    report_.ended_by = lifetime_.ended_by();
+    const bool is_cut_short = report_.ended_by.empty() && ended_early_.empty();
+    report_.interrupted = is_cut_short && cause == scheduler::stop_cause::requested;
+    if (report_.complete && !report_.interrupted && is_cut_short && world_.now() < end)
       ended_early_ = "the run ended early";
     if (!ended_early_.empty())
       break_off(ended_early_);
@@ -367,8 +374,9 @@ private:
     const auto every = look_every();
     auto look_next = every > 0s ? next_multiple(every) : instant::max();
     auto watch_next = next_multiple(report::time_watch::every);
-    for (;;) {
-      const auto cause = steps.run_to(std::min({look_next, watch_next, next_still_look(), end}));
+    while (lifetime_.ended_by().empty()) {
+      const auto cause = steps.run_to(
+          std::min({look_next, watch_next, next_still_look(), lifetime_.next_look(), end}));
       if (wall_)
         if (const auto length = still.look(world_.now()))
           note_standstill(*length);
@@ -385,7 +393,10 @@ private:
         watch_next = next_multiple(report::time_watch::every);
       if (world_.now() >= look_next)
         look_next = next_multiple(every);
+      if (world_.now() >= lifetime_.next_look())
+        lifetime_.look(root_state());
     }
+    return scheduler::stop_cause::requested;
   }
 
   void note_standstill(duration length) {
@@ -491,6 +502,7 @@ private:
     process_facts x;
     x.on_inits_ended = [this] { inits_run_ = false; };
     x.on_end_wanted = [this](const std::string& why) { end_early(why); };
+    x.on_flat = [this](const std::string& mote) { lifetime_.on_flat(mote); };
     if (!judge_.empty())
       x.judge = &judge_;
     x.on_late_violation = [this](report::violation late) {
@@ -524,6 +536,7 @@ private:
   bool over_ = false;
   std::uint64_t timers_ = 0; ///< that waited at the end
   scheduler::world world_;
+  lifetime lifetime_;
   bool inits_run_;
   std::optional<io::signal_watch> signals_;
   std::optional<io::hangup_watch> hangups_;

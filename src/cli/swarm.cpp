@@ -40,6 +40,8 @@ std::map<std::string, double> figures_of(const json& report, double real_s) {
   take("motes joined", "/motes/joined");
   take("PEIS packages", "/peis/packages");
   take("events", "/events");
+  if (!report.value("ended_by", "").empty())
+    take("time to the first flat battery, h", "/simulated_s", 1.0 / 3600);
   std::erase_if(all, [](const auto& x) { return x.second == 0; }); // there is no such thing
   return all;
 }

@@ -43,6 +43,12 @@ namespace rubicon::config {
 
 enum class run_mode : std::uint8_t { virtual_time, wall };
 
+/// What a run ends with.
+enum class run_end : std::uint8_t {
+  duration,
+  first_flat_battery, ///< of a mote; at the latest after its duration
+};
+
 using sampler_app = apps::sampler_config;
 using actuator_app = apps::actuator_config;
 using messenger_app = apps::messenger_config;
@@ -468,6 +474,7 @@ struct ecology_description {
   std::uint64_t seed = 1;
   run_mode mode = run_mode::virtual_time;
   duration length = 10min;
+  run_end until = run_end::duration;
   duration day_begins{};               ///< time of day at the start of the run, 0 to 24 h
   std::optional<duration> date;        ///< of a virtual run: the day it starts, since 1970
   std::chrono::milliseconds tick{500}; ///< period of the RUBICON clock, everywhere (CLK-03)

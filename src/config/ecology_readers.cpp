@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "config/file_readers.hpp"
@@ -53,6 +54,12 @@ void read_ecology(table_reader& root, ecology_description& out) {
                     word<run_mode>{{{"virtual", run_mode::virtual_time}, {"wall", run_mode::wall}}},
                     out.mode, "as fast as the computer can, or in real time");
         in.optional("duration", time_span{1ms}, out.length, "of ecology time");
+        in.optional("until",
+                    word<run_end>{{{"duration", run_end::duration},
+                                   {"first_flat_battery", run_end::first_flat_battery}}},
+                    out.until,
+                    "what the run ends with: its `duration`, or the [first flat "
+                    "battery](#first-flat-battery) of a mote, but at the latest its `duration`");
         in.optional("start", day_start{}, out.day_begins,
                     {"time of day at the start of the run, for [rules](#rules) with `at`; in wall "
                      "time also `\"now\"`: that of the computer's clock and time zone, including "
@@ -88,6 +95,23 @@ void read_ecology(table_reader& root, ecology_description& out) {
                in.required("width", metres{0.1, 100'000}, plan.width_m,
                            "from its left edge to its right one");
              });
+}
+
+void check_end(table_reader& root, const ecology_description& x) {
+  const auto* run = root.value("ecology");
+  const auto* until = run == nullptr ? nullptr : run->find("until");
+  if (until == nullptr || x.until == run_end::duration)
+    return;
+  const auto refuse = [&](const std::string& why) {
+    root.problems().add(until->at, "`until = \"first_flat_battery\"` " + why);
+  };
+  if (!x.hosts.empty())
+    refuse("is for a run in one process: the hosts of a file with [[host]] do not tell each other "
+           "of batteries");
+  if (root.sound() && std::ranges::none_of(x.islands, [](const auto& island) {
+        return !island.outside.has_sink() && !island.motes.empty();
+      }))
+    refuse("means nothing without a simulated mote: no other battery ends");
 }
 
 namespace {

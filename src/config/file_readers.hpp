@@ -54,6 +54,9 @@ struct placed_links {
 
 void read_ecology(table_reader& root, ecology_description& out);
 
+/// Complains about an end that the run cannot have. @param x complete but for its expectations
+void check_end(table_reader& root, const ecology_description& x);
+
 /// [radio], with the files that it names.
 [[nodiscard]] placed_links read_radio(table_reader& root, const named_files& files,
                                       radio::channel_config& out);

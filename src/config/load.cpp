@@ -70,6 +70,7 @@ ecology_description read_file_tables(table_reader& in, const named_files& files)
   out.expectations = read_expectations(in);
   out.bluetooth_devices = read_bluetooth_devices(in);
   in.finish();
+  check_end(in, out);
   if (!in.has("island") && !in.has("peer"))
     in.problems().add(in.at(), "the file has neither an [[island]] nor a [[peer]]");
   return out;

@@ -425,9 +425,10 @@ std::string first_lines(const ecology_description& x) {
   std::size_t motes = 0;
   for (const auto& island : x.islands)
     motes += island.motes.size();
-  return printable(x.name) + ": " + to_text(x.length) + " of " +
-         (x.mode == run_mode::wall ? "wall time" : "virtual time") + ", seed " +
-         std::to_string(x.seed) + ", network " + printable(x.network) + '\n' +
+  return printable(x.name) + ": " +
+         (x.until == run_end::first_flat_battery ? "until the first flat battery, at most " : "") +
+         to_text(x.length) + " of " + (x.mode == run_mode::wall ? "wall time" : "virtual time") +
+         ", seed " + std::to_string(x.seed) + ", network " + printable(x.network) + '\n' +
          counted(x.islands.size(), "island") + ", " + counted(motes, "mote") + ", " +
          counted(x.peers.size(), "peer") + '\n' +
          (x.islands.empty() ? "" : radio_line(x.radio) + mac_line(x) + flows_line(x)) +

@@ -54,6 +54,7 @@ std::string head_of(const run_page& x) {
               report::counted(run.events, "event") +
               (run.trace_hash.empty() ? "" : " · trace " + run.trace_hash) +
               (x.digest.empty() ? "" : " · file " + x.digest) +
+              (run.ended_by.empty() ? "" : " · ended by the flat battery of " + run.ended_by) +
               (run.interrupted ? " · interrupted early" : "");
   auto out = "<header>\n" + element("h1", run.ecology) + '\n' +
              element("span", (good ? "✓ " : "✗ ") + verdict(run),

@@ -532,6 +532,7 @@ struct run_report {
   std::uint64_t events = 0; ///< messages delivered to actors
   std::string trace_hash;   ///< 16 hexadecimal digits
   bool interrupted = false; ///< ended by a signal before its time
+  std::string ended_by;     ///< the mote whose flat battery ended it, by `until`; empty: none did
   bool complete = false;    ///< the parts below were collected, and the run came to its end
   std::string reason;       ///< why it is not complete; empty if it is
   actor_report actors;
@@ -566,9 +567,9 @@ struct run_report {
   [[nodiscard]] double used_mah() const;
 };
 RUBICON_FIELDS(run_report, ecology, seed, mode, simulated, wall_s, events, trace_hash, interrupted,
-               complete, reason, actors, islands, peers, proxies, flows, programs, modules, streams,
-               pc_messages, tunnels, losses, event_log, event_log_left_out, violations,
-               expectations);
+               ended_by, complete, reason, actors, islands, peers, proxies, flows, programs,
+               modules, streams, pc_messages, tunnels, losses, event_log, event_log_left_out,
+               violations, expectations);
 
 inline constexpr std::size_t event_log_max = 400;
 

@@ -237,6 +237,7 @@ std::string to_json(const run_report& x) {
       {"events", x.events},
       {"trace_hash", x.trace_hash},
       {"interrupted", x.interrupted},
+      {"ended_by", x.ended_by},
       {"complete", x.complete},
       {"reason", x.reason},
       {"motes",

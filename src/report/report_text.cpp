@@ -28,6 +28,7 @@ void add_title(report_page& page, const run_report& x) {
                  " (" + speed_factor(x.simulated, x.wall_s) + " real time)",
              "seed " + std::to_string(x.seed), counted(x.events, "event"),
              x.trace_hash.empty() ? "" : "trace " + x.trace_hash,
+             x.ended_by.empty() ? "" : "ended by the flat battery of " + x.ended_by,
              x.interrupted ? "interrupted early" : "",
              x.reason.empty() ? "" : "not complete: " + x.reason});
 }

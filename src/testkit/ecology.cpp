@@ -213,8 +213,12 @@ void ecology::run_until(instant end) {
 
 bool ecology::run_until(const std::function<bool()>& done, duration limit, duration step) {
   const auto latest = now() + limit;
-  while (!done() && now() < latest)
-    run_for(std::min(step, latest - now()));
+  while (!done() && now() < latest) {
+    const auto before = now();
+    run_for(std::min(step, latest - before));
+    if (now() == before) // a flat battery has ended the run
+      break;
+  }
   return done();
 }
 

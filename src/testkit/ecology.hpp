@@ -57,7 +57,8 @@ public:
   ecology(ecology&&) noexcept;
   ecology& operator=(ecology&&) noexcept;
 
-  // -- time; it may go on beyond the length that the description gives the run
+  // -- time; it may go on beyond the length that the description gives the run, but not beyond the
+  // first flat battery if the description ends the run there
 
   [[nodiscard]] instant now() const;
   void run_for(duration length);

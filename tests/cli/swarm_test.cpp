@@ -113,6 +113,17 @@ TEST_CASE("a good report is a good seed", "[cli]") {
   CHECK(x.real == 250ms);
 }
 
+TEST_CASE("the time to the first flat battery is compared between seeds whose runs it has ended",
+          "[cli][NRG-05]") {
+  const std::string title = "time to the first flat battery, h";
+  auto report = good_report;
+  CHECK(!judged(said(0, report)).figures.contains(title));
+  report.insert(1, R"("ended_by": "", )");
+  CHECK(!judged(said(0, report)).figures.contains(title));
+  report.replace(report.find(R"("", )"), 2, R"("kitchen/climate-7")");
+  CHECK(judged(said(0, report)).figures.at(title) == Approx(20.0 / 3600));
+}
+
 TEST_CASE("violations of a report are those of its seed", "[cli]") {
   const auto x = judged(said(1, bad_report));
   CHECK(only_violation(x) == "every mote is joined: kitchen/shelf: never joined");

@@ -7,6 +7,7 @@
 
 #include "config/document.hpp"
 #include "config/load.hpp"
+#include "config/summary.hpp"
 #include "config_sample.hpp"
 #include "support/catch.hpp"
 
@@ -180,4 +181,32 @@ TEST_CASE("a byte order mark is no part of the text", "[config]") {
 TEST_CASE("text that a terminal would act on is made harmless", "[config]") {
   const auto found = test::problem_after(test::head, "\"a\\u001b[2J\" = 1\n");
   CHECK(found.find("unknown key `a\\x1b[2J` in [[peer]]") != std::string::npos);
+}
+
+TEST_CASE("a run may end at the first flat battery, if a battery can be flat here",
+          "[config][NRG-05]") {
+  const auto until = [](const std::string& what, const std::string& rest) {
+    return "[ecology]\nname = \"t\"\nuntil = \"" + what + "\"\n" + rest;
+  };
+  const std::string peer = "[[peer]]\nname = \"pc\"\nid = 300\n";
+  const std::string island = "[[island]]\nname = \"k\"\nid = 1\n";
+  const std::string mote = "[[island.mote]]\nid = 2\ntype = 7\nposition_m = [1, 2]\n";
+  CHECK(test::good(until("duration", peer)).until == run_end::duration);
+  const auto x = test::good(until("first_flat_battery", island + mote));
+  CHECK(x.until == run_end::first_flat_battery);
+  CHECK(summary(x).starts_with("t: until the first flat battery, at most 10min of virtual time"));
+  CHECK(problem_in(until("flat", peer)) ==
+        "3:9: `until` must be \"duration\" or \"first_flat_battery\", not \"flat\"");
+  const auto no_mote = "3:9: `until = \"first_flat_battery\"` means nothing without a simulated "
+                       "mote: no other battery ends";
+  CHECK(problem_in(until("first_flat_battery", peer)) == no_mote);
+  CHECK(problem_in(until("first_flat_battery", island)) == no_mote);
+  CHECK(problem_in(
+            until("first_flat_battery", island + "serial = { device = \"/dev/ttyUSB0\" }\n" + peer))
+            .find(no_mote) != std::string::npos);
+  CHECK(problem_in(until("first_flat_battery", island + mote +
+                                                   "[[host]]\nname = \"h\"\naddress = "
+                                                   "\"127.0.0.1\"\n")) ==
+        "3:9: `until = \"first_flat_battery\"` is for a run in one process: the hosts of a file "
+        "with [[host]] do not tell each other of batteries");
 }

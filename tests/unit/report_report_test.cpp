@@ -383,6 +383,15 @@ TEST_CASE("an interrupted run says so", "[report][ACT-11]") {
   CHECK(contains(to_text(x), "interrupted early"));
 }
 
+TEST_CASE("a run that a flat battery has ended says whose", "[report][NRG-05]") {
+  auto x = sample_report();
+  CHECK(!contains(to_text(x), "flat battery"));
+  CHECK(json::parse(to_json(x)).at("ended_by") == "");
+  x.ended_by = "kitchen/climate-7";
+  CHECK(contains(to_text(x), "ended by the flat battery of kitchen/climate-7"));
+  CHECK(json::parse(to_json(x)).at("ended_by") == "kitchen/climate-7");
+}
+
 TEST_CASE("only a terminal gets escapes, and never one from a tuple", "[report]") {
   auto x = sample_report();
   x.event_log[0].what = "joined\033[2J";
