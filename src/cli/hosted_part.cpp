@@ -243,6 +243,8 @@ void hosted_part::on_end(io::process_end how) {
   if (x.lives.size() >= lives_max && !is_over)
     note("has died " + std::to_string(lives_max) + " times, and is not restarted");
   if (is_over || x.refused || x.lives.size() >= lives_max || elapsed() + x.pause >= x.what.length) {
+    if (!last.is_final && !x.refused)
+      note("has ended with " + to_string(how) + " without a last report");
     x.state = deploy::part_state::ended;
     say_('`' + x.ecology.name + "` has ended");
     return;
