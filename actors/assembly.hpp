@@ -18,12 +18,6 @@ using ecology_pointer = scheduler::actor_pointer<ecology_state, root_actor>;
 /// depends on the description alone.
 void assemble(ecology_pointer self);
 
-/// Tells something of a run in its event log. @param who an actor's path
-void note_event(ecology_pointer self, const std::string& who, std::string what);
-
-/// A mote of the description, which may be one of another island by now. @pre it is simulated
-[[nodiscard]] supervised_mote& mote_now(ecology_pointer self, mote_address x);
-
 /// Something is started that has been `starts` - 1 times before. A later process is to give
 /// everything a number that nothing had.
 void note_starts(ecology_pointer self, std::uint32_t starts);

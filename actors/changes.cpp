@@ -11,6 +11,7 @@
 #include "actors/messages/programs.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/mote.hpp"
+#include "actors/supervised.hpp"
 #include "config/change_text.hpp"
 #include "config/debug_selection.hpp"
 #include "report/figures.hpp"
