@@ -161,7 +161,7 @@ void message_ledger::end(message_account& x) {
       }
       ++x.tally_.lost[about.cause];
       const auto known = places_.size() < places_max;
-      ++places_[{about.kind, about.cause, std::string(known ? about.place : std::string_view())}];
+      ++places_[{about.kind, about.cause, known ? about.place : std::string_view()}];
     }
   }
   tell(about);
@@ -233,7 +233,7 @@ void message_ledger::expire(instant now, packages& to) {
 
 message_ledger::tallies message_ledger::tallied() const {
   const auto lock = locked();
-  return tallies_;
+  return {tallies_.begin(), tallies_.end()};
 }
 
 message_tally message_ledger::of(mote_address source, message_kind kind) const {
@@ -244,7 +244,10 @@ message_tally message_ledger::of(mote_address source, message_kind kind) const {
 
 message_ledger::places message_ledger::lost_at() const {
   const auto lock = locked();
-  return places_;
+  places out;
+  for (const auto& [what, count] : places_)
+    out[{std::get<0>(what), std::get<1>(what), std::string(std::get<2>(what))}] = count;
+  return out;
 }
 
 std::map<message_ledger::sender, std::uint64_t> message_ledger::foreign_arrivals() const {

@@ -151,10 +151,17 @@ private:
   void expire(instant now, packages& to);
   [[nodiscard]] std::unique_lock<std::mutex> locked() const;
 
+  struct sender_hash {
+    std::size_t operator()(const sender& x) const noexcept {
+      return std::size_t{x.first.island.value} << 24U | std::size_t{x.first.mote.value} << 8U |
+             static_cast<std::size_t>(x.second);
+    }
+  };
+
   mutable std::mutex mutex_;
   std::unordered_set<std::string> paths_;
-  tallies tallies_;
-  places places_;
+  std::unordered_map<sender, message_tally, sender_hash> tallies_;
+  std::map<std::tuple<message_kind, loss, std::string_view>, std::uint64_t> places_; ///< of paths_
   std::map<sender, std::uint64_t> foreign_;
   packages packages_; ///< as they departed
   std::unordered_map<std::uint64_t, packages::iterator> by_name_;
