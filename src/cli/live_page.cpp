@@ -212,7 +212,7 @@ live_page::live_page(const page_place& where, const std::string& ecology,
                      controls = std::move(controls)] {
     return std::make_unique<page_session>(view::conversation(timeline, about, controls));
   };
-  site.on_time = [timeline = timeline_] { timeline->settle(); };
+  site.on_time = [timeline = timeline_] { timeline->flush(); };
   const auto token = site.token;
   auto opened = io::web_server::open(std::move(site));
   if (const auto* why = std::get_if<std::string>(&opened))
