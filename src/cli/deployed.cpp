@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "config/placement.hpp"
-#include "io/kept_number.hpp"
+#include "io/stored_number.hpp"
 #include "io/replace_file.hpp"
 
 namespace rubicon::cli {

@@ -258,7 +258,7 @@ void deployment::take(followed& x, deploy::life_news& told) {
   life.elapsed = told.elapsed;
   life.ended = told.ended;
   life.is_final = told.is_final;
-  life.told = std::move(told.told);
+  life.told = std::move(told.newest);
 }
 
 /// What cannot be mended by waiting ends what has not begun; later, the others go on.

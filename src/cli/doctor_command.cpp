@@ -27,7 +27,7 @@
 #include "core/printable.hpp"
 #include "deploy/bundle.hpp"
 #include "io/certificates.hpp"
-#include "io/kept_number.hpp"
+#include "io/stored_number.hpp"
 #include "io/loop.hpp"
 #include "io/machine.hpp"
 #include "io/serial_devices.hpp"

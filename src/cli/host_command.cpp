@@ -16,7 +16,7 @@
 #include "core/printable.hpp"
 #include "io/file_lock.hpp"
 #include "io/hangup_watch.hpp"
-#include "io/kept_number.hpp"
+#include "io/stored_number.hpp"
 #include "io/loop.hpp"
 #include "io/machine.hpp"
 #include "io/signal_watch.hpp"
@@ -59,7 +59,7 @@ public:
     say("listens on " + command_.address + ':' + std::to_string(server_->port()) +
         (command_.tls.empty() ? ", for this computer only"
                               : ", for certificates of " + command_.tls.authority));
-    for (const auto& each : identity_.own().doubts())
+    for (const auto& each : identity_.own().warnings())
       say(each);
     while (!ending_ || (part_.is_running() && steady::now() < *ending_ + host_goodbye_max)) {
       loop_.wait_until(steady::now() + host_look_every);
@@ -128,7 +128,7 @@ private:
             [this](const deploy::offer_seeds& x) -> deploy::answer { return seeds_.offer(x); },
             [this](const deploy::run_seeds& x) -> deploy::answer { return seeds_.run(x); },
             // The server's own.
-            [](const deploy::tell_revoked&) -> deploy::answer { return deploy::verdict{}; },
+            [](const deploy::send_revoked&) -> deploy::answer { return deploy::verdict{}; },
         },
         question);
   }

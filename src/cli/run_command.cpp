@@ -37,7 +37,7 @@
 #include "core/printable.hpp"
 #include "core/shell_word.hpp"
 #include "deploy/fault_sentence.hpp"
-#include "io/kept_number.hpp"
+#include "io/stored_number.hpp"
 #include "io/line_input.hpp"
 #include "io/temporary_folder.hpp"
 #include "io/unwaiting_output.hpp"
@@ -387,13 +387,13 @@ exit_status run_part(run_command x, ecology_file file) {
     x.starts_file = io::state_file(file.ecology.name + '-' + x.host + ".starts");
   if (x.starts_file.empty())
     return refuse("there is no folder to count the starts of the part in; use --starts FILE");
-  auto opened = io::kept_number::open(x.starts_file);
+  auto opened = io::stored_number::open(x.starts_file);
   if (const auto* why = std::get_if<std::string>(&opened))
     return refuse(*why);
-  auto& starts = std::get<io::kept_number>(opened);
+  auto& starts = std::get<io::stored_number>(opened);
   x.options.starts = starts.value();
   x.options.on_starts = [&starts](std::uint32_t most) {
-    const auto why = starts.keep(most);
+    const auto why = starts.store(most);
     if (!why.empty())
       throw std::runtime_error(why); // others would take a later life for an earlier one
   };

@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "io/kept_number.hpp"
+#include "io/stored_number.hpp"
 #include "io/replace_file.hpp"
 
 namespace rubicon::cli {
