@@ -2069,7 +2069,7 @@ function startControl() {
   $("fault-kind").replaceChildren(...options(Object.keys(FAULTS)));
   on($("fault-kind"), "change", () => proposeFault($("fault-kind").value));
   on($("fault-who"), "change", composeFault);
-  const doFault = () => command({ ask: "fault", sentence: $("fault-sentence").value.trim() }, $("fault-sentence").value);
+  const doFault = () => post({ ask: "fault", sentence: $("fault-sentence").value.trim() }, $("fault-sentence").value);
   on($("fault-do"), "click", doFault);
   on($("fault-sentence"), "keydown", event => { if (event.key === "Enter") doFault(); });
 }
@@ -2100,10 +2100,10 @@ function composeFault() {
   $("fault-sentence").value = FAULTS[$("fault-kind").value][1].replace("WHO", () => who).replace("SINK", () => sink);
 }
 
-const setTuple = (owner, key, value) => command({ ask: "set", owner, key, value }, `${owner}: ${key} = ${value}`);
+const setTuple = (owner, key, value) => post({ ask: "set", owner, key, value }, `${owner}: ${key} = ${value}`);
 
 /** Sends a request that changes the run, and lists the answer. */
-async function command(question, title) {
+async function post(question, title) {
   const answer = await ask(question);
   const good = answer?.kind === "done" && answer.ok;
   const text = answer ? answer.text || (good ? "done" : "refused") : "the connection is lost";
