@@ -157,7 +157,7 @@ config::ecology_description overridden(config::ecology_description x, const run_
 
 /// What a program of a peer does to a tuple.
 void tell_tuple(report::expectations& judge, const scheduler::delivery& x) {
-  if (!x.heard)
+  if (!x.received)
     return;
   if (const auto* set = x.as<set_tuple>())
     judge.on_tuple(set->key, tuple_text(set->value.view()), x.time);

@@ -263,7 +263,7 @@ void run_record::write(const scheduler::delivery& x) {
     r.from = x.sender;
     r.to = x.path;
     r.id = carried->link;
-    r.unheard = !x.heard;
+    r.unheard = !x.received;
     put_packages(std::move(r), carried->octets.view());
     return;
   }
@@ -284,7 +284,7 @@ void run_record::write(const scheduler::delivery& x) {
     r.from = x.sender;
   r.to = x.path;
   r.cause = cause;
-  r.unheard = !x.heard;
+  r.unheard = !x.received;
   if (r.what == kind::event)
     last_story_ = r.from + '\t' + r.text;
   put(r);

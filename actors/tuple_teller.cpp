@@ -28,7 +28,7 @@ void tuple_teller::tell_set(const scheduler::delivery& x, std::optional<peer_id>
 }
 
 void tuple_teller::write(const scheduler::delivery& x) {
-  if (!x.heard)
+  if (!x.received)
     return;
   if (const auto* set = x.as<set_tuple>())
     tell_set(x, {}, *set);

@@ -33,25 +33,25 @@ ask_each(control::system& actors, const std::vector<deployed_host>& hosts,
   return answers;
 }
 
-std::vector<std::string> problems_of(const heard_verdict& x) {
+std::vector<std::string> problems_of(const received_verdict& x) {
   const auto* why = std::get_if<std::string>(&x);
   return why != nullptr ? std::vector{*why} : std::get<deploy::verdict>(x).problems;
 }
 
-std::vector<std::variant<heard_facts, std::string>>
+std::vector<std::variant<received_facts, std::string>>
 ask_facts_of(control::system& actors, const std::vector<deployed_host>& hosts) {
   const auto before_us = io::system_clock_us();
-  auto heard = ask_hosts(actors, hosts, [](const auto&) { return deploy::ask_facts{}; });
+  auto answers = ask_hosts(actors, hosts, [](const auto&) { return deploy::ask_facts{}; });
   const auto now_us = (before_us + io::system_clock_us()) / 2;
-  std::vector<std::variant<heard_facts, std::string>> out;
-  for (auto& each : heard) {
+  std::vector<std::variant<received_facts, std::string>> out;
+  for (auto& each : answers) {
     if (auto* why = std::get_if<std::string>(&each)) {
       out.emplace_back(std::move(*why));
       continue;
     }
     auto& facts = std::get<deploy::host_facts>(each);
     const auto ahead_s = 1e-6 * static_cast<double>(facts.clock_us - now_us);
-    out.emplace_back(heard_facts{std::move(facts), ahead_s});
+    out.emplace_back(received_facts{std::move(facts), ahead_s});
   }
   return out;
 }

@@ -36,17 +36,17 @@ template <class Make>
   return out;
 }
 
-using heard_verdict = std::variant<deploy::verdict, std::string>;
+using received_verdict = std::variant<deploy::verdict, std::string>;
 
-/// What a host has against it, or why it does not say.
-[[nodiscard]] std::vector<std::string> problems_of(const heard_verdict& x);
+/// Why a host refuses, or why it did not answer.
+[[nodiscard]] std::vector<std::string> problems_of(const received_verdict& x);
 
-struct heard_facts {
+struct received_facts {
   deploy::host_facts facts;
   double clock_ahead_s = 0; ///< of ours
 };
 
-[[nodiscard]] std::vector<std::variant<heard_facts, std::string>>
+[[nodiscard]] std::vector<std::variant<received_facts, std::string>>
 ask_facts_of(control::system& actors, const std::vector<deployed_host>& hosts);
 
 } // namespace rubicon::cli

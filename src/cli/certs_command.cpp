@@ -123,7 +123,7 @@ exit_status refuse_in(const std::string& folder, const std::string& why) {
   return refuse(why + (is_missing ? "; rubicon certs init creates an authority" : ""));
 }
 
-exit_status tell(const io::made_certificate& made, const std::string& about_key) {
+exit_status print_made(const io::made_certificate& made, const std::string& about_key) {
   const auto text = printable(made.file) + ", valid until " + date_text(made.valid_until) + '\n' +
                     printable(made.key_file) + ", its key: " + about_key + '\n';
   return print(stdout, text) ? exit_status::good : exit_status::refused;
@@ -133,8 +133,8 @@ exit_status perform_in(const std::string& folder, const io::new_authority& x) {
   const auto made = io::make_authority(folder, x, io::system_time());
   if (const auto* why = std::get_if<std::string>(&made))
     return refuse(*why);
-  return tell(std::get<io::made_certificate>(made),
-              "anyone who has it can make certificates, so keep it off the hosts");
+  return print_made(std::get<io::made_certificate>(made),
+                    "anyone who has it can make certificates, so keep it off the hosts");
 }
 
 exit_status perform_in(const std::string& folder, const io::new_certificate& x) {
@@ -144,7 +144,7 @@ exit_status perform_in(const std::string& folder, const io::new_certificate& x) 
   const auto made = io::make_certificate(folder, x, io::system_time());
   if (const auto* why = std::get_if<std::string>(&made))
     return refuse_in(folder, *why);
-  return tell(std::get<io::made_certificate>(made), "for " + x.host + " only, beside ca.crt");
+  return print_made(std::get<io::made_certificate>(made), "for " + x.host + " only, beside ca.crt");
 }
 
 exit_status perform_in(const std::string& folder, const io::renewal& x) {
@@ -153,7 +153,7 @@ exit_status perform_in(const std::string& folder, const io::renewal& x) {
     return refuse_in(folder, *why);
   const auto& found = std::get<io::made_certificate>(made);
   if (!found.key_file.empty())
-    return tell(found, "for " + x.host + " only, beside ca.crt");
+    return print_made(found, "for " + x.host + " only, beside ca.crt");
   const auto text = printable(found.file) + ", valid until " + date_text(found.valid_until) +
                     "; its key is unchanged\n";
   return print(stdout, text) ? exit_status::good : exit_status::refused;

@@ -6,7 +6,7 @@
 
 namespace rubicon::cli {
 
-/// Makes an authority or a certificate, or tells what is there. Status 1: one of those that are
+/// Makes an authority or a certificate, or lists what is there. Status 1: one of those that are
 /// there is no good.
 [[nodiscard]] exit_status perform(const certs_command& x);
 

@@ -15,9 +15,9 @@ exit_status perform(const check_command& x) {
     return exit_status::refused;
   const auto& ecology = file->ecology;
   for (const auto& each : config::placement_problems(ecology))
-    file->doubts.push_back({x.file, 0, 0, printable("on several hosts it cannot run: " + each)});
-  if (x.is_strict && !file->doubts.empty()) {
-    complain({std::nullopt, file->doubts}, x.file);
+    file->warnings.push_back({x.file, 0, 0, printable("on several hosts it cannot run: " + each)});
+  if (x.is_strict && !file->warnings.empty()) {
+    complain({std::nullopt, file->warnings}, x.file);
     return exit_status::refused;
   }
   warn(*file);

@@ -132,7 +132,7 @@ CLI::Option* add_view(CLI::App& app, std::optional<page_place>& x) {
 }
 
 /// `--control` or `--control=kernel`
-CLI::Option* add_control(CLI::App& app, watch_wishes& x, const std::string& what) {
+CLI::Option* add_control(CLI::App& app, watch_options& x, const std::string& what) {
   const auto said = std::make_shared<std::string>();
   return app.add_flag("--control", *said, what)
       ->check(CLI::IsMember({"true", "kernel"}))
@@ -212,7 +212,7 @@ CLI::App& add_run(CLI::App& app, run_command& x) {
   add_path(run, "--starts", "FILE", x.starts_file,
            "File that counts the starts of the part; default: a file of the user")
       ->needs(host);
-  // What a host tells the parts that it starts.
+  // Options that a host gives to the parts that it starts.
   run.add_flag("--bundled", x.is_bundled, "FILE was written by a host")->group("");
   add_path(run, "--part-report", "FILE", x.part_file, "Where reports are written")
       ->needs(host)
@@ -554,8 +554,8 @@ namespace {
 
 constexpr std::size_t options_octets_max = 65'536;
 
-/// Those that join a network as a guest have options of their own for what is said.
-std::vector<std::string> as_of_guest(const original_options& x) {
+/// Commands that join a network have options of their own for the original ones.
+std::vector<std::string> options_of_member(const original_options& x) {
   std::vector<std::string> words;
   if (!x.connect.empty())
     words.insert(words.end(),
@@ -579,9 +579,9 @@ command parse_command_line(std::span<const char* const> arguments) {
     return refused_command{printable(*why) + '\n'};
   const auto& original = std::get<original_options>(taken);
   const auto name = words.size() > 1 ? words[1] : std::string();
-  constexpr std::string_view guests[] = {"top", "hosts", "tuples", "route", "ping"};
-  if (std::ranges::find(guests, name) != std::end(guests))
-    std::ranges::move(as_of_guest(original), std::back_inserter(words));
+  constexpr std::string_view members[] = {"top", "hosts", "tuples", "route", "ping"};
+  if (std::ranges::find(members, name) != std::end(members))
+    std::ranges::move(options_of_member(original), std::back_inserter(words));
   else if (!original.said.empty() && name != "run")
     return refused_command{
         "options of --peis- are for `run` and for commands that join a network\n"};

@@ -13,7 +13,7 @@
 #include "cli/original_options.hpp"
 #include "cli/serial_command.hpp"
 #include "cli/swarm.hpp"
-#include "cli/watch_wishes.hpp"
+#include "cli/watch_options.hpp"
 #include "config/load.hpp"
 #include "control/tls.hpp"
 #include "deploy/host_access.hpp"
@@ -32,7 +32,7 @@ struct run_command {
   bool json = false;
   bool full = false;      ///< every row, as text
   bool is_strict = false; ///< a warning of the file is an error
-  watch_wishes watch;
+  watch_options watch;
   bool reloads = false;           ///< on SIGHUP, in wall time (ACT-10)
   bool check_determinism = false; ///< ACT-05
   std::string host;               ///< only its part, in wall time; empty: all of the file
@@ -65,7 +65,7 @@ struct deploy_command {
   std::optional<duration> length;
   std::optional<std::uint64_t> seed;
   bool local = false;   ///< all hosts are processes of this computer
-  bool dry_run = false; ///< only tells what would run where, and whether it could
+  bool dry_run = false; ///< only prints what would run where, and whether it could
   bool attach = false;  ///< follows what runs already
   bool json = false;
   bool full = false;              ///< every row, as text

@@ -14,7 +14,7 @@ struct console {
   bool is_terminal = false;
   bool colour = false;     ///< a terminal that wants it: no NO_COLOR, TERM not `dumb`
   bool cuts = true;        ///< what is wider is cut; a file without COLUMNS takes all
-  std::size_t width = 100; ///< characters; a terminal's own where it tells, COLUMNS of a pipe
+  std::size_t width = 100; ///< characters; a terminal's own where it is known, COLUMNS of a pipe
 
   /// Characters that a line may have.
   [[nodiscard]] std::size_t room() const {

@@ -36,7 +36,8 @@ constexpr duration look_every = 50ms;
 constexpr duration show_every = 2s;      ///< on the live page; parts report every 5 s
 constexpr duration local_patience = 20s; ///< processes of a busy computer take their time
 
-/// The file, with its hosts here if they are to be; nothing: it cannot be spread, and that is told.
+/// The file, with its hosts here if they are to be; nothing: it cannot be spread, and the reason is
+/// printed.
 std::optional<deploy::packed> packed_file(io::loop& loop, const deploy_command& x) {
   config::overrides instead;
   instead.seed = x.seed;
@@ -74,49 +75,49 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
   const auto hosts = hosts_of(*file.loaded.ecology);
   deployment_options options;
   options.log_level = x.log_level;
-  options.tells_lines = x.log_level != "off";
+  options.prints_lines = x.log_level != "off";
   options.patience = here == nullptr ? options.patience : local_patience;
   options.attach = x.attach;
   const auto name = file.loaded.ecology->name;
   const auto length = file.loaded.ecology->length;
-  watch_wishes wishes;
-  wishes.page_file = x.page_file;
-  run_watch page(std::move(wishes), *file.loaded.ecology);
-  std::optional<hand_made> hands;
+  watch_options watch;
+  watch.page_file = x.page_file;
+  run_watch page(std::move(watch), *file.loaded.ecology);
+  std::optional<manual_control> manual;
   if (x.control)
-    hands.emplace(file.what, x.known);
+    manual.emplace(file.what, x.known);
   std::optional<live_page> live;
   if (x.view)
     live.emplace(*x.view, view::ecology_json(*file.loaded.ecology),
                  view::run_facts{.file = x.file, .controls = x.control}, "wall", "",
-                 hands ? hands->controls("tuples of a deployment are set by `rubicon tuples set`")
-                       : nullptr);
+                 manual ? manual->controls("tuples of a deployment are set by `rubicon tuples set`")
+                        : nullptr);
   deployment all(loop, actors, x.attach ? "" : random_id(), std::move(file), hosts, options);
   std::optional<io::signal_watch> signals(std::in_place, loop,
                                           [&all](int) { all.stop(/*interrupted=*/true); });
-  std::optional<deployed> told;
-  const hand_made::performer hosts_do{
+  std::optional<deployed> noted;
+  const manual_control::performer by_hosts{
       [&all](const std::string& sentence, const config::fault&) { all.cause(sentence); }, {}};
   auto shown_at = std::chrono::steady_clock::now();
   while (all.step()) {
     loop.wait_until(std::chrono::steady_clock::now() + look_every);
     if (here != nullptr)
       here->on_time();
-    if (hands && all.has_begun())
-      for (const auto& each : hands->perform(hosts_do, instant(all.elapsed())))
-        live->tell_done(instant(all.elapsed()), each);
+    if (manual && all.has_begun())
+      for (const auto& each : manual->perform(by_hosts, instant(all.elapsed())))
+        live->report_action(instant(all.elapsed()), each);
     if (live && all.has_begun() && std::chrono::steady_clock::now() >= shown_at) {
       live->show(all.whole_report(), length);
       shown_at = std::chrono::steady_clock::now() + show_every;
     }
-    if (all.has_begun() && !told) {
-      told = deployed{all.id(), name, std::filesystem::absolute(x.file).string(), hosts, tls};
-      if (const auto why = remember(*told); !why.empty())
+    if (all.has_begun() && !noted) {
+      noted = deployed{all.id(), name, std::filesystem::absolute(x.file).string(), hosts, tls};
+      if (const auto why = remember(*noted); !why.empty())
         static_cast<void>(print(stderr, printable(why) + '\n'));
     }
   }
-  if (told)
-    forget(*told);
+  if (noted)
+    forget(*noted);
   if (all.refused())
     return exit_status::refused;
   auto report = all.whole_report();
@@ -125,9 +126,9 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
   if (live && !report.interrupted) {
     live->show(report, length);
     live->finish(report);
-    if (hands) {
-      hands->end();
-      static_cast<void>(print(stderr, hands->repeated()));
+    if (manual) {
+      manual->end();
+      static_cast<void>(print(stderr, manual->repeated()));
     }
     signals.reset(); // the page has its own
     live->stay();

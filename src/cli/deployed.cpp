@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "config/placement.hpp"
-#include "io/kept_number.hpp"
 #include "io/replace_file.hpp"
+#include "io/stored_number.hpp"
 
 namespace rubicon::cli {
 

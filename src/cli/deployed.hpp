@@ -32,7 +32,7 @@ struct deployed {
   control::tls_files tls; ///< of the coordinator
 };
 
-/// Replaces what was remembered of the same ecology. @returns empty, or why it is not kept
+/// Replaces what was remembered of the same ecology. @returns empty, or why it is not stored
 [[nodiscard]] std::string remember(const deployed& x);
 
 /// Nobody follows it any more.

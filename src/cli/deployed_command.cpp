@@ -23,7 +23,7 @@ namespace rubicon::cli {
 
 namespace {
 
-using all_facts = std::vector<std::variant<heard_facts, std::string>>;
+using all_facts = std::vector<std::variant<received_facts, std::string>>;
 
 /// Of the ecology that was deployed; a host may run another one by now.
 std::string state_of(const deployed& x, const deploy::host_facts& facts) {
@@ -43,8 +43,8 @@ std::string status_table(const deployed& x, const all_facts& all) {
   for (std::size_t i = 0; i < x.hosts.size(); ++i) {
     const auto& host = x.hosts[i];
     const auto place = host.address + ':' + std::to_string(host.port);
-    const auto* heard = std::get_if<heard_facts>(&all[i]);
-    if (heard == nullptr) {
+    const auto* received = std::get_if<received_facts>(&all[i]);
+    if (received == nullptr) {
       table.add({report::printable(host.name),
                  place,
                  {report::printable(std::get<std::string>(all[i])), report::look::bad},
@@ -54,11 +54,11 @@ std::string status_table(const deployed& x, const all_facts& all) {
                  ""});
       continue;
     }
-    table.add({report::printable(host.name), place, report::printable(state_of(x, heard->facts)),
-               to_text(std::chrono::floor<std::chrono::seconds>(heard->facts.elapsed)),
-               std::to_string(heard->facts.lives),
-               std::to_string(heard->facts.memory >> 20) + " MiB",
-               report::fixed(heard->clock_ahead_s, 3) + " s"});
+    table.add({report::printable(host.name), place, report::printable(state_of(x, received->facts)),
+               to_text(std::chrono::floor<std::chrono::seconds>(received->facts.elapsed)),
+               std::to_string(received->facts.lives),
+               std::to_string(received->facts.memory >> 20) + " MiB",
+               report::fixed(received->clock_ahead_s, 3) + " s"});
   }
   const auto output = console_of(stdout);
   return x.ecology + "  " + x.file + '\n' + table.render(output.room(), output.colour);
@@ -70,15 +70,15 @@ std::string status_json(const deployed& x, const all_facts& all) {
   for (std::size_t i = 0; i < x.hosts.size(); ++i) {
     ordered_json row{
         {"host", x.hosts[i].name}, {"address", x.hosts[i].address}, {"port", x.hosts[i].port}};
-    if (const auto* heard = std::get_if<heard_facts>(&all[i])) {
-      const auto& facts = heard->facts;
+    if (const auto* received = std::get_if<received_facts>(&all[i])) {
+      const auto& facts = received->facts;
       row["state"] = to_string(facts.state);
       row["ecology"] = facts.ecology;
       row["is_this"] = facts.deployment == x.id;
       row["elapsed_s"] = seconds(facts.elapsed);
       row["processes"] = facts.lives;
       row["memory_octets"] = facts.memory;
-      row["clock_ahead_s"] = heard->clock_ahead_s;
+      row["clock_ahead_s"] = received->clock_ahead_s;
     } else {
       row["trouble"] = std::get<std::string>(all[i]);
     }
@@ -96,29 +96,29 @@ public:
   exit_status operator()(const ask_status& x) {
     const auto all = ask_facts_of(actors_, running_.hosts);
     const bool all_answer = std::ranges::all_of(
-        all, [](const auto& each) { return std::holds_alternative<heard_facts>(each); });
+        all, [](const auto& each) { return std::holds_alternative<received_facts>(each); });
     if (!print(stdout, x.json ? status_json(running_, all) : status_table(running_, all)))
       return exit_status::refused;
     return all_answer ? exit_status::good : exit_status::failed;
   }
 
   exit_status operator()(const stop_all&) {
-    return tell(ask_hosts(actors_, running_.hosts,
-                          [this](const auto&) { return deploy::end_part{running_.id}; }));
+    return print_problems(ask_hosts(actors_, running_.hosts,
+                                    [this](const auto&) { return deploy::end_part{running_.id}; }));
   }
 
   exit_status operator()(const fault_now& x) {
     const auto all = ask_hosts(actors_, running_.hosts, [&](const auto&) {
       return deploy::cause_fault{running_.id, x.sentence};
     });
-    const auto status = tell(all);
+    const auto status = print_problems(all);
     if (status == exit_status::good && !somebody_is_concerned(all))
       return say("no host has what it names");
     return status;
   }
 
 private:
-  static bool somebody_is_concerned(const std::vector<heard_verdict>& all) {
+  static bool somebody_is_concerned(const std::vector<received_verdict>& all) {
     return std::ranges::any_of(
         all, [](const auto& each) { return std::get<deploy::verdict>(each).concerned; });
   }
@@ -128,8 +128,8 @@ private:
     return exit_status::refused;
   }
 
-  /// What is in the way.
-  exit_status tell(const std::vector<heard_verdict>& all) {
+  /// Prints what hosts object.
+  exit_status print_problems(const std::vector<received_verdict>& all) {
     auto status = exit_status::good;
     for (std::size_t i = 0; i < all.size(); ++i)
       for (const auto& each : problems_of(all[i])) {

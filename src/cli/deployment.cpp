@@ -101,8 +101,8 @@ void deployment::ask(followed& x) {
       ask(x, deploy::begin_part{id_, elapsed()}, &deployment::on_begun);
     return;
   case phase::following:
-    if (stopping_ && !x.told_to_end)
-      return ask(x, deploy::end_part{id_}, &deployment::on_told_to_end);
+    if (stopping_ && !x.end_requested)
+      return ask(x, deploy::end_part{id_}, &deployment::on_end_requested);
     if (!x.faults.empty())
       return ask(x, deploy::cause_fault{id_, x.faults.front()}, &deployment::on_caused);
     return ask(x, deploy::ask_news{id_, x.line, x.change}, &deployment::on_news);
@@ -173,7 +173,7 @@ void deployment::on_facts(followed& x, deploy::answer& found) {
 bool deployment::take_over(followed& x) {
   const auto& facts = x.facts;
   if (facts.deployment.empty() || facts.state == deploy::part_state::offered) {
-    x.asks_at = steady::now() + retry_early; // another host may tell us
+    x.asks_at = steady::now() + retry_early; // another host may know it
     if (x.asks_at >= made_ + options_.patience)
       fail(x, "runs no part: deploy the file without --attach");
     return false;
@@ -208,8 +208,8 @@ void deployment::on_begun(followed& x, deploy::answer& found) {
     fail(x, config::joined(said.problems, "; "));
 }
 
-void deployment::on_told_to_end(followed& x, deploy::answer& /*found*/) {
-  x.told_to_end = true;
+void deployment::on_end_requested(followed& x, deploy::answer& /*found*/) {
+  x.end_requested = true;
 }
 
 void deployment::on_caused(followed& x, deploy::answer& found) {
@@ -219,24 +219,24 @@ void deployment::on_caused(followed& x, deploy::answer& found) {
 }
 
 void deployment::on_news(followed& x, deploy::answer& found) {
-  auto& told = std::get<deploy::news>(found);
-  x.facts = std::move(told.facts);
+  auto& news = std::get<deploy::news>(found);
+  x.facts = std::move(news.facts);
   x.asks_at = steady::now() + news_every;
   if (x.facts.deployment != id_) { // its service was started again
     x.at = phase::facts;
     return;
   }
   if (x.line > 0 || !options_.attach) { // what was written before has been read before
-    if (told.lines_left_out > 0)
-      say(x, '(' + std::to_string(told.lines_left_out) + " lines are left out)");
-    for (const auto& line : told.lines)
+    if (news.lines_left_out > 0)
+      say(x, '(' + std::to_string(news.lines_left_out) + " lines are left out)");
+    for (const auto& line : news.lines)
       say(x, line);
   }
-  x.line = told.line;
-  x.change = told.change;
-  for (auto& each : told.lives)
+  x.line = news.line;
+  x.change = news.change;
+  for (auto& each : news.lives)
     take(x, each);
-  if (told.has_more) {
+  if (news.has_more) {
     x.asks_at = steady::now();
   } else if (x.facts.state == deploy::part_state::ended) {
     x.at = phase::ended;
@@ -247,18 +247,18 @@ void deployment::on_news(followed& x, deploy::answer& found) {
   }
 }
 
-void deployment::take(followed& x, deploy::life_news& told) {
-  const auto found = std::ranges::find(x.lives, told.life);
+void deployment::take(followed& x, deploy::life_news& from) {
+  const auto found = std::ranges::find(x.lives, from.life);
   const auto number = static_cast<std::size_t>(found - x.lives.begin());
   if (found == x.lives.end()) {
-    x.lives.push_back(told.life);
+    x.lives.push_back(from.life);
     x.report.lives.emplace_back();
   }
   auto& life = x.report.lives[number];
-  life.elapsed = told.elapsed;
-  life.ended = told.ended;
-  life.is_final = told.is_final;
-  life.told = std::move(told.told);
+  life.elapsed = from.elapsed;
+  life.ended = from.ended;
+  life.is_final = from.is_final;
+  life.told = std::move(from.newest);
 }
 
 /// What cannot be mended by waiting ends what has not begun; later, the others go on.
@@ -275,7 +275,7 @@ void deployment::fail(followed& x, const std::string& why) {
 }
 
 void deployment::say(const followed& x, const std::string& text) {
-  if (!options_.tells_lines && began_)
+  if (!options_.prints_lines && began_)
     return;
   erase_progress();
   static_cast<void>(print(stderr, printable(x.name + "  " + text) + '\n'));

@@ -1,5 +1,5 @@
-// Whoever follows an ecology on several hosts: asks them to begin, asks what is new, and makes one
-// report of all. Hosts go on without it.
+// The coordinator of an ecology on several hosts: starts their parts, polls their news, and merges
+// their reports. Hosts go on without it.
 #pragma once
 
 #include <chrono>
@@ -27,8 +27,8 @@ namespace rubicon::cli {
 struct deployment_options {
   duration patience = 5s; ///< for hosts that do not answer at the start
   std::string log_level;
-  bool attach = false;     ///< to what runs already
-  bool tells_lines = true; ///< of the parts, on standard error
+  bool attach = false;      ///< to what runs already
+  bool prints_lines = true; ///< of the parts, on standard error
 };
 
 class deployment {
@@ -41,20 +41,20 @@ public:
   deployment(const deployment&) = delete;
   deployment& operator=(const deployment&) = delete;
 
-  /// Asks, begins, says what is new. @returns false once all is over
+  /// Polls hosts, starts parts, prints news. @returns false once all is over
   [[nodiscard]] bool step();
 
   /// Ends all parts.
   void stop(bool interrupted);
 
-  /// Lets a fault happen on the hosts that are followed and have what it names. Who cannot says so.
+  /// Requests a fault of the hosts that have what it names. Prints why a host refuses.
   void cause(const std::string& sentence);
   [[nodiscard]] duration elapsed() const;
 
   [[nodiscard]] bool has_begun() const { return began_.has_value(); }
   [[nodiscard]] const std::string& id() const { return id_; }
 
-  /// It could not begin, on some host at least, and has said why.
+  /// It could not begin on some host; the reason was printed.
   [[nodiscard]] bool refused() const { return refused_; }
 
   [[nodiscard]] report::run_report whole_report() const;
@@ -72,7 +72,7 @@ private:
     std::string trouble; ///< why it does not answer; empty: it does
     std::uint64_t line = 0;
     std::uint64_t change = 0;
-    bool told_to_end = false;
+    bool end_requested = false;
     std::deque<std::string> faults; ///< that it is to be asked for
     deploy::host_facts facts;
     report::host_report report;
@@ -91,10 +91,10 @@ private:
   [[nodiscard]] bool take_over(followed& x);
   void on_offer(followed& x, deploy::answer& found);
   void on_begun(followed& x, deploy::answer& found);
-  void on_told_to_end(followed& x, deploy::answer& found);
+  void on_end_requested(followed& x, deploy::answer& found);
   void on_caused(followed& x, deploy::answer& found);
   void on_news(followed& x, deploy::answer& found);
-  void take(followed& x, deploy::life_news& told);
+  void take(followed& x, deploy::life_news& from);
   void fail(followed& x, const std::string& why);
   void say(const followed& x, const std::string& text);
   void draw_progress();

@@ -27,10 +27,10 @@
 #include "core/printable.hpp"
 #include "deploy/bundle.hpp"
 #include "io/certificates.hpp"
-#include "io/kept_number.hpp"
 #include "io/loop.hpp"
 #include "io/machine.hpp"
 #include "io/serial_devices.hpp"
+#include "io/stored_number.hpp"
 #include "io/tls_keeper.hpp"
 #include "io/udp_group.hpp"
 #include "report/figures.hpp"
@@ -81,9 +81,9 @@ finding look_at_multicast() {
   ++config.port;
   config.hops_max = 0;
   const auto mark = random_id();
-  bool heard = false;
+  bool received = false;
   auto joined = io::udp_group::join(loop, config, [&](byte_view datagram, const ipv4_address&) {
-    heard = heard || std::ranges::equal(datagram, mark);
+    received = received || std::ranges::equal(datagram, mark);
   });
   const std::string advice = "peers with `lan = true` do not find each other: add a route for "
                              "multicast (ip route add 224.0.0.0/4 dev DEVICE), or set links with "
@@ -95,9 +95,9 @@ finding look_at_multicast() {
     return {"multicast", why, advice};
   group.send(byte_view(reinterpret_cast<const std::uint8_t*>(mark.data()), mark.size()));
   const auto until = std::chrono::steady_clock::now() + patience;
-  while (!heard && std::chrono::steady_clock::now() < until)
+  while (!received && std::chrono::steady_clock::now() < until)
     loop.wait_until(until);
-  return {"multicast", heard ? "works" : "no packet came back", heard ? "" : advice};
+  return {"multicast", received ? "works" : "no packet came back", received ? "" : advice};
 }
 
 finding look_at_clock() {
@@ -229,18 +229,18 @@ void look_at_hosts(const doctor_command& x, const deploy::packed& file, findings
     const auto& theirs = std::get<deploy::greeting>(greeted[i]).version;
     out.push_back({name, place + " runs rubicon " + theirs,
                    theirs == version ? "" : std::string("install ") + version + " on both"});
-    const auto* heard = std::get_if<heard_facts>(&facts[i]);
-    if (theirs != version || heard == nullptr ||
+    const auto* received = std::get_if<received_facts>(&facts[i]);
+    if (theirs != version || received == nullptr ||
         !std::holds_alternative<deploy::verdict>(offered[i]))
       continue;
-    if (heard->facts.host != hosts[i].name)
-      out.push_back({name, "has the name `" + heard->facts.host + '`',
+    if (received->facts.host != hosts[i].name)
+      out.push_back({name, "has the name `" + received->facts.host + '`',
                      "start it with --name " + hosts[i].name + ", or correct `address`"});
-    out.push_back({name, "clock " + report::fixed(heard->clock_ahead_s, 3) + " s ahead of ours",
-                   std::abs(heard->clock_ahead_s) > clock_off_max_s
+    out.push_back({name, "clock " + report::fixed(received->clock_ahead_s, 3) + " s ahead of ours",
+                   std::abs(received->clock_ahead_s) > clock_off_max_s
                        ? "set it (timedatectl set-ntp true): certificates and logs depend on it"
                        : ""});
-    look_at_use(heard->facts, actors.own(), name, out);
+    look_at_use(received->facts, actors.own(), name, out);
     const auto problems = problems_of(offered[i]);
     for (const auto& each : problems)
       out.push_back({name, "cannot run its part", each});

@@ -27,9 +27,9 @@ std::optional<ecology_file> load_bundle(const std::string& file, const config::o
   complain(loaded, bundle->name);
   if (!loaded.problems.empty())
     return std::nullopt;
-  auto doubts = config::doubts_of(loaded, bundle->name);
+  auto warnings = config::doubts_of(loaded, bundle->name);
   return ecology_file{*std::move(loaded.ecology),
-                      fold64().add(std::string_view(bundle->toml)).value(), std::move(doubts)};
+                      fold64().add(std::string_view(bundle->toml)).value(), std::move(warnings)};
 }
 
 } // namespace
@@ -44,7 +44,7 @@ void complain(const config::loaded& x, const std::string& name) {
 
 void warn(const ecology_file& x) {
   std::string text;
-  for (auto each : x.doubts) {
+  for (auto each : x.warnings) {
     each.message.insert(0, "warning: ");
     text += to_string(each) + '\n';
   }
@@ -68,9 +68,9 @@ std::optional<ecology_file> load_or_complain(const std::string& file,
   complain(loaded, name);
   if (!loaded.problems.empty())
     return std::nullopt;
-  auto doubts = config::doubts_of(loaded, name);
+  auto warnings = config::doubts_of(loaded, name);
   return ecology_file{*std::move(loaded.ecology),
-                      fold64().add(std::string_view(*read.text)).value(), std::move(doubts)};
+                      fold64().add(std::string_view(*read.text)).value(), std::move(warnings)};
 }
 
 } // namespace rubicon::cli

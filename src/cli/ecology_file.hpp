@@ -16,14 +16,14 @@ inline constexpr const char* standard_input = "-";
 
 struct ecology_file {
   config::ecology_description ecology;
-  std::uint64_t text_hash = 0;              ///< fold64 of the file's octets
-  std::vector<config::problem> doubts = {}; ///< what is no mistake, but hardly what is meant
+  std::uint64_t text_hash = 0;                ///< fold64 of the file's octets
+  std::vector<config::problem> warnings = {}; ///< valid, but probably not what is meant
 };
 
 /// Prints problems and warnings on standard error, one a line, at most 50 and then their count.
 void complain(const config::loaded& x, const std::string& name);
 
-/// Prints what hardly is meant on standard error, one a line.
+/// Prints its warnings on standard error, one a line.
 void warn(const ecology_file& x);
 
 /// Complains of what is wrong.

@@ -27,18 +27,18 @@ std::string wall_progress_text(duration reached, duration end, double events_per
   return report::cut(text, width);
 }
 
-bool line_rate::take() {
+bool rate_limiter::take() {
   return ++lines_ <= lines_max;
 }
 
-std::string line_rate::left_out(duration real) {
+std::string rate_limiter::left_out(duration real) {
   if (real < since_ + period)
     return {};
   since_ = real;
   return finish();
 }
 
-std::string line_rate::finish() {
+std::string rate_limiter::finish() {
   const auto lines = std::exchange(lines_, 0);
   if (lines <= lines_max)
     return {};
@@ -58,7 +58,7 @@ std::string live_log::above_progress(const std::string& lines) const {
   return lines.empty() || drawn_.empty() ? lines : std::string(erase_line) + lines + drawn_;
 }
 
-std::string live_log::tell(duration real, const report::logged_event& x) {
+std::string live_log::add_event(duration real, const report::logged_event& x) {
   count(x);
   auto lines = rate_.left_out(real);
   if (rate_.take())

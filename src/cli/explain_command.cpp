@@ -26,7 +26,7 @@ std::string listed(const std::vector<std::string>& words) {
 struct answerer {
   const explain_command& asked;
   const explain::traces& all;
-  explain::paper on;
+  explain::text_style style;
 
   exit_status operator()(const explain::nothing_found& x) const {
     if (x.is_ambiguous)
@@ -38,13 +38,13 @@ struct answerer {
   }
 
   exit_status operator()(const explain::message_found& x) const {
-    return say(asked.json ? message_json(all, x.index) : message_text(all, x.index, on));
+    return say(asked.json ? message_json(all, x.index) : message_text(all, x.index, style));
   }
 
   exit_status operator()(const explain::tuples_found& x) const {
     if (asked.all)
       return say(asked.json ? values_json(all, x.indices, asked.list.limit)
-                            : values_text(all, x.indices, asked.list.limit, on));
+                            : values_text(all, x.indices, asked.list.limit, style));
     auto index = x.indices.back();
     if (asked.at) {
       const auto then = value_at(all, x.indices, instant(*asked.at));
@@ -52,7 +52,7 @@ struct answerer {
         return not_found(asked.record + ": `" + asked.what + "` had no value yet at that time");
       index = *then;
     }
-    return say(asked.json ? tuple_json(all, index) : tuple_text(all, index, on));
+    return say(asked.json ? tuple_json(all, index) : tuple_text(all, index, style));
   }
 
   static exit_status say(const std::string& text) {
@@ -68,10 +68,10 @@ exit_status perform(const explain_command& x) {
     return not_found(*why);
   const auto& all = std::get<explain::traces>(found);
   const auto output = console_of(stdout);
-  const explain::paper on{output.width, output.colour};
+  const explain::text_style style{output.width, output.colour};
   if (!x.what.empty())
-    return std::visit(answerer{x, all, on}, explain::find(all, x.what));
-  return answerer::say(x.json ? list_json(all, x.list) : list_text(all, x.list, on));
+    return std::visit(answerer{x, all, style}, explain::find(all, x.what));
+  return answerer::say(x.json ? list_json(all, x.list) : list_text(all, x.list, style));
 }
 
 } // namespace rubicon::cli

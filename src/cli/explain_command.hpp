@@ -6,7 +6,7 @@
 
 namespace rubicon::cli {
 
-/// Prints the way of a message or of a tuple's value, or what there is to ask for.
+/// Prints the path of a message or of a tuple's value, or what there is to ask for.
 [[nodiscard]] exit_status perform(const explain_command& x);
 
 } // namespace rubicon::cli

@@ -38,22 +38,22 @@ std::optional<joined_network> attempt(io::loop& where, network_options with, con
                                       const search_area& area) {
   with.peer = url;
   with.timeout = std::min(with.timeout, area.try_max);
-  auto joined = guest::join(where, with);
-  if (auto* self = std::get_if<std::unique_ptr<guest>>(&joined))
+  auto joined = temporary_peer::join(where, with);
+  if (auto* self = std::get_if<std::unique_ptr<temporary_peer>>(&joined))
     return joined_network{std::move(with), std::move(*self)};
   return std::nullopt;
 }
 
-/// @returns the first that can be joined, with what the wish says of all waits
-std::optional<joined_network> first_of(io::loop& where, const network_options& wish,
+/// @returns the first that can be joined, with the timeout of `options`
+std::optional<joined_network> first_of(io::loop& where, const network_options& options,
                                        const std::string& network,
                                        const std::vector<std::string>& urls,
                                        const search_area& area) {
-  auto with = wish;
+  auto with = options;
   with.network = network;
   for (const auto& url : urls)
     if (auto joined = attempt(where, with, url, area)) {
-      joined->with.timeout = wish.timeout;
+      joined->with.timeout = options.timeout;
       return joined;
     }
   return std::nullopt;
@@ -67,11 +67,11 @@ std::vector<std::string> default_urls(const search_area& area) {
 }
 
 /// Whose announcements come, until nothing new may.
-places announced(io::loop& where, const network_options& wish, const search_area& area) {
+places announced(io::loop& where, const network_options& options, const search_area& area) {
   places found;
   auto group = io::udp_group::join(where, area.group, [&](byte_view datagram, const ipv4_address&) {
     const auto news = peis::decode_announcement(datagram);
-    if (!news || (wish.network_given && news->network != wish.network))
+    if (!news || (options.network_given && news->network != options.network))
       return;
     const bool is_here = news->sender.host_name == io::machine_name();
     for (const auto& address : news->sender.addresses)
@@ -106,32 +106,33 @@ std::set<std::string> names_of(const places& x) {
   return names;
 }
 
-std::string nobody(const network_options& wish, const search_area& area) {
+std::string nobody(const network_options& options, const search_area& area) {
   const auto last = area.first_port + area.ports - 1;
   return "found no running ecology" +
-         (wish.network_given ? " of the network `" + wish.network + '`' : std::string()) +
+         (options.network_given ? " of the network `" + options.network + '`' : std::string()) +
          ": no run on this computer accepts links, no peer answered at 127.0.0.1, ports " +
          std::to_string(area.first_port) + " to " + std::to_string(last) +
          ", and no peer announced itself; a peer accepts links in wall time if its file has tcp = "
          "true; give its address with --connect HOST:PORT" +
-         (wish.lan ? "" : ", or search the local network with --lan");
+         (options.lan ? "" : ", or search the local network with --lan");
 }
 
 } // namespace
 
-std::variant<joined_network, std::string> join_network(io::loop& where, network_options wish,
+std::variant<joined_network, std::string> join_network(io::loop& where, network_options options,
                                                        search_area area) {
-  if (!wish.peer.empty()) {
-    auto joined = guest::join(where, wish);
+  if (!options.peer.empty()) {
+    auto joined = temporary_peer::join(where, options);
     if (auto* why = std::get_if<std::string>(&joined))
       return std::move(*why);
-    return joined_network{std::move(wish), std::move(std::get<std::unique_ptr<guest>>(joined))};
+    return joined_network{std::move(options),
+                          std::move(std::get<std::unique_ptr<temporary_peer>>(joined))};
   }
-  if (wish.lan)
+  if (options.lan)
     area.group.interfaces.clear();
   places noted;
   for (const auto& run : running_ecologies()) {
-    if (wish.network_given && run.network != wish.network)
+    if (options.network_given && run.network != options.network)
       continue;
     noted[run.network]; // also if its peers chose their ports
     for (const auto& url : run.urls)
@@ -140,23 +141,23 @@ std::variant<joined_network, std::string> join_network(io::loop& where, network_
   if (noted.size() > 1)
     return several(names_of(noted));
   if (noted.empty())
-    noted[wish.network];
+    noted[options.network];
   for (const auto& [network, urls] : noted) {
-    if (auto joined = first_of(where, wish, network, urls, area))
+    if (auto joined = first_of(where, options, network, urls, area))
       return *std::move(joined);
-    if (auto joined = first_of(where, wish, network, default_urls(area), area))
+    if (auto joined = first_of(where, options, network, default_urls(area), area))
       return *std::move(joined);
   }
-  const auto heard = announced(where, wish, area);
-  if (heard.size() > 1)
-    return several(names_of(heard));
-  for (const auto& [network, urls] : heard)
-    if (auto joined = first_of(where, wish, network, urls, area))
+  const auto found = announced(where, options, area);
+  if (found.size() > 1)
+    return several(names_of(found));
+  for (const auto& [network, urls] : found)
+    if (auto joined = first_of(where, options, network, urls, area))
       return *std::move(joined);
-  if (!heard.empty())
-    return "a peer of the network `" + heard.begin()->first + "` announced itself at " +
-           config::joined(heard.begin()->second, ", ") + ", but does not answer there";
-  return nobody(wish, area);
+  if (!found.empty())
+    return "a peer of the network `" + found.begin()->first + "` announced itself at " +
+           config::joined(found.begin()->second, ", ") + ", but does not answer there";
+  return nobody(options, area);
 }
 
 } // namespace rubicon::cli

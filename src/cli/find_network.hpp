@@ -1,4 +1,4 @@
-// Where a running ecology is, for commands that were not told.
+// Where a running ecology is, for commands without --connect.
 #pragma once
 
 #include <cstdint>
@@ -6,33 +6,33 @@
 #include <string>
 #include <variant>
 
-#include "cli/guest.hpp"
 #include "cli/network_command.hpp"
+#include "cli/temporary_peer.hpp"
 #include "io/loop.hpp"
 #include "io/udp_group.hpp"
 
 namespace rubicon::cli {
 
-/// Where is looked, and for how long.
+/// Where to search, and for how long.
 struct search_area {
   std::uint16_t first_port = 8000; ///< of this computer's loopback address
   std::uint16_t ports = 10;        ///< so many from there on, as peers count up (peis-wire.md 3.1)
-  duration try_max = 2s;           ///< for each of them to say who it is
-  /// Announcements heard within `listen_for` (peis-wire.md 4). At the loopback interface those of
-  /// this computer are heard, and nothing leaves it.
+  duration try_max = 2s;           ///< for each of them to answer
+  /// Announcements received within `listen_for` (peis-wire.md 4). At the loopback interface those
+  /// of this computer are received, and nothing leaves it.
   io::udp_group_config group = {.interfaces = {"127.0.0.1"}};
-  duration listen_for = 2500ms; ///< each second somebody announces himself
+  duration listen_for = 2500ms; ///< peers announce themselves every second
 };
 
 struct joined_network {
   network_options with; ///< the place, and the network's name
-  std::unique_ptr<guest> self;
+  std::unique_ptr<temporary_peer> self;
 };
 
-/// Joins where it is told to, or else the network that it finds: of a run of this user on this
-/// computer, at this computer's default ports, or that announces itself, in this order.
-/// @returns why that failed, and what to say instead
+/// Joins the peer given in `options`, or else the network that it finds: of a run of this user on
+/// this computer, at this computer's default ports, or that announces itself, in this order.
+/// @returns why that failed, and which option to use
 [[nodiscard]] std::variant<joined_network, std::string>
-join_network(io::loop& where, network_options wish, search_area area = {});
+join_network(io::loop& where, network_options options, search_area area = {});
 
 } // namespace rubicon::cli

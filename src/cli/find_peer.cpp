@@ -3,7 +3,7 @@
 #include <set>
 #include <utility>
 
-#include "cli/visit.hpp"
+#include "cli/session.hpp"
 #include "report/figures.hpp"
 
 namespace rubicon::cli {
@@ -18,7 +18,7 @@ bool is_called(const peis::host_record& x, const std::string& name) {
 }
 
 /// Everybody but ourselves.
-std::vector<peer_id> called(const visit& at, const std::string& name) {
+std::vector<peer_id> called(const session& at, const std::string& name) {
   std::vector<peer_id> all;
   for (const auto* x : at.peer().hosts())
     if (x->id != at.peer().kernel().id() && is_called(*x, name))
@@ -28,7 +28,7 @@ std::vector<peer_id> called(const visit& at, const std::string& name) {
 
 /// `7 (lamp@hall!3), 9`
 template <class Peers>
-std::string list(const visit& at, const Peers& all) {
+std::string list(const session& at, const Peers& all) {
   std::string text;
   std::size_t listed = 0;
   for (const auto host : all) {
@@ -41,7 +41,7 @@ std::string list(const visit& at, const Peers& all) {
 }
 
 /// Who has one of the tuples now; ours describe only this command.
-std::set<peer_id> holders(const visit& at, const std::vector<std::string>& keys) {
+std::set<peer_id> holders(const session& at, const std::vector<std::string>& keys) {
   std::set<peer_id> all;
   for (const auto& key : keys)
     for (const auto& x : at.peer().kernel().find_tuples(any_peer, key))
@@ -56,7 +56,7 @@ std::string words_of(const std::vector<std::string>& keys) {
 
 } // namespace
 
-std::string name_of(const visit& at, peer_id host) {
+std::string name_of(const session& at, peer_id host) {
   for (const auto* x : at.peer().hosts()) {
     if (x->id == host)
       return x->full_name;
@@ -64,7 +64,7 @@ std::string name_of(const visit& at, peer_id host) {
   return {};
 }
 
-std::variant<peer_id, std::string> find_peer(const visit& at, const peer_wish& x) {
+std::variant<peer_id, std::string> find_peer(const session& at, const peer_selector& x) {
   if (x.id) {
     if (at.self.await_host(*x.id))
       return *x.id;
@@ -84,12 +84,12 @@ std::variant<peer_id, std::string> find_peer(const visit& at, const peer_wish& x
   return all.front();
 }
 
-std::variant<peer_id, std::string> find_owner(const visit& at, const peer_wish& x,
+std::variant<peer_id, std::string> find_owner(const session& at, const peer_selector& x,
                                               const std::vector<std::string>& keys) {
   if (!x.is_any())
     return find_peer(at, x);
   std::size_t news = 0;
-  std::deque<listening> watches;
+  std::deque<scoped_subscription> watches;
   for (const auto& key : keys)
     watches.emplace_back(at, any_peer, key, [&news](const auto&) { ++news; });
   static_cast<void>(at.self.await_quiet([&] { return !holders(at, keys).empty(); },

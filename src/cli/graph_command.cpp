@@ -5,38 +5,38 @@
 
 #include "cli/console.hpp"
 #include "cli/graph_text.hpp"
-#include "cli/visit.hpp"
+#include "cli/session.hpp"
 
 namespace rubicon::cli {
 
 namespace {
 
-/// A list that was written since we have subscribed has us in it, or is too long to tell.
-bool has_us(const visit& at, const peis::tuple& list) {
+/// A list that was written since we have subscribed has us in it, or is too long to show it.
+bool has_us(const session& at, const peis::tuple& list) {
   const auto text = list.text();
   return text.find("( " + to_string(at.peer().kernel().id()) + ' ') != std::string_view::npos ||
          text.find("\n  ...\n") != std::string_view::npos;
 }
 
-/// Whether everybody within reach has said who subscribes to his tuples.
-bool all_have_told(const visit& at) {
-  std::set<peer_id> told;
+/// Whether every reachable peer has published its list of subscribers.
+bool all_have_published(const session& at) {
+  std::set<peer_id> published;
   for (const auto& x : at.peer().kernel().find_tuples(any_peer, "kernel.subscribers"))
     if (has_us(at, *x))
-      told.insert(x->owner);
+      published.insert(x->owner);
   for (const auto& [host, route] : at.peer().kernel().routing().routes())
-    if (!route.lost() && host != at.peer().kernel().id() && !told.contains(host))
+    if (!route.lost() && host != at.peer().kernel().id() && !published.contains(host))
       return false;
-  return !told.empty();
+  return !published.empty();
 }
 
 } // namespace
 
-exit_status perform(const visit& at, const show_graph& x) {
-  const listening watch(at, any_peer, "", {});
+exit_status perform(const session& at, const show_graph& x) {
+  const scoped_subscription watch(at, any_peer, "", {});
   if (const auto* why = watch.refused())
     return fail("refused: " + std::string(peis::to_string(*why)));
-  static_cast<void>(at.self.await_quiet([&] { return all_have_told(at); },
+  static_cast<void>(at.self.await_quiet([&] { return all_have_published(at); },
                                         [&] { return at.peer().hosts().size(); }));
   std::map<peer_id, std::string> names;
   for (const auto& [host, route] : at.peer().kernel().routing().routes())

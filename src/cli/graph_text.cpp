@@ -229,10 +229,8 @@ ecology_graph graph_of(std::map<peer_id, std::string> names,
     x.tuples.push_back(std::move(found));
   }
   std::ranges::sort(x.subscriptions, {}, order_of);
-  const auto is_told_again = [](const auto& a, const auto& b) {
-    return order_of(a) == order_of(b);
-  };
-  x.subscriptions.erase(std::unique(x.subscriptions.begin(), x.subscriptions.end(), is_told_again),
+  const auto is_repeated = [](const auto& a, const auto& b) { return order_of(a) == order_of(b); };
+  x.subscriptions.erase(std::unique(x.subscriptions.begin(), x.subscriptions.end(), is_repeated),
                         x.subscriptions.end());
   if (x.subscriptions.size() > graph_subscriptions_max) {
     x.left_out = x.subscriptions.size() - graph_subscriptions_max;

@@ -40,7 +40,7 @@ struct ecology_graph {
 inline constexpr std::size_t graph_subscriptions_max = 20'000;
 
 /// The subscriptions at one peer, as it says in its tuple `kernel.subscribers` (peis-wire.md 18).
-/// Lines that say nothing are passed over: the text may be anybody's.
+/// Malformed lines are skipped: any peer may have written the text.
 [[nodiscard]] std::vector<graph_subscription> read_subscribers(std::string_view text);
 
 /// @param names of the peers
@@ -57,7 +57,7 @@ inline constexpr std::size_t graph_subscriptions_max = 20'000;
 [[nodiscard]] std::string to_json(const ecology_graph& x);
 
 /// For `dot`: a box a peer with those of its tuples that somebody subscribes to, that are meta
-/// tuples or pointed at; the way of values, and dashed where meta tuples point.
+/// tuples or pointed at; the flow of values, and dashed where meta tuples point.
 [[nodiscard]] std::string to_dot(const ecology_graph& x);
 
 } // namespace rubicon::cli

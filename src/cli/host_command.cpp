@@ -16,10 +16,10 @@
 #include "core/printable.hpp"
 #include "io/file_lock.hpp"
 #include "io/hangup_watch.hpp"
-#include "io/kept_number.hpp"
 #include "io/loop.hpp"
 #include "io/machine.hpp"
 #include "io/signal_watch.hpp"
+#include "io/stored_number.hpp"
 
 namespace rubicon::cli {
 
@@ -59,7 +59,7 @@ public:
     say("listens on " + command_.address + ':' + std::to_string(server_->port()) +
         (command_.tls.empty() ? ", for this computer only"
                               : ", for certificates of " + command_.tls.authority));
-    for (const auto& each : identity_.own().doubts())
+    for (const auto& each : identity_.own().warnings())
       say(each);
     while (!ending_ || (part_.is_running() && steady::now() < *ending_ + host_goodbye_max)) {
       loop_.wait_until(steady::now() + host_look_every);
@@ -74,7 +74,7 @@ public:
 private:
   /// A computer that has just started may not have its address yet.
   std::variant<control::server, std::string> listen() {
-    bool is_told = false;
+    bool is_reported = false;
     for (;;) {
       const bool is_there = io::has_address(command_.address);
       auto opened = control::server::open(
@@ -84,7 +84,7 @@ private:
       const auto* why = std::get_if<std::string>(&opened);
       if (why == nullptr || is_there || ending_)
         return opened;
-      if (!std::exchange(is_told, true))
+      if (!std::exchange(is_reported, true))
         say(*why + "; waits until this computer has the address");
       const auto until = steady::now() + host_retry_every;
       while (!ending_ && steady::now() < until)
@@ -92,7 +92,7 @@ private:
     }
   }
 
-  /// A service is told by SIGHUP that it has a new certificate.
+  /// SIGHUP notifies a service of a new certificate.
   [[nodiscard]] bool renews() const { return !command_.tls.empty() && !has_terminal_; }
 
   void say(const std::string& text) const {
@@ -128,7 +128,7 @@ private:
             [this](const deploy::offer_seeds& x) -> deploy::answer { return seeds_.offer(x); },
             [this](const deploy::run_seeds& x) -> deploy::answer { return seeds_.run(x); },
             // The server's own.
-            [](const deploy::tell_revoked&) -> deploy::answer { return deploy::verdict{}; },
+            [](const deploy::send_revoked&) -> deploy::answer { return deploy::verdict{}; },
         },
         question);
   }

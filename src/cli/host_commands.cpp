@@ -9,7 +9,7 @@
 
 #include "cli/console.hpp"
 #include "cli/network_text.hpp"
-#include "cli/visit.hpp"
+#include "cli/session.hpp"
 #include "config/summary_parts.hpp"
 #include "peis/link_url.hpp"
 #include "report/figures.hpp"
@@ -83,8 +83,9 @@ std::string hosts_table(const std::map<peer_id, known_host>& all) {
   return table.render(output.room(), output.colour);
 }
 
-/// The first answers of a peer that has only just heard of us may find no route back: asks again.
-std::optional<std::vector<peer_id>> first_trace(const visit& at, peer_id host) {
+/// The first answers of a peer that has only just received our announcement may find no route
+/// back: asks again.
+std::optional<std::vector<peer_id>> first_trace(const session& at, peer_id host) {
   const auto end = at.peer().now() + at.with.timeout;
   std::optional<std::vector<peer_id>> route;
   while (!route && at.peer().now() < end)
@@ -92,14 +93,14 @@ std::optional<std::vector<peer_id>> first_trace(const visit& at, peer_id host) {
   return route;
 }
 
-std::string no_answer(const visit& at, peer_id host) {
+std::string no_answer(const session& at, peer_id host) {
   return (at.peer().reachable(host) ? "no answer from peer " : "no route to peer ") +
          to_string(host);
 }
 
 } // namespace
 
-exit_status perform(const visit& at, const list_hosts&) {
+exit_status perform(const session& at, const list_hosts&) {
   static_cast<void>(at.self.await_quiet(
       [&] {
         const auto all = known_hosts(at.peer());
@@ -111,7 +112,7 @@ exit_status perform(const visit& at, const list_hosts&) {
   return answer(at.with.json ? hosts_json(all) : hosts_table(all));
 }
 
-exit_status perform(const visit& at, const trace_route& x) {
+exit_status perform(const session& at, const trace_route& x) {
   const auto found = find_peer(at, x.host);
   if (const auto* why = std::get_if<std::string>(&found))
     return fail(*why);
@@ -133,7 +134,7 @@ exit_status perform(const visit& at, const trace_route& x) {
   return answer(table.render(output.room(), output.colour));
 }
 
-exit_status perform(const visit& at, const ping_host& x) {
+exit_status perform(const session& at, const ping_host& x) {
   const auto found = find_peer(at, x.host);
   if (const auto* why = std::get_if<std::string>(&found))
     return fail(*why);

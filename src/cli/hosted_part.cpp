@@ -33,12 +33,12 @@ namespace fs = std::filesystem;
 constexpr duration restart_pause_min = 1s;
 constexpr duration restart_pause_max = 30s;
 constexpr duration early = 10s;
-/// The report of each is kept.
+/// The report of each is stored.
 constexpr std::size_t lives_max = 1000;
 /// Longer than any run: times can be added without a thought.
 constexpr duration length_max = std::chrono::years(100);
 /// Reports in one answer.
-constexpr std::size_t lives_told_max = 16;
+constexpr std::size_t lives_sent_max = 16;
 
 config::overrides wall() {
   config::overrides instead;
@@ -50,7 +50,7 @@ std::string milliseconds(duration x) {
   return std::to_string(x / 1ms) + "ms";
 }
 
-/// A link on the way of a path could lead anywhere.
+/// A link in a path could lead anywhere.
 bool leads_over_link(const fs::path& folder, const std::string& path) {
   auto at = folder;
   for (const auto& part : fs::path(path)) {
@@ -311,7 +311,7 @@ void hosted_part::take_report(life& x) {
     return;
   x.file_written = written;
   if (auto found = read_part_file(x.file.string())) {
-    x.told = std::move(found->told);
+    x.newest = std::move(found->newest);
     x.is_final = found->is_final;
     x.change = ++part_->changes;
   }
@@ -367,7 +367,7 @@ deploy::news hosted_part::news_after(const deploy::ask_news& x) {
     out.change = part_->changes;
     for (const auto& each : part_->lives)
       if (each.change > x.change)
-        out.lives.push_back({each.number, each.elapsed, each.ended, each.is_final, each.told});
+        out.lives.push_back({each.number, each.elapsed, each.ended, each.is_final, each.newest});
   }
   cut(out);
   out.facts = facts();
@@ -376,9 +376,9 @@ deploy::news hosted_part::news_after(const deploy::ask_news& x) {
 
 /// Leaves the newest lives to the next answer if there are too many. Their changes ascend.
 void hosted_part::cut(deploy::news& x) const {
-  if (x.lives.size() <= lives_told_max)
+  if (x.lives.size() <= lives_sent_max)
     return;
-  x.lives.resize(lives_told_max);
+  x.lives.resize(lives_sent_max);
   x.has_more = true;
   x.change = std::ranges::find(part_->lives, x.lives.back().life, &life::number)->change;
 }

@@ -1,5 +1,5 @@
 // The part of an ecology that this computer runs for a deployment: its files, its process, and all
-// that its processes have told. It does not need whoever has deployed it to be there.
+// that its processes have reported. It runs without its coordinator.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ namespace rubicon::cli {
 
 struct hosting {
   std::string host;             ///< own name
-  std::filesystem::path folder; ///< where files are kept; nobody else writes there
+  std::filesystem::path folder; ///< where files are stored; nobody else writes there
   std::filesystem::path files;  ///< where what it runs writes; nobody else does
   deploy::host_access access;   ///< of the files that are deployed here
   config::extensions known;
@@ -30,7 +30,7 @@ struct hosting {
 class hosted_part {
 public:
   /// @param loop must outlive it
-  /// @param say tells whoever looks after this computer
+  /// @param say prints a line for the operator of this computer
   hosted_part(io::loop& loop, const hosting& with, std::function<void(const std::string&)> say);
   ~hosted_part();
   hosted_part(const hosted_part&) = delete;
@@ -43,7 +43,7 @@ public:
   [[nodiscard]] deploy::news news_after(const deploy::ask_news& x);
   [[nodiscard]] deploy::host_facts facts() const;
 
-  /// To be called now and then: what was killed begins again.
+  /// To be called now and then: restarts a killed process.
   void on_time();
 
   /// Ends what runs, whoever has begun it.
@@ -60,7 +60,7 @@ private:
     bool is_final = false;
     std::filesystem::path file;                   ///< of its report
     std::filesystem::file_time_type file_written; ///< when it was read
-    report::part_report told;
+    report::part_report newest;
     std::uint64_t change = 0; ///< number of the last
   };
 

@@ -16,7 +16,7 @@ namespace rubicon::cli {
 namespace {
 
 /// Of the results in one answer, roughly: the others come with the next one.
-constexpr std::size_t told_octets_max = std::size_t{64} << 20;
+constexpr std::size_t results_octets_max = std::size_t{64} << 20;
 
 /// Nobody has asked for so long: who has given the seeds is gone.
 constexpr duration forgotten_after = 1min;
@@ -76,7 +76,7 @@ deploy::seeds_news hosted_seeds::run(const deploy::run_seeds& x) {
   std::size_t octets = 0;
   for (const auto& each : all.results) {
     octets += each.result.out.size() + each.result.err.size();
-    if (octets > told_octets_max && !out.results.empty())
+    if (octets > results_octets_max && !out.results.empty())
       break;
     out.results.push_back(each.result);
     out.upto = each.number;

@@ -1,4 +1,4 @@
-// Runs of an experiment that this computer makes for a swarm over several.
+// Runs of an experiment that this computer executes for a swarm over several.
 #pragma once
 
 #include <chrono>

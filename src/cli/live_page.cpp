@@ -8,7 +8,7 @@
 #include <system_error>
 #include <utility>
 
-#include "cli/also.hpp"
+#include "cli/chain.hpp"
 #include "cli/console.hpp"
 #include "cli/random_id.hpp"
 #include "config/load.hpp"
@@ -95,7 +95,7 @@ private:
 
 } // namespace
 
-view::controls::outcome hand_made::take(wish x) {
+view::controls::outcome manual_control::take(action x) {
   const std::lock_guard guard(lock_);
   if (over_)
     return {false, "the run is over"};
@@ -107,7 +107,7 @@ view::controls::outcome hand_made::take(wish x) {
   return {true, "accepted"};
 }
 
-std::shared_ptr<const view::controls> hand_made::controls(std::string why_no_tuples) {
+std::shared_ptr<const view::controls> manual_control::controls(std::string why_no_tuples) {
   auto x = std::make_shared<view::controls>();
   x->fault = [this](const std::string& sentence) -> view::controls::outcome {
     const auto found = deploy::fault_of(what_, sentence, known_);
@@ -120,7 +120,7 @@ std::shared_ptr<const view::controls> hand_made::controls(std::string why_no_tup
                                              const std::string& value) -> view::controls::outcome {
     if (!why.empty())
       return {false, why};
-    wish wanted{.owner = owner, .key = key, .value = value};
+    action wanted{.owner = owner, .key = key, .value = value};
     if (auto refusal = refusal_of(wanted); !refusal.empty())
       return {false, std::move(refusal)};
     return take(std::move(wanted));
@@ -129,7 +129,7 @@ std::shared_ptr<const view::controls> hand_made::controls(std::string why_no_tup
 }
 
 /// Why this tuple cannot be set; empty: it can.
-std::string hand_made::refusal_of(const wish& x) const {
+std::string manual_control::refusal_of(const action& x) const {
   if (x.key.empty())
     return "a tuple needs a key";
   if (x.key.size() + x.value.size() > tuple_octets_max)
@@ -147,35 +147,35 @@ std::string hand_made::refusal_of(const wish& x) const {
   return {};
 }
 
-std::vector<std::string> hand_made::perform(const performer& by, instant now) {
-  std::vector<std::string> told;
-  std::vector<wish> wishes;
+std::vector<std::string> manual_control::perform(const performer& by, instant now) {
+  std::vector<std::string> results;
+  std::vector<action> actions;
   {
     const std::lock_guard guard(lock_);
-    wishes.swap(waiting_);
+    actions.swap(waiting_);
   }
-  for (auto& each : wishes) {
+  for (auto& each : actions) {
     if (each.fault) {
       by.cause(each.sentence, *each.fault);
-      told.push_back(each.sentence);
+      results.push_back(each.sentence);
     } else if (by.set_tuple(each.owner, each.key, each.value)) {
-      told.push_back("sets " + each.key + " of " + each.owner + " to " + each.value);
+      results.push_back("sets " + each.key + " of " + each.owner + " to " + each.value);
     } else {
-      told.push_back("cannot set " + each.key + ": no peer " + each.owner + " runs");
+      results.push_back("cannot set " + each.key + ": no peer " + each.owner + " runs");
       continue;
     }
     done_.emplace_back(now, std::move(each));
   }
-  return told;
+  return results;
 }
 
-void hand_made::end() {
+void manual_control::end() {
   const std::lock_guard guard(lock_);
   over_ = true;
   waiting_.clear();
 }
 
-std::string hand_made::repeated() const {
+std::string manual_control::repeated() const {
   std::string text;
   for (const auto& [at, what] : done_) {
     const auto when = std::to_string((at - instant{}) / 1ms) + "ms";
@@ -212,7 +212,7 @@ live_page::live_page(const page_place& where, const std::string& ecology,
                      controls = std::move(controls)] {
     return std::make_unique<page_session>(view::conversation(timeline, about, controls));
   };
-  site.on_time = [timeline = timeline_] { timeline->settle(); };
+  site.on_time = [timeline = timeline_] { timeline->flush(); };
   const auto token = site.token;
   auto opened = io::web_server::open(std::move(site));
   if (const auto* why = std::get_if<std::string>(&opened))
@@ -237,19 +237,19 @@ void live_page::attach(run_options& options, const config::ecology_description& 
         is_wall ? std::max(duration(static_cast<std::int64_t>(std::max(options.speed, 1.0) * 1e9)),
                            duration(1s))
                 : std::max(length / samples, duration(1s));
-  also(options.on_sample, [this](const report::run_sample& x) { timeline_->add(x); });
-  also(options.on_tuple, [this](const report::tuple_write& x) { timeline_->add(x); });
-  also(options.on_event, [this](const report::logged_event& x) {
+  chain(options.on_sample, [this](const report::run_sample& x) { timeline_->add(x); });
+  chain(options.on_tuple, [this](const report::tuple_write& x) { timeline_->add(x); });
+  chain(options.on_event, [this](const report::logged_event& x) {
     timeline_->add(view::listed_event{x.at, x.who, x.what});
   });
-  also(options.progress, [this, speed = speedometer()](const run_progress& x) mutable {
+  chain(options.progress, [this, speed = speedometer()](const run_progress& x) mutable {
     for (; planned_ < plan_.size() && plan_[planned_].at <= x.reached; ++planned_)
       timeline_->add(plan_[planned_]);
     timeline_->set({x.reached, x.end, true, x.events, speed.at(x.reached)});
   });
 }
 
-void live_page::tell_done(instant now, const std::string& what) {
+void live_page::report_action(instant now, const std::string& what) {
   timeline_->add(view::listed_event{now, "by hand", what, "fault"});
 }
 

@@ -15,7 +15,7 @@
 
 #include "actors/run.hpp"
 #include "cli/message_reader.hpp"
-#include "cli/watch_wishes.hpp"
+#include "cli/watch_options.hpp"
 #include "config/ecology.hpp"
 #include "deploy/bundle.hpp"
 #include "io/web_server.hpp"
@@ -25,38 +25,36 @@
 
 namespace rubicon::cli {
 
-/// What the page may let happen to a run, until the run does it: asked for by the server's thread,
-/// done by the run's.
-class hand_made {
+/// Actions that the page requests of a run: queued by the server's thread, performed by the run's.
+class manual_control {
 public:
   /// @param what the ecology that sentences are about
   /// @param owners of tuples that there can be
   /// @param kernels whether tuples may be set that steer a kernel (TUP-22)
-  hand_made(deploy::bundle what, config::extensions known, std::set<std::string> owners = {},
-            bool kernels = false)
+  manual_control(deploy::bundle what, config::extensions known, std::set<std::string> owners = {},
+                 bool kernels = false)
       : what_(std::move(what)), known_(std::move(known)), owners_(std::move(owners)),
         kernels_(kernels) {}
 
   /// For conversations. @pre this outlives them
-  /// @param why_no_tuples said to whoever wants to set one; empty: it can be set
+  /// @param why_no_tuples the reply to requests to set one; empty: they are accepted
   [[nodiscard]] std::shared_ptr<const view::controls> controls(std::string why_no_tuples = {});
 
-  /// Who does it: a run, or all the hosts of one.
+  /// Performs actions: a run, or all the hosts of one.
   struct performer {
     std::function<void(const std::string& sentence, const config::fault&)> cause;
     /// @returns false: there is no such peer
     std::function<bool(const std::string& owner, const std::string& key, const std::string& value)>
         set_tuple;
   };
-  /// Lets what was asked for since the last call be done. By the run's thread.
-  /// @returns it, in words
+  /// Performs what was requested since the last call. By the run's thread.
+  /// @returns the actions, in words
   [[nodiscard]] std::vector<std::string> perform(const performer& by, instant now);
 
-  /// The run is over: nothing is taken any more.
+  /// The run is over: no request is accepted any more.
   void end();
 
-  /// `[[fault]]` tables that let the same happen again, in a file, and what they are; empty:
-  /// nothing was done.
+  /// The actions as `[[fault]]` tables, for a file that repeats them; empty: there were none.
   [[nodiscard]] std::string repeated() const;
 
 private:
@@ -64,7 +62,7 @@ private:
   static constexpr std::size_t taken_max = 10'000; ///< in all
   static constexpr std::size_t tuple_octets_max = 4096;
 
-  struct wish {
+  struct action {
     std::string sentence = {}; ///< of a fault; empty: a tuple
     std::optional<config::fault> fault = {};
     std::string owner = {};
@@ -72,40 +70,40 @@ private:
     std::string value = {};
   };
 
-  view::controls::outcome take(wish x);
-  [[nodiscard]] std::string refusal_of(const wish& x) const;
+  view::controls::outcome take(action x);
+  [[nodiscard]] std::string refusal_of(const action& x) const;
 
   deploy::bundle what_;
   config::extensions known_;
   std::set<std::string> owners_;
   bool kernels_ = false;
   mutable std::mutex lock_;
-  std::vector<wish> waiting_;
+  std::vector<action> waiting_;
   std::size_t taken_ = 0;
   bool over_ = false;
-  std::vector<std::pair<instant, wish>> done_;
+  std::vector<std::pair<instant, action>> done_;
 };
 
 class live_page {
 public:
-  /// Of a record that is kept for the page alone.
+  /// Of a record that is written for the page alone.
   static constexpr std::uint64_t own_record_octets_max = 65 << 20;
 
   /// Serves the page from now on, and says where on standard error.
   /// @param ecology of view::ecology_json()
   /// @param picture file of the floor plan; empty: there is none
-  /// @param record all that there is to be shown, from the beginning; nullptr: it comes by and by
+  /// @param record all that there is to be shown, from the beginning; nullptr: it arrives gradually
   /// @throws std::runtime_error if nobody can listen there
   live_page(const page_place& where, const std::string& ecology, const view::run_facts& facts,
             const std::string& mode, const std::string& picture,
             std::shared_ptr<const view::controls> controls,
             std::shared_ptr<const explain::traces> record = nullptr);
 
-  /// Lets the run tell it what happens, beside whom it tells already. Outlives the run.
+  /// Adds itself to the observers of the run. Outlives the run.
   void attach(run_options& options, const config::ecology_description& ecology);
 
-  /// Somebody has done this by hand.
-  void tell_done(instant now, const std::string& what);
+  /// Adds a manual action to the timeline.
+  void report_action(instant now, const std::string& what);
 
   /// The run is over.
   void finish(const report::run_report& x);
@@ -114,7 +112,7 @@ public:
   /// @param is_own nobody else wants this record, and it ends at own_record_octets_max
   void read_on(const std::string& record, bool is_own);
 
-  /// What parts on other hosts have told so far, now and then.
+  /// The reports of parts on other hosts so far, now and then.
   void show(const report::run_report& so_far, duration length);
 
   /// Until Ctrl-C or another signal to end.
@@ -124,7 +122,7 @@ private:
   std::string url_;
   std::shared_ptr<view::timeline> timeline_;
   std::vector<view::listed_event> plan_;
-  std::size_t planned_ = 0; ///< of the plan, that have been told
+  std::size_t planned_ = 0; ///< of the plan, that have been added to the timeline
   using shown_event = std::tuple<instant, std::string, std::string>;
   std::set<shown_event> shown_;      ///< events of reports; of very many the newest,
   std::optional<instant> forgotten_; ///< and up to when the others were

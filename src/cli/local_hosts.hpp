@@ -1,4 +1,4 @@
-// The hosts of a file as processes of this computer: the first try of anybody.
+// The hosts of a file as processes of this computer, for a first try.
 #pragma once
 
 #include <chrono>
@@ -16,8 +16,8 @@
 
 namespace rubicon::cli {
 
-/// They live, and begin again when they are killed, until this is destroyed; certificates of their
-/// own keep everybody else away.
+/// They run until this is destroyed, and are restarted when they are killed; their own certificates
+/// admit nobody else.
 class local_hosts {
 public:
   /// @param loop must outlive it
@@ -27,7 +27,7 @@ public:
   local_hosts(const local_hosts&) = delete;
   local_hosts& operator=(const local_hosts&) = delete;
 
-  /// Of whoever deploys to them.
+  /// Of the coordinator that deploys to them.
   [[nodiscard]] control::tls_files own_certificate() const { return certificate_of(coordinator_); }
 
   /// To be called now and then.

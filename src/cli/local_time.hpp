@@ -16,7 +16,7 @@ namespace rubicon::cli {
 /// What the clock shows now: `12:04:59`, with milliseconds `12:04:59.300`.
 [[nodiscard]] std::string clock_now(bool milliseconds);
 
-/// When the clock will leap within `length`, told since `begin`, to the second.
+/// When the clock will leap within `length`, in time since `begin`, to the second.
 [[nodiscard]] std::vector<proxy::clock_change>
 clock_changes(std::chrono::system_clock::time_point begin, duration length);
 

@@ -50,7 +50,7 @@ void occupy_standard_descriptors() {
   }
 }
 
-/// A reader that has gone, and a limit on the size of files, are told by the write itself.
+/// A reader that has gone, and a limit on the size of files, are reported by the write itself.
 void let_writes_fail() {
   static_cast<void>(::signal(SIGPIPE, SIG_IGN));
   static_cast<void>(::signal(SIGXFSZ, SIG_IGN));
@@ -59,8 +59,8 @@ void let_writes_fail() {
 bool has_run_out_of_memory = false;
 
 /// Where memory ends nobody may be able to catch what is thrown, as within a destructor: that is no
-/// fault of the program, and is told as what it is. All else that nobody catches aborts.
-void tell_when_memory_ends() {
+/// fault of the program, and is reported as what it is. All else that nobody catches aborts.
+void report_out_of_memory() {
   std::set_new_handler([] {
     has_run_out_of_memory = true;
     throw std::bad_alloc();
@@ -87,7 +87,7 @@ void give(Command& x, const rubicon::config::extensions& known) {
 int rubicon::main(int argc, char* argv[], const config::extensions& known) {
   occupy_standard_descriptors();
   let_writes_fail();
-  tell_when_memory_ends();
+  report_out_of_memory();
   try {
     auto command = cli::parse_command_line({argv, static_cast<std::size_t>(argc)});
     return static_cast<int>(std::visit(

@@ -16,9 +16,9 @@
 
 namespace rubicon::cli {
 
-/// Reads a record while it is written, and gives a timeline the messages in it. It reads when
-/// somebody asks, on from where it was, on a thread of its own: neither who writes nor who asks
-/// waits for it. What it costs is at most an eleventh of one processor.
+/// Reads a record while it is written, and gives a timeline the messages in it. On
+/// request it reads on from where it stopped, on a thread of its own: neither the writer nor the
+/// requester waits. It takes at most an eleventh of one processor.
 class message_reader {
 public:
   static constexpr duration age = 2s;              ///< younger messages are not read again
@@ -38,10 +38,10 @@ public:
   message_reader(const message_reader&) = delete;
   message_reader& operator=(const message_reader&) = delete;
 
-  /// Somebody wants messages. By any thread.
+  /// Requests messages. From any thread.
   void ask();
 
-  /// The record is complete: all of it is read, whether anybody asks or not.
+  /// The record is complete: all of it is read, requested or not.
   void finish();
 
 private:

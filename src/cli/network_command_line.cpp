@@ -40,7 +40,7 @@ peer_id parse_id(const char* name, const std::string& text) {
 }
 
 /// Digits are an id, all else a name.
-peer_wish parse_wish(const char* name, const std::string& text) {
+peer_selector parse_selector(const char* name, const std::string& text) {
   constexpr std::size_t name_max = 63; // of a host record
   if (!text.empty() && text.find_first_not_of("0123456789") == std::string::npos)
     return {parse_id(name, text), {}};
@@ -66,14 +66,14 @@ std::string parse_key(const char* name, const std::string& text, bool pattern) {
   return text;
 }
 
-void add_owner(CLI::App& app, peer_wish& owner) {
+void add_owner(CLI::App& app, peer_selector& owner) {
   add_parsed(app, "--owner", "PEER", "Only tuples of this peer, by its id or name",
-             [&](const auto& text) { owner = parse_wish("--owner", text); });
+             [&](const auto& text) { owner = parse_selector("--owner", text); });
 }
 
-void add_host(CLI::App& app, peer_wish& host) {
+void add_host(CLI::App& app, peer_selector& host) {
   add_parsed(app, "PEER", "", "Its id or name", [&](const auto& text) {
-    host = parse_wish("PEER", text);
+    host = parse_selector("PEER", text);
   })->required();
 }
 
@@ -88,7 +88,7 @@ template <class What>
 void add_its_owner(CLI::App& app, What& x) {
   add_parsed(app, "--owner", "PEER",
              "The owner of the tuple, by its id or name; default: the peer that has it",
-             [&](const auto& text) { x.owner = parse_wish("--owner", text); });
+             [&](const auto& text) { x.owner = parse_selector("--owner", text); });
 }
 
 void add_write(CLI::App& app, write_tuple& x) {
@@ -103,7 +103,7 @@ void add_meta(CLI::App& app, meta_tuple& x) {
              [&](const auto& text) { x.target = parse_key("TARGET", text, false); });
   add_its_owner(app, x);
   add_parsed(app, "--at", "PEER", "The owner of TARGET; default: that of --owner",
-             [&](const auto& text) { x.target_owner = parse_wish("--at", text); });
+             [&](const auto& text) { x.target_owner = parse_selector("--at", text); });
   app.add_flag("--nowhere", x.nowhere, "Point it nowhere");
   app.final_callback([&x] {
     if (x.target && x.nowhere)

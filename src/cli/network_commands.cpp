@@ -4,7 +4,7 @@
 
 #include "cli/console.hpp"
 #include "cli/find_network.hpp"
-#include "cli/visit.hpp"
+#include "cli/session.hpp"
 #include "core/printable.hpp"
 
 namespace rubicon::cli {
@@ -26,7 +26,7 @@ exit_status perform(const network_command& x) {
   if (const auto* why = std::get_if<std::string>(&joined))
     return fail(*why);
   const auto& network = std::get<joined_network>(joined);
-  const visit at{loop, network.with, *network.self};
+  const session at{loop, network.with, *network.self};
   return std::visit([&](const auto& what) { return perform(at, what); }, x.what);
 }
 

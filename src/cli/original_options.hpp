@@ -13,7 +13,7 @@
 
 namespace rubicon::cli {
 
-/// What they say; what is unset was not said.
+/// Their values; unset: not given.
 struct original_options {
   std::optional<peer_id> id;
   std::optional<std::uint16_t> port;

@@ -20,10 +20,10 @@ std::optional<part_file> read_part_file(const std::string& path) {
   const bytes content{std::istreambuf_iterator<char>(in), {}};
   if (!in || content.empty())
     return std::nullopt;
-  auto told = control::part_report_of(byte_view(content).subspan(1));
-  if (!told)
+  auto newest = control::part_report_of(byte_view(content).subspan(1));
+  if (!newest)
     return std::nullopt;
-  return part_file{*std::move(told), content.front() == '1'};
+  return part_file{*std::move(newest), content.front() == '1'};
 }
 
 } // namespace rubicon::cli

@@ -15,7 +15,7 @@ namespace rubicon::cli {
                                           bool is_final);
 
 struct part_file {
-  report::part_report told;
+  report::part_report newest;
   bool is_final = false;
 };
 

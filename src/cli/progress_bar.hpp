@@ -1,4 +1,4 @@
-// How far a virtual run has come, for whoever waits in front of a terminal.
+// The progress of a virtual run, on a terminal.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ inline constexpr std::string_view erase_line = "\r\033[K";
 [[nodiscard]] std::string progress_text(duration real, duration reached, duration end,
                                         std::size_t width);
 
-/// Decides when to draw what. Knows neither a clock nor a terminal: it is told the real time since
+/// Decides when to draw what. Knows neither a clock nor a terminal: it is given the real time since
 /// the start and returns what to write.
 class progress_bar {
 public:

@@ -43,7 +43,7 @@ void record_reader::take_records() {
     all_.emplace(taken.about, keeps_view_);
   for (const auto& each : taken.records)
     all_->take(each);
-  taken.records.clear(); // it may be much longer than what is kept of it
+  taken.records.clear(); // it may be much longer than what was taken from it
 }
 
 void record_reader::finish() {

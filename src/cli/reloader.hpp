@@ -1,4 +1,4 @@
-// `run --reload`: the file is read again when somebody says so.
+// `run --reload`: the file is read again on SIGHUP.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@
 
 namespace rubicon::cli {
 
-/// Reads the file of a run in wall time again. What the run can follow happens, all
-/// else is told on standard error with its place and the reason (ACT-10).
+/// Reads the file of a run in wall time again. What the run can apply is applied, all
+/// else is reported on standard error with its place and the reason (ACT-10).
 class reloader {
 public:
   /// @param toml what the run begins with

@@ -15,8 +15,8 @@
 #include <unistd.h>
 
 #include "actors/ecology_run.hpp"
-#include "cli/also.hpp"
 #include "cli/bundle_file.hpp"
+#include "cli/chain.hpp"
 #include "cli/console.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/event_lines.hpp"
@@ -37,8 +37,8 @@
 #include "core/printable.hpp"
 #include "core/shell_word.hpp"
 #include "deploy/fault_sentence.hpp"
-#include "io/kept_number.hpp"
 #include "io/line_input.hpp"
+#include "io/stored_number.hpp"
 #include "io/temporary_folder.hpp"
 #include "io/unwaiting_output.hpp"
 #include "report/figures.hpp"
@@ -47,10 +47,10 @@ namespace rubicon::cli {
 
 namespace {
 
-/// A run in wall time, which takes long and is looked at meanwhile: its events are told as they
-/// happen.
-report::run_report run_told(config::ecology_description ecology, run_options options,
-                            const console& errors) {
+/// A run in wall time, which takes long and is looked at meanwhile: its events are printed as
+/// they happen.
+report::run_report run_logged(config::ecology_description ecology, run_options options,
+                              const console& errors) {
   live_log log(errors.is_terminal, errors.width);
   io::unwaiting_output out(STDERR_FILENO); // what nobody can see is no failure
   const auto real = [start = std::chrono::steady_clock::now()] {
@@ -63,9 +63,9 @@ report::run_report run_told(config::ecology_description ecology, run_options opt
       out.write(report::counted(missed, "line") + " not shown: the terminal was too slow\n");
     out.write(text);
   };
-  also(options.on_event, [&](const report::logged_event& x) { show(log.tell(real(), x)); });
-  also(options.progress,
-       [&](const run_progress& x) { show(log.update(real(), x.reached, x.end, x.events)); });
+  chain(options.on_event, [&](const report::logged_event& x) { show(log.add_event(real(), x)); });
+  chain(options.progress,
+        [&](const run_progress& x) { show(log.update(real(), x.reached, x.end, x.events)); });
   struct eraser {
     live_log& log;
     io::unwaiting_output& out;
@@ -80,15 +80,15 @@ report::run_report run_told(config::ecology_description ecology, run_options opt
 
 /// A run with a progress bar where there is somebody to see it.
 report::run_report run_watched(config::ecology_description ecology, run_options options,
-                               const console& errors, bool tells_events) {
+                               const console& errors, bool logs_events) {
   const auto mode = options.mode.value_or(ecology.mode);
-  if (mode == config::run_mode::wall && tells_events)
-    return run_told(std::move(ecology), std::move(options), errors);
+  if (mode == config::run_mode::wall && logs_events)
+    return run_logged(std::move(ecology), std::move(options), errors);
   if (!errors.is_terminal || mode != config::run_mode::virtual_time)
     return run_ecology(std::move(ecology), options);
   progress_bar bar(errors.width);
   const auto start = std::chrono::steady_clock::now();
-  also(options.progress, [&](const run_progress& x) {
+  chain(options.progress, [&](const run_progress& x) {
     const auto text = bar.update(std::chrono::steady_clock::now() - start, x.reached, x.end);
     if (!text.empty())
       static_cast<void>(print(stderr, text)); // a bar nobody can see is no failure
@@ -138,13 +138,13 @@ std::set<std::string> owners_of(const config::ecology_description& x) {
 }
 
 /// What the page may do to the run by hand, if it may.
-std::optional<hand_made> hands_of(const run_command& x,
-                                  const config::ecology_description& ecology) {
+std::optional<manual_control> manual_control_of(const run_command& x,
+                                                const config::ecology_description& ecology) {
   if (!x.watch.control)
     return std::nullopt;
   auto packed = deploy::pack(x.file, x.instead, x.options.length, x.known);
-  return std::optional<hand_made>(std::in_place, std::move(packed.what), x.known,
-                                  owners_of(ecology), x.watch.control_kernel);
+  return std::optional<manual_control>(std::in_place, std::move(packed.what), x.known,
+                                       owners_of(ecology), x.watch.control_kernel);
 }
 
 /// Whether a record costs nothing that anybody would notice: time passes slowly, for few.
@@ -186,51 +186,51 @@ private:
 class viewed_run {
 public:
   viewed_run(const run_command& x, const config::ecology_description& ecology)
-      : record_(x.options.record_file), hands_(hands_of(x, ecology)),
+      : record_(x.options.record_file), manual_(manual_control_of(x, ecology)),
         keeps_own_(record_.empty() && has_time_for_record(x, ecology)),
         page_(*x.watch.view, view::ecology_json(ecology),
               {.file = x.file,
                .command = command_of(x, x.options.seed.value_or(ecology.seed)),
-               .controls = hands_.has_value(),
+               .controls = manual_.has_value(),
                .messages = keeps_own_ || !record_.empty()},
               mode_of(x, ecology), floor_plan_of(x.file, ecology),
-              hands_ ? hands_->controls() : nullptr) {}
+              manual_ ? manual_->controls() : nullptr) {}
 
   void attach(run_options& options, const config::ecology_description& ecology) {
     page_.attach(options, ecology);
     if (keeps_own_)
       own_.attach(options);
-    also(options.on_begun, [this](const run_control& x) {
+    chain(options.on_begun, [this](const run_control& x) {
       if (!record_.empty())
         page_.read_on(record_, /*is_own=*/false);
       own_.read_by(page_);
       performer_ = {[run = x](const std::string&, const config::fault& fault) { run.apply(fault); },
                     x.set_tuple};
     });
-    if (hands_)
-      also(options.progress, [this](const run_progress& x) {
-        for (const auto& each : hands_->perform(performer_, x.reached))
-          page_.tell_done(x.reached, each);
+    if (manual_)
+      chain(options.progress, [this](const run_progress& x) {
+        for (const auto& each : manual_->perform(performer_, x.reached))
+          page_.report_action(x.reached, each);
       });
   }
 
   /// @pre the report is printed
   void finish(const report::run_report& report) {
-    if (hands_)
-      hands_->end();
+    if (manual_)
+      manual_->end();
     page_.finish(report);
-    if (hands_)
-      static_cast<void>(print(stderr, hands_->repeated()));
+    if (manual_)
+      static_cast<void>(print(stderr, manual_->repeated()));
     page_.stay();
   }
 
 private:
   std::string record_;
-  std::optional<hand_made> hands_;
+  std::optional<manual_control> manual_;
   bool keeps_own_;
   own_record own_;
-  live_page page_; ///< before its hands: its sessions use them
-  hand_made::performer performer_;
+  live_page page_; ///< before its actions: its sessions use them
+  manual_control::performer performer_;
 };
 
 exit_status report_run(const run_command& x, ecology_file file) {
@@ -243,7 +243,7 @@ exit_status report_run(const run_command& x, ecology_file file) {
   if (x.reloads) {
     again.emplace(config::read_file(x.file, config::file_octets_max).text.value_or(""), x.file,
                   x.instead, x.known);
-    also(options.on_begun, [&again](const run_control& run) { again->begin(run); });
+    chain(options.on_begun, [&again](const run_control& run) { again->begin(run); });
     options.on_hangup = [&again] { again->read(); };
   }
   std::optional<viewed_run> viewed;
@@ -278,20 +278,20 @@ exit_status compare_runs(const run_command& x, const config::ecology_description
     return exit_status::interrupted;
   }
   const bool equal = first.trace_hash == second.trace_hash && first.events == second.events;
-  const auto tell = [](const char* name, const report::run_report& run) {
+  const auto line_of = [](const char* name, const report::run_report& run) {
     return std::string(name) + "  " + run.trace_hash + "  " + report::counted(run.events, "event") +
            ", " + report::counted(run.violations.size(), "violation") + '\n';
   };
-  const auto text = tell("first run   ", first) + tell("second run  ", second) +
+  const auto text = line_of("first run   ", first) + line_of("second run  ", second) +
                     (equal ? "equal\n" : "the runs differ\n");
-  const bool told =
+  const bool is_printed =
       x.json ? print(stderr, text) && print(stdout, to_json(first)) : print(stdout, text);
-  if (!told)
+  if (!is_printed)
     return exit_status::refused;
   return equal ? status_of(first) : exit_status::violated;
 }
 
-/// Puts the host's part in the place of all. @returns what is in the way of it
+/// Puts the host's part in the place of all. @returns the problems that prevent it
 std::vector<std::string> take_part(config::ecology_description& all, const std::string& host) {
   const auto used = config::used_hosts(all);
   const auto name_of = [](const auto& x) { return x.name; };
@@ -329,10 +329,10 @@ exit_status run_for_deployment(const run_command& x, ecology_file file) {
   using steady = std::chrono::steady_clock;
   constexpr auto report_every = report::part_report_every;
   std::optional<ecology_run> run;
-  report::part_report told;
+  report::part_report newest;
   const auto leave = [&](report::run_report so_far, bool is_final) {
-    told.report = std::move(so_far);
-    const auto why = write_part_file(x.part_file, told, is_final);
+    newest.report = std::move(so_far);
+    const auto why = write_part_file(x.part_file, newest, is_final);
     if (!why.empty())
       static_cast<void>(print(stderr, printable(why) + '\n'));
     return why.empty();
@@ -341,22 +341,22 @@ exit_status run_for_deployment(const run_command& x, ecology_file file) {
   options.source = {x.file, to_hex(file.text_hash), {}}; // whoever repeats it deploys anew
   std::unique_ptr<io::line_input> orders;
   options.on_begun = [&](const run_control& control) { orders = listen(x, control); };
-  line_rate rate;
-  const auto tell = [](const std::string& text) {
+  rate_limiter rate;
+  const auto write = [](const std::string& text) {
     if (!text.empty())
       static_cast<void>(print(stdout, text));
   };
   const auto real = [start = steady::now()] { return steady::now() - start; };
   options.on_event = [&](const report::logged_event& event) {
-    tell(rate.left_out(real()));
+    write(rate.left_out(real()));
     if (rate.take())
-      tell(event_line(event, x.elapsed) + '\n');
+      write(event_line(event, x.elapsed) + '\n');
   };
-  options.on_counters = [&told](const report::run_counters& all) {
-    told.counters = all.unsettled();
+  options.on_counters = [&newest](const report::run_counters& all) {
+    newest.counters = all.unsettled();
   };
   options.progress = [&, next = steady::now() + report_every](const run_progress&) mutable {
-    tell(rate.left_out(real()));
+    write(rate.left_out(real()));
     if (steady::now() < next)
       return;
     next = steady::now() + report_every;
@@ -364,7 +364,7 @@ exit_status run_for_deployment(const run_command& x, ecology_file file) {
   };
   run.emplace(std::move(file.ecology), std::move(options));
   auto whole = run->finish();
-  tell(rate.finish());
+  write(rate.finish());
   const auto status = status_of(whole);
   return leave(std::move(whole), /*is_final=*/true) ? status : exit_status::failed;
 }
@@ -387,13 +387,13 @@ exit_status run_part(run_command x, ecology_file file) {
     x.starts_file = io::state_file(file.ecology.name + '-' + x.host + ".starts");
   if (x.starts_file.empty())
     return refuse("there is no folder to count the starts of the part in; use --starts FILE");
-  auto opened = io::kept_number::open(x.starts_file);
+  auto opened = io::stored_number::open(x.starts_file);
   if (const auto* why = std::get_if<std::string>(&opened))
     return refuse(*why);
-  auto& starts = std::get<io::kept_number>(opened);
+  auto& starts = std::get<io::stored_number>(opened);
   x.options.starts = starts.value();
   x.options.on_starts = [&starts](std::uint32_t most) {
-    const auto why = starts.keep(most);
+    const auto why = starts.store(most);
     if (!why.empty())
       throw std::runtime_error(why); // others would take a later life for an earlier one
   };
@@ -439,8 +439,8 @@ exit_status perform(const run_command& wanted) {
     static_cast<void>(print(stderr, printable(why) + '\n'));
     return exit_status::refused;
   }
-  if (x.is_strict && !file->doubts.empty()) {
-    complain({std::nullopt, file->doubts}, x.file);
+  if (x.is_strict && !file->warnings.empty()) {
+    complain({std::nullopt, file->warnings}, x.file);
     return exit_status::refused;
   }
   if (!x.is_bundled) // whose sender has seen them

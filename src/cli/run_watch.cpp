@@ -28,23 +28,23 @@ std::ofstream made(const std::string& path) {
 
 } // namespace
 
-run_watch::run_watch(watch_wishes wishes, const config::ecology_description& ecology)
-    : wishes_(std::move(wishes)), length_(ecology.length) {
-  if (!wishes_.page_file.empty()) {
-    page_ = made(wishes_.page_file);
+run_watch::run_watch(watch_options options, const config::ecology_description& ecology)
+    : options_(std::move(options)), length_(ecology.length) {
+  if (!options_.page_file.empty()) {
+    page_ = made(options_.page_file);
     ecology_ = ecology;
   }
-  if (wishes_.csv_folder.empty())
+  if (options_.csv_folder.empty())
     return;
   tables_.emplace(ecology);
   std::error_code failure;
-  std::filesystem::create_directories(wishes_.csv_folder, failure);
+  std::filesystem::create_directories(options_.csv_folder, failure);
   if (failure)
-    throw std::runtime_error(wishes_.csv_folder + ": " + failure.message());
+    throw std::runtime_error(options_.csv_folder + ": " + failure.message());
   for (std::size_t i = 0; i < csv_.size(); ++i) {
     const auto which = static_cast<kind>(i);
     csv_[i] =
-        made(wishes_.csv_folder + '/' + std::string(report::csv_tables::name(which)) + ".csv");
+        made(options_.csv_folder + '/' + std::string(report::csv_tables::name(which)) + ".csv");
     csv_[i] << report::csv_tables::header(which);
   }
 }
@@ -54,12 +54,12 @@ void run_watch::write(kind which, const std::string& rows) {
 }
 
 void run_watch::attach(run_options& options) {
-  const bool has_page = !wishes_.page_file.empty();
-  const bool has_tables = !wishes_.csv_folder.empty();
+  const bool has_page = !options_.page_file.empty();
+  const bool has_tables = !options_.csv_folder.empty();
   if (!has_page && !has_tables)
     return;
   const auto length = options.length.value_or(length_);
-  options.look_every = wishes_.csv_every.value_or(std::max(length / samples, look_every_min));
+  options.look_every = options_.csv_every.value_or(std::max(length / samples, look_every_min));
   options.on_sample = [this, has_page, has_tables](const report::run_sample& x) {
     if (has_page)
       seen_.add(x);
@@ -88,15 +88,15 @@ void run_watch::finish(report::run_report& x, const std::string& repeats,
     x.violations.push_back({instant{} + x.simulated, report::requests_are_met,
                             path + " is not complete: " + std::generic_category().message(EIO)});
   };
-  for (std::size_t i = 0; i < csv_.size() && !wishes_.csv_folder.empty(); ++i)
+  for (std::size_t i = 0; i < csv_.size() && !options_.csv_folder.empty(); ++i)
     if (!csv_[i].flush())
-      complain(wishes_.csv_folder + '/' +
+      complain(options_.csv_folder + '/' +
                std::string(report::csv_tables::name(static_cast<kind>(i))) + ".csv");
-  if (wishes_.page_file.empty())
+  if (options_.page_file.empty())
     return;
   page_ << page::html_of({*ecology_, x, seen_, repeats, digest});
   if (!page_.flush())
-    complain(wishes_.page_file);
+    complain(options_.page_file);
 }
 
 } // namespace rubicon::cli

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "actors/run.hpp"
-#include "cli/watch_wishes.hpp"
+#include "cli/watch_options.hpp"
 #include "config/ecology.hpp"
 #include "report/csv.hpp"
 #include "report/history.hpp"
@@ -19,9 +19,9 @@ namespace rubicon::cli {
 class run_watch {
 public:
   /// Makes the files. @throws std::runtime_error if one cannot be made
-  run_watch(watch_wishes wishes, const config::ecology_description& ecology);
+  run_watch(watch_options options, const config::ecology_description& ecology);
 
-  /// Lets the run tell it what it needs. Outlives the run.
+  /// Subscribes to what it needs of the run. Outlives the run.
   void attach(run_options& options);
 
   /// Writes the page and what is left of the tables; what could not be written becomes a violation.
@@ -33,7 +33,7 @@ private:
 
   void write(kind which, const std::string& rows);
 
-  watch_wishes wishes_;
+  watch_options options_;
   duration length_; ///< of the run, unless options say another
   /// What of the description somebody needs, and no more: it may be large.
   std::optional<config::ecology_description> ecology_;

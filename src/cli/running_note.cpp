@@ -14,8 +14,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "io/kept_number.hpp"
 #include "io/replace_file.hpp"
+#include "io/stored_number.hpp"
 
 namespace rubicon::cli {
 
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr const char* running_ending = ".running";
-constexpr std::size_t urls_kept_max = 64; ///< of one run
+constexpr std::size_t urls_stored_max = 64; ///< of one run
 
 /// The address at which this computer reaches what listens at `listened`.
 std::string own_address(const std::string& listened) {
@@ -61,7 +61,7 @@ running_note::running_note(const config::ecology_description& x) {
   bool takes_links = false;
   for (const auto& peer : x.peers) {
     takes_links = takes_links || peer.tcp || peer.lan;
-    if (peer.tcp && peer.tcp->port && urls.size() < urls_kept_max)
+    if (peer.tcp && peer.tcp->port && urls.size() < urls_stored_max)
       urls.push_back("tcp://" + own_address(peer.tcp->address) + ':' +
                      std::to_string(*peer.tcp->port));
   }

@@ -1,4 +1,4 @@
-// What runs on this computer leaves a note, so that commands that look into it find it.
+// A note of each run on this computer, by which commands find its network.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,15 @@
 
 namespace rubicon::cli {
 
-/// Where a run of this user can be entered.
+/// A run of this user that accepts links.
 struct running_ecology {
   std::string name;
   std::string network;
   std::vector<std::string> urls; ///< `tcp://127.0.0.1:8040`; none: its peers chose their ports
 };
 
-/// Says of a run in wall time where its peers take links, while it lives. A note that cannot be
-/// written is none: who looks for it is told to say the place.
+/// Records where the peers of a run in wall time accept links, while it lives. If it cannot be
+/// written, commands need the address.
 class running_note {
 public:
   /// Writes nothing if no peer takes links.

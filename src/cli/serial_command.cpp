@@ -12,8 +12,8 @@
 
 #include "actors/forwarder_clients.hpp"
 #include "cli/console.hpp"
+#include "cli/session.hpp"
 #include "cli/sink_source.hpp"
-#include "cli/visit.hpp"
 #include "core/codec.hpp"
 #include "core/printable.hpp"
 #include "io/signal_watch.hpp"
@@ -157,7 +157,7 @@ std::string json_of(const bytes& packet, instant at) {
   return out.dump() + '\n';
 }
 
-void tell_news(const std::string& what) {
+void print_news(const std::string& what) {
   say("rubicon: " + what);
 }
 
@@ -175,7 +175,7 @@ exit_status perform(const serial_command& with, const listen_serial& x) {
     over = !written || ++count == x.count;
   };
   sink_source from(with, sink_source::patience::for_a_sink,
-                   {.on_packet = on_packet, .on_news = tell_news});
+                   {.on_packet = on_packet, .on_news = print_news});
   source = &from;
   bool interrupted = false;
   const io::signal_watch signals(from.loop(), [&](int) { over = interrupted = true; });
@@ -229,24 +229,24 @@ exit_status perform(const serial_command& with, const forward_serial& x) {
   std::unique_ptr<forwarder_clients> clients;
   std::map<std::uint64_t, std::uint64_t> senders; // by packet id
   std::uint64_t next = 1;
-  bool told = false; // that a client's packet was refused
+  bool is_reported = false; // that a client's packet was refused
   const auto on_packet = [&](const bytes& packet) {
     if (clients)
       clients->forward(packet);
   };
   const auto on_done = [&](serial::packet_id id, std::optional<serial::lost_cause> why) {
-    if (why == serial::lost_cause::too_long && !std::exchange(told, true))
-      tell_news(too_long_text(with.payload_max));
+    if (why == serial::lost_cause::too_long && !std::exchange(is_reported, true))
+      print_news(too_long_text(with.payload_max));
     const auto sender = senders.extract(id.value);
     if (clients && !sender.empty())
       clients->done(sender.mapped());
   };
-  sink_source sink(with, sink_source::patience::for_a_sink, {on_packet, on_done, tell_news});
+  sink_source sink(with, sink_source::patience::for_a_sink, {on_packet, on_done, print_news});
   const auto from_client = [&](std::uint64_t client, bytes packet) {
     senders[next] = client;
     sink.send(serial::packet_id{next++}, std::move(packet));
   };
-  auto found = forwarder_clients::open(sink.loop(), x.address, x.port, {from_client, tell_news});
+  auto found = forwarder_clients::open(sink.loop(), x.address, x.port, {from_client, print_news});
   if (const auto* why = std::get_if<std::string>(&found))
     return fail(*why);
   clients = std::get<std::unique_ptr<forwarder_clients>>(std::move(found));

@@ -33,14 +33,14 @@ instant sink_source::now() const {
 
 void sink_source::send(serial::packet_id id, bytes packet) {
   if (const auto why = serial::objection_to(packet, with_.payload_max)) {
-    tell(id, why);
+    report_done(id, why);
   } else if (!with_.device.empty()) {
     perform(port_.send(id, std::move(packet), now()));
   } else if (there_) {
     stream_->send(serial::encode_forwarded(packet));
-    tell(id, std::nullopt);
+    report_done(id, std::nullopt);
   } else {
-    tell(id, serial::lost_cause::no_ack);
+    report_done(id, serial::lost_cause::no_ack);
   }
 }
 
@@ -114,7 +114,7 @@ void sink_source::lose(std::string why) {
 
 void sink_source::on_lost(const std::string& why) {
   if (next_try_)
-    return; // it has told more than one reason
+    return; // it has reported more than one reason
   there_ = false;
   device_.reset();
   stream_.reset();
@@ -127,7 +127,7 @@ void sink_source::on_lost(const std::string& why) {
 }
 
 /// Not from within a call of the user's.
-void sink_source::tell(serial::packet_id id, std::optional<serial::lost_cause> why) {
+void sink_source::report_done(serial::packet_id id, std::optional<serial::lost_cause> why) {
   loop_.post([this, id, why] { to_user_.on_done(id, why); });
 }
 
@@ -139,9 +139,9 @@ void sink_source::perform(serial::outputs todo) {
     } else if (auto* y = std::get_if<serial::received>(&output)) {
       to_user_.on_packet(y->packet);
     } else if (const auto* done = std::get_if<serial::sent>(&output)) {
-      tell(done->id, std::nullopt);
+      report_done(done->id, std::nullopt);
     } else if (const auto* gone = std::get_if<serial::lost>(&output)) {
-      tell(gone->id, gone->cause);
+      report_done(gone->id, gone->cause);
     }
   }
 }

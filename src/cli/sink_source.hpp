@@ -47,7 +47,7 @@ public:
   [[nodiscard]] const std::string& lost() const { return lost_; }
   [[nodiscard]] io::loop& loop() { return loop_; }
 
-  /// Lets a forwarder's packets go without an ack of the mote: it tells none.
+  /// A forwarder's packets are done without an ack of the mote: it reports none.
   void send(serial::packet_id id, bytes packet);
 
   /// Waits for something to happen, until `end` at the latest.
@@ -64,7 +64,7 @@ private:
   void found();
   void lose(std::string why);
   void on_lost(const std::string& why);
-  void tell(serial::packet_id id, std::optional<serial::lost_cause> why);
+  void report_done(serial::packet_id id, std::optional<serial::lost_cause> why);
   void perform(serial::outputs todo);
 
   serial_command with_;

@@ -111,24 +111,24 @@ std::optional<std::uint64_t> swarm::next() {
 std::vector<seed_outcome> swarm::ended(seed_outcome x) {
   const auto seed = x.seed;
   waiting_.emplace(seed, std::move(x));
-  std::vector<seed_outcome> told;
+  std::vector<seed_outcome> outcomes;
   for (auto i = waiting_.begin(); i != waiting_.end() && i->first == due_; ++due_) {
     count(i->second);
-    told.push_back(std::move(i->second));
+    outcomes.push_back(std::move(i->second));
     i = waiting_.erase(i);
   }
-  return told;
+  return outcomes;
 }
 
 std::vector<seed_outcome> swarm::give_up() {
-  std::vector<seed_outcome> told;
+  std::vector<seed_outcome> outcomes;
   for (auto& [seed, x] : waiting_) {
     count(x);
-    told.push_back(std::move(x));
+    outcomes.push_back(std::move(x));
   }
   waiting_.clear();
   all_given_ = true;
-  return told;
+  return outcomes;
 }
 
 void swarm::count(const seed_outcome& x) {

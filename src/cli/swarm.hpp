@@ -37,7 +37,7 @@ struct seed_outcome {
 
 /// Reads what these words left behind. A run without a report counts as one with a
 /// violation: it overran its time ("no end"), a signal ended it ("no crash", with the last line of
-/// its standard error), or it told nothing that makes sense ("a report").
+/// its standard error), or its output makes no sense ("a report").
 /// @param overran the run was killed because `real` was all the time it had
 /// @returns nothing if a signal ended the run early, and cleanly: it says nothing about its seed
 [[nodiscard]] std::optional<seed_outcome> judge(std::uint64_t seed, const child_end& how,
@@ -52,7 +52,7 @@ public:
   static constexpr std::size_t listed_max = 1000;
 
   struct totals {
-    std::uint64_t runs = 0;                          ///< that have ended and been told
+    std::uint64_t runs = 0;                          ///< that have ended and been returned
     std::uint64_t failures = 0;                      ///< of these, with violations
     std::vector<std::uint64_t> failed_seeds;         ///< the first `listed_max`
     std::map<std::string, std::uint64_t> violations; ///< by invariant
@@ -83,7 +83,7 @@ public:
     return more + (more == ~std::uint64_t{0} ? 0 : 1);
   }
 
-  /// Runs that have ended, told or not.
+  /// Runs that have ended, returned or not.
   [[nodiscard]] std::uint64_t finished() const { return totals_.runs + waiting_.size(); }
 
 private:

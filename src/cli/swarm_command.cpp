@@ -82,7 +82,7 @@ struct seed_run {
   bool overran = false;
 };
 
-/// The runs under way on this computer; what they mean is decided in `swarm`.
+/// The runs in progress on this computer; what they mean is decided in `swarm`.
 class swarm_runs {
 public:
   swarm_runs(const swarm_command& x, const swarm_words& words)
@@ -93,7 +93,7 @@ public:
       wait_and_collect();
     runs_.clear(); // kills those that a signal left
     if (interrupted_)
-      out_.tell(seeds_.give_up());
+      out_.add(seeds_.give_up());
     return out_.finish(interrupted_);
   }
 
@@ -148,7 +148,7 @@ private:
     const auto real = run.overran ? command_.timeout : duration(steady::now() - run.started);
     auto outcome = judge(run.seed, run.child.wait(), real, run.overran);
     if (outcome)
-      out_.tell(seeds_.ended(*std::move(outcome)));
+      out_.add(seeds_.ended(*std::move(outcome)));
     else
       interrupted_ = true; // the same Ctrl-C that comes to us
   }
@@ -207,7 +207,7 @@ exit_status run_on_hosts(const swarm_command& x, const config::overrides& instea
   if (runs.refused())
     return exit_status::refused; // each has said why
   if (interrupted)
-    out.tell(seeds.give_up());
+    out.add(seeds.give_up());
   return out.finish(interrupted);
 }
 

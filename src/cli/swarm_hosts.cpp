@@ -97,7 +97,7 @@ void swarm_hosts::on_news(seed_host& x, deploy::seeds_news& news) {
     if (x.given.erase(each.seed) == 0)
       continue; // it was given to another one meanwhile
     if (auto outcome = judge(each.seed, end_of(each), each.real, each.overran))
-      out_.tell(seeds_.ended(*std::move(outcome)));
+      out_.add(seeds_.ended(*std::move(outcome)));
     else
       returned_.push_front(each.seed); // its computer is shut down
   }
@@ -145,13 +145,13 @@ void swarm_hosts::take_back(seed_host& x, const std::string& why, phase next) {
 void swarm_hosts::end() {
   is_ending_ = true;
   const auto until = steady::now() + swarm_goodbye_max;
-  std::set<const seed_host*> told;
+  std::set<const seed_host*> asked;
   const auto is_open = [&](const seed_host& x) {
-    return x.at == phase::running && (x.client->is_asking() || !told.contains(&x));
+    return x.at == phase::running && (x.client->is_asking() || !asked.contains(&x));
   };
   while (std::ranges::any_of(hosts_, is_open) && steady::now() < until) {
     for (auto& each : hosts_)
-      if (each.at == phase::running && !each.client->is_asking() && told.insert(&each).second)
+      if (each.at == phase::running && !each.client->is_asking() && asked.insert(&each).second)
         ask(each);
     loop_.wait_until(steady::now() + swarm_news_every);
   }

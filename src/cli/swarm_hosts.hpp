@@ -20,8 +20,8 @@
 
 namespace rubicon::cli {
 
-/// Gives hosts seeds and takes back those of hosts that are gone. The outcome of a seed counts
-/// once, whoever has run it.
+/// Distributes seeds over hosts and reclaims those of lost hosts. The outcome of a seed counts
+/// once, whichever host has run it.
 class swarm_hosts {
 public:
   /// @param where, out outlive it

@@ -24,7 +24,7 @@ swarm_output::swarm_output(const swarm_command& x, const swarm& seeds, swarm_wor
                              std::generic_category().message(errno != 0 ? errno : EIO));
 }
 
-void swarm_output::tell(const std::vector<seed_outcome>& due) {
+void swarm_output::add(const std::vector<seed_outcome>& due) {
   for (const auto& x : due) {
     if (!command_.page_file.empty()) {
       figures_.add(x.seed, x.figures);

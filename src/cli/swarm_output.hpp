@@ -1,4 +1,4 @@
-// What a swarm tells while it runs and at its end, wherever its runs are.
+// What a swarm prints while it runs and at its end, wherever its runs are.
 #pragma once
 
 #include <chrono>
@@ -25,8 +25,8 @@ public:
 
   [[nodiscard]] swarm_words& words() { return words_; }
 
-  /// Outcomes in the order of their seeds.
-  void tell(const std::vector<seed_outcome>& due);
+  /// Adds outcomes in the order of their seeds.
+  void add(const std::vector<seed_outcome>& due);
 
   /// False once nobody reads.
   [[nodiscard]] bool is_read() const { return is_read_; }

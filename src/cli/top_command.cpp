@@ -12,8 +12,8 @@
 #include "cli/console.hpp"
 #include "cli/local_time.hpp"
 #include "cli/screen.hpp"
+#include "cli/session.hpp"
 #include "cli/top_text.hpp"
-#include "cli/visit.hpp"
 #include "io/signal_watch.hpp"
 #include "peis/routing_page.hpp"
 
@@ -24,7 +24,7 @@ namespace {
 constexpr duration look_for_keys_every = 100ms;
 
 /// Everybody but ourselves.
-std::map<peer_id, top_host> hosts_of(const visit& at) {
+std::map<peer_id, top_host> hosts_of(const session& at) {
   std::map<peer_id, top_host> all;
   for (const auto* x : at.peer().hosts())
     all[x->id].name = x->full_name;
@@ -42,11 +42,11 @@ std::map<peer_id, top_host> hosts_of(const visit& at) {
 /// Pictures of a network, one after the other.
 class top_show {
 public:
-  top_show(const visit& at, const show_top& wish) : at_(at), wish_(wish) {}
+  top_show(const session& at, const show_top& options) : at_(at), options_(options) {}
 
   [[nodiscard]] exit_status perform() {
     const auto on_change = [this](const auto& x) { note(*x); };
-    const listening watch(at_, any_peer, "", on_change, on_change);
+    const scoped_subscription watch(at_, any_peer, "", on_change, on_change);
     if (const auto* why = watch.refused())
       return fail("refused: " + std::string(peis::to_string(*why)));
     static_cast<void>(
@@ -70,12 +70,12 @@ private:
 
   [[nodiscard]] exit_status show() {
     std::optional<screen> full;
-    if (has_screen() && !wish_.once && !at_.with.json)
+    if (has_screen() && !options_.once && !at_.with.json)
       full.emplace();
     bool interrupted = false;
     const io::signal_watch signals(at_.loop, [&](int) { interrupted = true; });
-    const auto pictures = wish_.once ? 1 : wish_.count.value_or(0);
-    auto next = last_ + (full ? std::min(wish_.every, look_for_keys_every) : wish_.every);
+    const auto pictures = options_.once ? 1 : options_.count.value_or(0);
+    auto next = last_ + (full ? std::min(options_.every, look_for_keys_every) : options_.every);
     for (std::uint64_t shown = 0;;) {
       if (interrupted)
         return exit_status::interrupted;
@@ -90,7 +90,7 @@ private:
         at_.peer().step(std::min(next - now, look_for_keys_every));
         continue;
       }
-      next = std::max(next + wish_.every, now);
+      next = std::max(next + options_.every, now);
       if (!draw(full, shown > 0))
         return exit_status::refused;
       if (++shown == pictures)
@@ -116,15 +116,15 @@ private:
                              top_text(picture, output.room(), std::nullopt, output.colour));
   }
 
-  const visit& at_;
-  const show_top& wish_;
+  const session& at_;
+  const show_top& options_;
   top_observer seen_;
   instant last_;
 };
 
 } // namespace
 
-exit_status perform(const visit& at, const show_top& x) {
+exit_status perform(const session& at, const show_top& x) {
   return top_show(at, x).perform();
 }
 

@@ -20,7 +20,7 @@ namespace rubicon::cli {
 struct top_peer {
   peer_id id;
   std::string name;               ///< as it calls itself; empty: it has not
-  std::optional<unsigned> metric; ///< cost of the way to it; unset: there is none
+  std::optional<unsigned> metric; ///< cost of the route to it; unset: there is none
   std::optional<unsigned> links;  ///< that it has; unset: it has not said
   std::uint64_t tuples = 0;       ///< without kernel.*
   double changes_per_s = 0;
@@ -32,7 +32,7 @@ struct top_gateway {
   std::string line; ///< the first word of `devices.line`: `up`, `silent`; empty: not known
   std::string role; ///< of `devices.role`: `leads`, `stands_by`; empty: it is its island's only one
   std::vector<std::uint32_t> motes; ///< that it lists
-  std::uint64_t stale = 0;          ///< of them, those whose sink is not heard
+  std::uint64_t stale = 0;          ///< of them, those whose sink is silent
   std::uint64_t left = 0;           ///< motes that have left
   double changes_per_s = 0;
 };
@@ -66,7 +66,7 @@ struct top_host {
 };
 
 /// Counts changes between pictures. Rates are those of about the last five seconds, so that rows do
-/// not change places all the time. Tuples of kernel.* are no changes: peers tell them because
+/// not change places all the time. Tuples of kernel.* are no changes: peers publish them because
 /// somebody looks.
 class top_observer {
 public:
@@ -76,7 +76,7 @@ public:
   void on_change(const peis::tuple& x);
 
   /// @param tuples all there are
-  /// @param gone real time since the picture before, or since the first change could be heard
+  /// @param gone real time since the picture before, or since the first change could be received
   [[nodiscard]] top_picture look(const std::map<peer_id, top_host>& hosts,
                                  const std::vector<peis::tuple_pointer>& tuples, duration gone);
 

@@ -14,7 +14,7 @@
 #include "cli/console.hpp"
 #include "cli/local_time.hpp"
 #include "cli/network_text.hpp"
-#include "cli/visit.hpp"
+#include "cli/session.hpp"
 #include "core/printable.hpp"
 #include "io/signal_watch.hpp"
 #include "peis/meta_tuple.hpp"
@@ -33,17 +33,17 @@ std::string refused(peis::cause why) {
 }
 
 /// What others hold under a pattern now; ours describe only this command.
-found_tuples held(const visit& at, peer_id owner, const std::string& pattern) {
+found_tuples held(const session& at, peer_id owner, const std::string& pattern) {
   auto all = at.peer().kernel().find_tuples(owner, pattern);
   std::erase_if(all, [&](const auto& x) { return x->owner == at.peer().kernel().id(); });
   return all;
 }
 
 /// Subscribes, and waits until what is there has come.
-found_tuples gather(const visit& at, std::optional<peer_id> owner, const std::string& pattern) {
+found_tuples gather(const session& at, std::optional<peer_id> owner, const std::string& pattern) {
   const auto whose = owner.value_or(any_peer);
   std::size_t news = 0;
-  const listening watch(at, whose, pattern, [&](const auto&) { ++news; });
+  const scoped_subscription watch(at, whose, pattern, [&](const auto&) { ++news; });
   if (watch.refused() != nullptr)
     return {};
   static_cast<void>(at.self.await_quiet([&] { return !held(at, whose, pattern).empty(); },
@@ -69,7 +69,7 @@ std::string as_table(const found_tuples& all) {
 }
 
 /// How a request at another peer has ended; good: it has acknowledged.
-exit_status told(peer_id owner, std::optional<peis::cause> ended) {
+exit_status status_of(peer_id owner, std::optional<peis::cause> ended) {
   if (!ended)
     return fail("peer " + to_string(owner) + " did not acknowledge it");
   if (*ended != peis::cause::none)
@@ -77,21 +77,21 @@ exit_status told(peer_id owner, std::optional<peis::cause> ended) {
   return exit_status::good;
 }
 
-exit_status acknowledged(const visit& at, peer_id owner, const std::string& key,
+exit_status acknowledged(const session& at, peer_id owner, const std::string& key,
                          std::optional<peis::cause> ended) {
-  const auto status = told(owner, ended);
+  const auto status = status_of(owner, ended);
   if (status != exit_status::good || !at.with.json)
     return status;
   return answer(line_of({{"owner", owner.value}, {"key", key}, {"acknowledged", true}}));
 }
 
 /// Waits for a tuple of a peer that is there.
-peis::reading fetch(const visit& at, peer_id owner, const std::string& key) {
+peis::reading fetch(const session& at, peer_id owner, const std::string& key) {
   static_cast<void>(at.peer().subscribe(owner, key));
   return at.peer().get_tuple(owner, key, peis::read_mode::keep_old, at.with.timeout);
 }
 
-exit_status show_meta(const visit& at, peer_id owner, const meta_tuple& x) {
+exit_status show_meta(const session& at, peer_id owner, const meta_tuple& x) {
   const auto found = fetch(at, owner, x.key);
   if (!found)
     return fail("peer " + to_string(owner) + " has no tuple `" + x.key + '`');
@@ -152,7 +152,7 @@ private:
 
 } // namespace
 
-exit_status perform(const visit& at, const get_tuple& x) {
+exit_status perform(const session& at, const get_tuple& x) {
   if (x.owner.is_any()) {
     const auto all = gather(at, std::nullopt, x.key);
     if (all.empty())
@@ -188,12 +188,12 @@ std::optional<std::string> outcome_of(const peis::tuple& x, const std::string& w
 }
 
 /// Sets an input of a proxy (docs/gateway.md) and waits for its outcome.
-exit_status set_and_wait(const visit& at, peer_id owner, const write_tuple& x) {
-  bool is_written = false; // what was told before is about something else
+exit_status set_and_wait(const session& at, peer_id owner, const write_tuple& x) {
+  bool is_written = false; // earlier notifications are about something else
   std::optional<std::string> outcome;
-  const listening watch(at, owner, x.key + ".outcome", [&](const auto& told) {
+  const scoped_subscription watch(at, owner, x.key + ".outcome", [&](const auto& changed) {
     if (is_written && !outcome)
-      outcome = outcome_of(*told, x.value);
+      outcome = outcome_of(*changed, x.value);
   });
   if (const auto* why = watch.refused())
     return fail(refused(*why));
@@ -206,7 +206,7 @@ exit_status set_and_wait(const visit& at, peer_id owner, const write_tuple& x) {
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
     at.peer().set_remote_tuple(owner, x.key, peis::text_content(x.value), std::move(then));
   });
-  if (const auto status = told(owner, ended); status != exit_status::good)
+  if (const auto status = status_of(owner, ended); status != exit_status::good)
     return status;
   const auto longest =
       duration(static_cast<std::int64_t>(std::clamp(*longest_s, 0.0, 86'400.0) * 1e9));
@@ -224,10 +224,10 @@ exit_status set_and_wait(const visit& at, peer_id owner, const write_tuple& x) {
 
 } // namespace
 
-exit_status perform(const visit& at, const write_tuple& x) {
+exit_status perform(const session& at, const write_tuple& x) {
   std::vector<std::string> keys{x.key};
-  if (const auto told = x.key + ".deadline"; peis::key::parse(told) && !x.append)
-    keys.push_back(told); // an input of a proxy that nobody has written yet
+  if (const auto deadline = x.key + ".deadline"; peis::key::parse(deadline) && !x.append)
+    keys.push_back(deadline); // an input of a proxy that nobody has written yet
   const auto found = find_owner(at, x.owner, keys);
   if (const auto* why = std::get_if<std::string>(&found))
     return fail(*why);
@@ -244,7 +244,7 @@ exit_status perform(const visit& at, const write_tuple& x) {
   return acknowledged(at, owner, x.key, ended);
 }
 
-exit_status perform(const visit& at, const delete_tuple& x) {
+exit_status perform(const session& at, const delete_tuple& x) {
   const auto found = find_owner(at, x.owner, {x.key});
   if (const auto* why = std::get_if<std::string>(&found))
     return fail(*why);
@@ -255,7 +255,7 @@ exit_status perform(const visit& at, const delete_tuple& x) {
   return acknowledged(at, owner, x.key, ended);
 }
 
-exit_status perform(const visit& at, const meta_tuple& x) {
+exit_status perform(const session& at, const meta_tuple& x) {
   const auto found = find_owner(at, x.owner, {x.key});
   if (const auto* why = std::get_if<std::string>(&found))
     return fail(*why);
@@ -281,7 +281,7 @@ exit_status perform(const visit& at, const meta_tuple& x) {
   return acknowledged(at, owner, x.key, ended);
 }
 
-exit_status perform(const visit& at, const list_tuples& x) {
+exit_status perform(const session& at, const list_tuples& x) {
   std::optional<peer_id> owner;
   if (!x.owner.is_any()) {
     const auto found = find_peer(at, x.owner);
@@ -297,7 +297,7 @@ exit_status perform(const visit& at, const list_tuples& x) {
   return answer(at.with.json ? as_json(all) : as_table(all));
 }
 
-exit_status perform(const visit& at, const watch_tuples& x) {
+exit_status perform(const session& at, const watch_tuples& x) {
   auto whose = any_peer;
   if (x.owner.id) {
     whose = *x.owner.id; // which may come later
@@ -307,16 +307,16 @@ exit_status perform(const visit& at, const watch_tuples& x) {
       return fail(*why);
     whose = std::get<peer_id>(found);
   }
-  change_printer tell(at.with.json);
+  change_printer printer(at.with.json);
   bool written = true;
   bool over = false;
   const auto on_change = [&](const peis::tuple& y, bool deleted) {
     if (over || y.owner == at.peer().kernel().id())
       return;
-    written = tell(y, deleted) && written;
-    over = !written || tell.count() == x.count;
+    written = printer(y, deleted) && written;
+    over = !written || printer.count() == x.count;
   };
-  std::deque<listening> watches;
+  std::deque<scoped_subscription> watches;
   for (const auto& pattern : x.patterns) {
     const auto& watch = watches.emplace_back(
         at, whose, pattern, [&](const auto& y) { on_change(*y, false); },
@@ -338,8 +338,8 @@ exit_status perform(const visit& at, const watch_tuples& x) {
     return exit_status::interrupted;
   if (at.peer().links().open_links() == 0)
     return fail("the link to " + at.with.peer + " is gone");
-  return x.count && tell.count() < *x.count && x.length
-             ? fail("only " + report::counted(tell.count(), "change"))
+  return x.count && printer.count() < *x.count && x.length
+             ? fail("only " + report::counted(printer.count(), "change"))
              : exit_status::good;
 }
 

@@ -3,7 +3,7 @@
 
 namespace rubicon::cli {
 
-/// `0.1.0`. What two of the same version tell each other, both understand.
+/// `0.1.0`. Two of the same version understand each other's messages.
 extern const char* const version;
 
 } // namespace rubicon::cli

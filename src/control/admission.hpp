@@ -1,4 +1,4 @@
-// Which of those who have connected, and have not said who they are, may stay.
+// Which unauthenticated connections may stay open.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@ struct admission_limits {
   std::uint32_t at_once = 100;   ///< from one address
 };
 
-/// Whoever comes gets in, in the place of the one that has waited longest of the address that has
-/// the most: who holds many connections only pushes out its own.
+/// A new connection is admitted. At the limit it replaces the oldest of the address that has the
+/// most: an address with many connections displaces only its own.
 class admission {
 public:
   using id = std::uint64_t;
@@ -28,14 +28,14 @@ public:
   explicit admission(admission_limits limits = {}) : limits_(limits) {}
 
   struct decision {
-    bool enters = false; ///< if not, it comes too often and is to be closed at once
+    bool enters = false; ///< false: its address connects too often; close it at once
     std::optional<id> leaves;
   };
 
-  /// @param who no other has the number
+  /// @param who unique number
   [[nodiscard]] decision arrive(id who, const ipv4_address& from, instant now);
 
-  /// It has said who it is, or is gone. Harmless for others.
+  /// The connection has authenticated, or is closed. Harmless for others.
   void leave(id who);
 
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
@@ -60,7 +60,7 @@ private:
   [[nodiscard]] id remove_oldest(const ipv4_address& from);
 
   admission_limits limits_;
-  std::deque<waiter> waiting_; ///< who has waited longest first
+  std::deque<waiter> waiting_; ///< the oldest first
   std::map<ipv4_address, ration> rations_;
 };
 

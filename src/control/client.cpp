@@ -38,8 +38,8 @@ struct client::state {
   phase now = phase::away;
   callback done;               ///< empty: no question is open
   frame asked;                 ///< as long as it has not been sent
-  bool tells_list = false;     ///< the answer that comes first is to that
-  std::uint64_t told_list = 0; ///< number of the list that this connection has brought
+  bool list_pending = false;   ///< the answer that comes first is to that
+  std::uint64_t sent_list = 0; ///< number of the list that was sent on this connection
   std::uint8_t answer_kind = 0;
   std::uint32_t number = 0;
   bool has_answered = false; ///< somebody, at some time
@@ -55,7 +55,7 @@ struct client::state {
     if (asked.content.size() > question_limits()[asked.kind])
       return patience.start({}, [this] { fail("cannot be asked: the request is too long"); });
     patience.start(timeout, [this] { fail(why_late()); });
-    static_cast<void>(own.look()); // who cannot be believed any more is told so by the other side
+    static_cast<void>(own.look()); // if it is not valid any more, the other side says so
     if (now == phase::open)
       return send();
     now = phase::connecting;
@@ -83,19 +83,19 @@ struct client::state {
 
   void ready() {
     now = phase::open;
-    told_list = 0;
+    sent_list = 0;
     send();
   }
 
   /// A greeting comes before the list: other versions may not know what that is.
   void send() {
     const auto& list = own.revoked();
-    tells_list = list && list->number() != told_list &&
-                 asked.kind != deploy::question(deploy::greeting{}).index();
-    if (!tells_list)
+    list_pending = list && list->number() != sent_list &&
+                   asked.kind != deploy::question(deploy::greeting{}).index();
+    if (!list_pending)
       return send(std::exchange(asked, {asked.kind, asked.number, {}}));
-    told_list = list->number();
-    const deploy::question x = deploy::tell_revoked{list->text()};
+    sent_list = list->number();
+    const deploy::question x = deploy::send_revoked{list->text()};
     send({static_cast<std::uint8_t>(x.index()), 0, octets_of(x)});
   }
 
@@ -117,10 +117,10 @@ struct client::state {
   }
 
   void on_answer(const frame& x, bool is_followed) {
-    if (tells_list) { // what the host makes of it is told by its log, and by its facts
+    if (list_pending) { // the result is in the host's log, and in its facts
       if (is_followed || x.number != 0)
         return fail("sent an answer to no request");
-      tells_list = false;
+      list_pending = false;
       return send();
     }
     if (!done || is_followed || x.number != number || x.kind != answer_kind)

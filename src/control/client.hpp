@@ -14,7 +14,7 @@
 
 namespace rubicon::control {
 
-/// Asks one question after the other, and finds the host anew when it was gone.
+/// Sends one request after the other, and reconnects when the connection was lost.
 class client {
 public:
   /// The answer, or why there is none: `cannot be reached: ...`, a verb first.

@@ -29,7 +29,7 @@ constexpr std::size_t limit_of() {
     return large_octets_max;
   else if constexpr (std::is_same_v<T, verdict>)
     return small_octets_max;
-  else if constexpr (std::is_same_v<T, run_seeds> || std::is_same_v<T, tell_revoked>)
+  else if constexpr (std::is_same_v<T, run_seeds> || std::is_same_v<T, send_revoked>)
     return list_octets_max;
   else
     return tiny_octets_max;

@@ -1,4 +1,4 @@
-// How a question or an answer travels: a header of 12 octets, and what it says.
+// The frame of a question or an answer: a header of 12 octets, and the content.
 //
 //   'R' 'u' | 1, version of this layout | kind | number (4) | octets that follow (4)
 //
@@ -34,7 +34,7 @@ using frame_limits = std::span<const std::size_t>;
 [[nodiscard]] frame_limits question_limits();
 [[nodiscard]] frame_limits answer_limits();
 
-/// More octets than this may only be announced by who carries files or reports.
+/// Only frames with files or reports may announce more octets than this.
 inline constexpr std::size_t small_octets_max = std::size_t{1} << 20;
 
 /// Puts one frame together.

@@ -12,7 +12,7 @@ namespace rubicon::control {
 
 namespace {
 
-/// Of what a question or an answer takes in memory: small things take more there than on their way.
+/// Of what a question or an answer takes in memory: small things take more there than in transit.
 constexpr std::size_t memory_per_octet = 4;
 constexpr std::size_t memory_beside = std::size_t{64} << 20;
 

@@ -10,14 +10,14 @@ std::optional<std::string> refusal_log::note(const std::string& who, const std::
     begun_ = now;
     lines_ = 0;
   }
-  std::erase_if(told_, [now](const auto& x) { return now - x.second >= period; });
+  std::erase_if(reported_, [now](const auto& x) { return now - x.second >= period; });
   auto line = who + " was rejected: it " + why;
-  if (told_.contains(line) || told_.size() >= known_max || lines_ >= lines_max) {
+  if (reported_.contains(line) || reported_.size() >= known_max || lines_ >= lines_max) {
     ++left_out_;
     return std::nullopt;
   }
   ++lines_;
-  told_.emplace(line, now);
+  reported_.emplace(line, now);
   return line;
 }
 

@@ -1,4 +1,4 @@
-// Lines about who was refused and why: few, however many come.
+// Log lines about refused connections, at a limited rate.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const;
 
 private:
-  std::map<std::string, instant> told_;
+  std::map<std::string, instant> reported_;
   instant begun_;
   std::size_t lines_ = 0;
   std::uint64_t left_out_ = 0;

@@ -73,14 +73,14 @@ struct server::state {
     steady::time_point asked_at;
   };
 
-  state(system& in, io::loop& loop, handler f, teller tell_)
-      : own(in.own()), where(loop), answer(std::move(f)), tell(std::move(tell_)),
+  state(system& in, io::loop& loop, handler f, reporter report_)
+      : own(in.own()), where(loop), answer(std::move(f)), report(std::move(report_)),
         doors(limits_here()), log_timer(loop) {}
 
   io::tls_keeper& own;
   io::loop& where;
   handler answer;
-  teller tell;
+  reporter report;
   admission doors;
   refusal_log log;
   io::timer log_timer;
@@ -94,8 +94,8 @@ struct server::state {
   [[nodiscard]] instant now() const { return instant(steady::now() - begun); }
 
   void say(const std::string& line) const {
-    if (tell && !line.empty())
-      tell(line);
+    if (report && !line.empty())
+      report(line);
   }
 
   void refuse(const std::string& from, const std::string& why) {
@@ -171,13 +171,13 @@ struct server::state {
     return x.at == phase::unknown || !own.revoked() ? "" : x.stream->why_revoked(*own.revoked());
   }
 
-  deploy::answer learn(const deploy::tell_revoked& x) {
+  deploy::answer learn(const deploy::send_revoked& x) {
     const auto found = own.take(x.list);
-    say(found.told.empty() || found.is_taken
-            ? found.told
-            : "rejected a list of revoked certificates: it " + found.told);
-    return found.is_taken || found.told.empty() ? deploy::verdict{}
-                                                : deploy::verdict{{found.told}, true};
+    say(found.report.empty() || found.is_taken
+            ? found.report
+            : "rejected a list of revoked certificates: it " + found.report);
+    return found.is_taken || found.report.empty() ? deploy::verdict{}
+                                                  : deploy::verdict{{found.report}, true};
   }
 
   void on_known(id who) {
@@ -273,7 +273,7 @@ struct server::state {
     if (!question)
       return close(who,
                    "sent a request of kind " + std::to_string(asked.kind) + " that is invalid");
-    const auto* list = std::get_if<deploy::tell_revoked>(&*question);
+    const auto* list = std::get_if<deploy::send_revoked>(&*question);
     const auto found = list != nullptr ? learn(*list) : answer(*std::move(question));
     next_with_files(who);
     if (list != nullptr)
@@ -331,8 +331,8 @@ struct server::state {
 
 std::variant<server, std::string> server::open(system& in, io::loop& where,
                                                const std::string& address, std::uint16_t port,
-                                               handler f, teller tell) {
-  auto made = std::make_unique<state>(in, where, std::move(f), std::move(tell));
+                                               handler f, reporter report) {
+  auto made = std::make_unique<state>(in, where, std::move(f), std::move(report));
   auto opened = io::tcp_listener::open(
       where, address, port, [x = made.get()](io::tcp_stream stream, const ipv4_address& from) {
         x->on_connection(std::move(stream), from);

@@ -11,10 +11,10 @@ namespace rubicon::control {
 class system {
 public:
   /// @param host whose name the certificate must have; empty: any
-  /// @param kept where lists of revoked certificates outlive the process, as tls_keeper has it
+  /// @param store where lists of revoked certificates outlive the process, as tls_keeper has it
   /// @throws std::runtime_error if the files of `tls` cannot be used
-  explicit system(const tls_files& tls, const std::string& host = {}, const std::string& kept = {})
-      : own_(tls, host, kept) {}
+  explicit system(const tls_files& tls, const std::string& host = {}, const std::string& store = {})
+      : own_(tls, host, store) {}
   system(const system&) = delete;
   system& operator=(const system&) = delete;
 

@@ -14,15 +14,15 @@
 
 namespace rubicon::deploy {
 
-/// What answers `yes` or tells why not.
+/// The answer to a request: yes, or why not.
 struct verdict {
   std::vector<std::string> problems; ///< empty: it is so, or is done
   bool concerned = true;             ///< of a fault: something of it is here
 };
 RUBICON_FIELDS(verdict, problems, concerned);
 
-/// The first question, and its answer; the same in all versions, so that they can tell each other
-/// that they differ.
+/// The first question, and its answer; the same in all versions, so that they can detect that
+/// they differ.
 struct greeting {
   std::string version;
   using answer = greeting;
@@ -34,7 +34,7 @@ enum class part_state : std::uint8_t {
   offered, ///< it could begin
   running,
   waiting, ///< its process was killed and begins again
-  ended,   ///< it has told all
+  ended,   ///< it has reported everything
 };
 
 /// Described for people.
@@ -70,7 +70,7 @@ struct offer {
   std::string host;
   bundle what;
   std::string log_level;
-  bool only_asks = false; ///< nothing is kept
+  bool only_asks = false; ///< nothing is stored
   using answer = verdict;
 };
 RUBICON_FIELDS(offer, deployment, host, what, log_level, only_asks);
@@ -83,7 +83,7 @@ struct begin_part {
 };
 RUBICON_FIELDS(begin_part, deployment, elapsed);
 
-/// It ends early, and tells all.
+/// The part ends early, and reports everything.
 struct end_part {
   std::string deployment;
   using answer = verdict;
@@ -98,22 +98,22 @@ struct cause_fault {
 };
 RUBICON_FIELDS(cause_fault, deployment, sentence);
 
-/// What a process of the part has told so far.
+/// What a process of the part has reported so far.
 struct life_news {
   std::uint64_t life = 0; ///< no other has this number, on this host
   duration elapsed{};     ///< of the whole when it began
   duration ended{};       ///< of the whole when it ended; 0: it runs, or nobody has seen its end
   bool is_final = false;
-  report::part_report told; ///< without a name: nothing
+  report::part_report newest; ///< without a name: nothing
 };
-RUBICON_FIELDS(life_news, life, elapsed, ended, is_final, told);
+RUBICON_FIELDS(life_news, life, elapsed, ended, is_final, newest);
 
 struct news {
   std::uint64_t line = 0;   ///< number of the last one of `lines`, and of the last change of
   std::uint64_t change = 0; ///< `lives`: what the next question is to say
   std::uint64_t lines_left_out = 0;
   std::vector<std::string> lines; ///< that the part has written
-  std::vector<life_news> lives;   ///< those that have told more, the oldest first
+  std::vector<life_news> lives;   ///< those with a newer report, the oldest first
   host_facts facts;
   bool has_more = false; ///< of `lives`: the next question brings them
 };
@@ -167,17 +167,17 @@ struct run_seeds {
 };
 RUBICON_FIELDS(run_seeds, experiment, seeds, after, ends);
 
-/// The authority's list of certificates that are not to be believed any more. Who asks has one
-/// tells it on each new connection.
-struct tell_revoked {
+/// The authority's list of certificates that are revoked. A client that has one sends it on each
+/// new connection.
+struct send_revoked {
   std::string list; ///< in PEM
   using answer = verdict;
 };
-RUBICON_FIELDS(tell_revoked, list);
+RUBICON_FIELDS(send_revoked, list);
 
 using question = std::variant<greeting, ask_facts, offer, begin_part, end_part, cause_fault,
-                              ask_news, offer_seeds, run_seeds, tell_revoked>;
-/// Who takes longer does not answer; files take their time on their way.
+                              ask_news, offer_seeds, run_seeds, send_revoked>;
+/// Who takes longer does not answer; files take longer to transfer.
 [[nodiscard]] inline duration patience_for(const question& x) {
   const bool has_files = std::holds_alternative<offer>(x) || std::holds_alternative<offer_seeds>(x);
   return has_files ? duration(1min) : duration(5s);

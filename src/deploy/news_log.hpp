@@ -1,4 +1,4 @@
-// What a host's part writes, for whoever asks: the newest lines, numbered from 1.
+// The output of a host's part: the newest lines, numbered from 1.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,16 @@ public:
   static constexpr std::size_t lines_max = 4096;
   static constexpr std::size_t line_octets_max = 4096;
 
-  /// The oldest goes when there are too many; one that is too long is cut.
+  /// The oldest is dropped when there are too many; one that is too long is cut.
   void add(std::string line);
 
   struct page {
     std::vector<std::string> lines;
     std::uint64_t last = 0;     ///< number of the last one
-    std::uint64_t left_out = 0; ///< that went before they were asked for
+    std::uint64_t left_out = 0; ///< that were dropped before they were requested
   };
 
-  /// What came behind the line of that number.
+  /// The lines after that number.
   [[nodiscard]] page after(std::uint64_t number) const;
 
 private:

@@ -30,7 +30,7 @@ struct fragment {
 
 [[nodiscard]] std::optional<fragment> fragment_of(byte_view octets);
 
-/// A fragment of a packet on its way through an island.
+/// A fragment of a packet in transit through an island.
 struct carried_fragment {
   bool is_down = false; ///< its header says where it comes from
   fragment part;

@@ -96,7 +96,7 @@ void following::follower::on_event(const record& r) {
   all_.all.events.push_back(r);
   const auto parent = all_.step_of(r.cause);
   const bool is_of_mote = r.from.starts_with("mote/") || r.from.starts_with("mote_app/");
-  if (parent == no_node || !is_of_mote) // what components do, their tuples tell
+  if (parent == no_node || !is_of_mote) // actions of components show in their tuples
     return;
   node x;
   x.what = step::acts;

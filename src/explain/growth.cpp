@@ -111,8 +111,8 @@ void growth::arrive(node_index n, std::uint32_t fragment, const std::string& act
   auto& x = at(n);
   if (fragments.size() < x.fragments)
     return;
-  if (x.to.empty() && std::ranges::find(x.heard, actor) == x.heard.end())
-    x.heard.push_back(actor);
+  if (x.to.empty() && std::ranges::find(x.receivers, actor) == x.receivers.end())
+    x.receivers.push_back(actor);
   if (!x.arrived)
     x.arrived = r.time;
   deliver(x, actor, r.time);
@@ -139,7 +139,7 @@ void growth::deliver(const node& x, const std::string& actor, instant when) {
       m.destination = *who;
     const bool is_there = m.is_on_channel || *who == m.destination ||
                           (m.destination.mote == broadcast_mote &&
-                           who->island == m.destination.island && x.heard.size() == 1);
+                           who->island == m.destination.island && x.receivers.size() == 1);
     if (is_there && !m.delivered)
       m.delivered = when;
   }

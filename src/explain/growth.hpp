@@ -28,7 +28,7 @@ struct crossing {
   std::uint32_t fragments = 1;
 };
 
-/// Ways as they grow. Every record has a number and names the number of its cause: a step comes
+/// Paths as they grow. Every record has a number and names the number of its cause: a step comes
 /// after the step that the nearest of its causes stands for.
 class growth {
 public:

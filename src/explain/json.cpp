@@ -34,7 +34,7 @@ std::string_view word_of(step x) {
     return "asks";
   case step::sets:
     return "sets";
-  case step::hears:
+  case step::notified:
     return "hears";
   }
   return "unknown";

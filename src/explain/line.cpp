@@ -6,7 +6,7 @@ namespace rubicon::explain {
 
 namespace {
 
-/// Writes of which nothing has been heard for so many others are lost.
+/// A write that has not arrived when so many others have followed is lost.
 constexpr std::size_t in_flight_max = 64;
 
 } // namespace
@@ -40,7 +40,7 @@ void line_follower::on_write(const record& r) {
   in_flight.push_back(std::move(write));
 }
 
-void line_follower::tell(const written& x, const char* outcome) {
+void line_follower::set_outcome(const written& x, const char* outcome) {
   if (x.hop != no_node)
     all_.at(x.hop).attempts[x.attempt].outcome = outcome;
 }
@@ -54,13 +54,14 @@ void line_follower::on_octets(const record& r) {
   if (found == in_flight.end())
     return;
   std::for_each(in_flight.begin(), found,
-                [this](const written& x) { tell(x, "lost on the line"); });
+                [this](const written& x) { set_outcome(x, "lost on the line"); });
   if (found->octets != r.octets) {
-    tell(*found, found->octets.size() == r.octets.size() ? "octets corrupted" : "octets lost");
+    set_outcome(*found,
+                found->octets.size() == r.octets.size() ? "octets corrupted" : "octets lost");
   } else if (r.unheard) {
-    tell(*found, "the receiver had ended");
+    set_outcome(*found, "the receiver had ended");
   } else if (found->hop != no_node) {
-    tell(*found, "delivered");
+    set_outcome(*found, "delivered");
     all_.at(found->hop).attempts[found->attempt].arrived = true;
     all_.arrive(found->hop, found->fragment, r.to, r);
   }
@@ -74,7 +75,7 @@ void line_follower::on_plug(const record& r) {
     return;
   for (auto& in_flight : line.in_flight) {
     for (const auto& x : in_flight)
-      tell(x, "cable unplugged");
+      set_outcome(x, "cable unplugged");
     in_flight.clear();
   }
 }

@@ -17,7 +17,7 @@ void link_follower::on_package(const record& r) {
   if (!what)
     return;
   auto to = r.to;
-  if (to.empty()) // what is lost tells only who has sent it
+  if (to.empty()) // the record of a loss names only the sender
     for (const auto& end : ends_[r.id])
       if (end != r.from)
         to = end;
@@ -60,7 +60,7 @@ void link_follower::on_asked(const record& r, const sighting& what) {
   requests_[r.number] = {what, peer_id(r.peer)};
 }
 
-/// A component's message for another peer; a failure is told later.
+/// A component's message for another peer; a failure is reported later.
 void link_follower::on_send(const record& r) {
   const auto here = all_.all.known.peer_of(r.to);
   const auto packet = here && r.channel == island_message_port

@@ -62,7 +62,7 @@ private:
     std::array<std::deque<written>, 2> in_flight; ///< by direction
   };
 
-  void tell(const written& x, const char* outcome);
+  void set_outcome(const written& x, const char* outcome);
 
   growth& all_;
   message_follower& messages_;

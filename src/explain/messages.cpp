@@ -190,7 +190,7 @@ std::optional<sighting> message_follower::recognise(const envelope& x, std::uint
   return std::nullopt;
 }
 
-/// A message on its way, or one that nobody here has begun.
+/// A message in transit, or one that nobody here has begun.
 std::optional<sighting> message_follower::seen(message x, std::uint64_t cause, const record& r) {
   const auto begun = all_.begun(cause, "message");
   const auto n = all_.step_of(cause);

@@ -19,10 +19,10 @@ class message_follower {
 public:
   explicit message_follower(growth& all) : all_(all) {}
 
-  /// What comes of it tells the rest.
+  /// The remaining fields follow from what it causes.
   void on_begun(const record& r);
 
-  // what programs do and are told
+  // actions of programs, and what they are notified of
   void on_send(const record& r);
   void on_message(const record& r);
   void on_send_ended(const record& r);
@@ -39,8 +39,8 @@ public:
   /// Packets of the measuring apps, which have numbers.
   [[nodiscard]] std::optional<sighting> recognise_flow(byte_view octets, island_id here,
                                                        const record& r);
-  /// Events of groups, which nobody can read: only what has led to a frame tells. Other frames of
-  /// groups come from nothing.
+  /// Events of groups, which are encrypted: a frame is known by its cause only. Other frames of
+  /// groups have no cause.
   [[nodiscard]] std::optional<sighting> recognise_event(island_id here, const record& r);
   /// A later fragment says nothing of itself.
   [[nodiscard]] std::optional<sighting> recognise_rest(std::uint64_t cause) const;

@@ -9,7 +9,7 @@ namespace rubicon::explain {
 
 namespace {
 
-/// A message that nobody has carried for so long is lost, even if nobody was told.
+/// A message that nobody has carried for so long is lost, even if no loss was reported.
 constexpr duration patience = 60s;
 
 /// As people say it.
@@ -273,11 +273,11 @@ std::vector<audience> audience_of(const traces& all, const tuple_value& x) {
     audience one{who, {}};
     for (const auto n : x.nodes) {
       const auto& y = all.nodes[n];
-      if (y.what == step::hears && y.from == watcher.who && !one.after)
+      if (y.what == step::notified && y.from == watcher.who && !one.after)
         one.after = y.time() - *x.set;
     }
-    const auto told = all.last_told.find(watcher.who);
-    if (one.after || (told != all.last_told.end() && told->second > *x.set))
+    const auto last = all.last_notified.find(watcher.who);
+    if (one.after || (last != all.last_notified.end() && last->second > *x.set))
       out.push_back(std::move(one));
   }
   return out;

@@ -39,7 +39,7 @@ struct outcome {
 
 [[nodiscard]] outcome outcome_of(const traces& all, const message& x);
 
-/// What kept a hop from arriving, such as `4 tries: collision, 3 × out of reach`; empty if it did.
+/// Why a hop did not arrive, such as `4 tries: collision, 3 × out of reach`; empty if it did.
 [[nodiscard]] std::string obstacle(const node& x);
 
 /// `collision, 3 × loss`: outcomes of those attempts that did not arrive, in order.
@@ -51,11 +51,11 @@ struct outcome {
 /// Between whom: `kitchen/climate-7 → kitchen/sink`.
 [[nodiscard]] std::string route_of(const node& x);
 
-/// Who wants to hear of this value, and when they did. Not those that began later, nor those that
-/// are never told anything again: they have ended.
+/// Who has subscribed to this value, and when they received it. Not those that subscribed later,
+/// nor those that never receive anything again: they have ended.
 struct audience {
   std::string who;
-  std::optional<duration> after; ///< nothing: not told
+  std::optional<duration> after; ///< nothing: not received
 };
 [[nodiscard]] std::vector<audience> audience_of(const traces& all, const tuple_value& x);
 

@@ -251,7 +251,7 @@ std::string encode(const header& x) {
 
 std::string encode(const record& x) {
   record usual;
-  usual.what = static_cast<kind>(kind_words.size()); // it is always told
+  usual.what = static_cast<kind>(kind_words.size()); // it is always written
   std::string out = "{";
   write_fields(out, x, usual);
   return out += "}\n";

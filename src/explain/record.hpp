@@ -35,16 +35,16 @@ enum class kind : std::uint8_t {
   set_tuple,         ///< a component sets a tuple of its peer
   delete_tuple,      ///< or deletes it
   set_remote_tuple,  ///< or sets one of another peer
-  tuple_event,       ///< a component hears of a tuple
-  watch_tuples,      ///< and wants to
+  tuple_event,       ///< a component is notified of a tuple
+  watch_tuples,      ///< a component subscribes to tuples
   send_peis_message, ///< a component sends a message to another peer
   peis_outcome,      ///< how a request of a component ended
   send_message,      ///< a program gives its mote, gateway or PC a message
   message_received,  ///< a mote gives a program a message
-  send_ended,        ///< a program learns how its send ended
+  send_ended,        ///< a program is notified how its send ended
   actuator_changed,  ///< an actuator has been asked to change
-  event,             ///< something a person would want to hear
-  ecology,           ///< what the live page is told of the ecology: the text is JSON
+  event,             ///< something that a person should know
+  ecology,           ///< the description that the live page receives: the text is JSON
   sample,            ///< what was to be seen of the run at that time, likewise
   message_ended,     ///< a message has arrived (yes), or is lost: where (from), why (text)
 };

@@ -55,8 +55,8 @@ std::string branches_below(std::string_view where) {
   }
 }
 
-/// Nothing is cut off: where it went is all there is to tell.
-std::string drawn(const tree& path, const paper& on) {
+/// Nothing is cut off: the whole path is shown.
+std::string drawn(const tree& path, const text_style& style) {
   constexpr std::size_t what_min = 30;
   std::size_t time_width = report::display_width("time");
   std::size_t after_width = report::display_width("after");
@@ -70,15 +70,16 @@ std::string drawn(const tree& path, const paper& on) {
     where_width = std::max(where_width, report::display_width(x.where));
   }
   const auto lead_width = 2 + time_width + 2 + after_width + 2 + where_width + 2;
-  const auto what_width = on.width > lead_width + what_min ? on.width - lead_width : never_cut;
+  const auto what_width =
+      style.width > lead_width + what_min ? style.width - lead_width : never_cut;
   const std::string before_where(2 + time_width + 2 + after_width + 2, ' ');
   const auto line = [&](const std::string& time, const std::string& after, const std::string& where,
                         const std::string& what, look how) {
     const auto lead = before_where + padded(branches_below(where), where_width) + "  ";
     return "  " + padded(time, time_width, true) + "  " +
-           report::painted(padded(after, after_width, true), look::faint, on.colour) + "  " +
-           report::painted(padded(where, where_width), how, on.colour) + "  " +
-           report::painted(wrapped(what, what_width, lead), how, on.colour) + '\n';
+           report::painted(padded(after, after_width, true), look::faint, style.colour) + "  " +
+           report::painted(padded(where, where_width), how, style.colour) + "  " +
+           report::painted(wrapped(what, what_width, lead), how, style.colour) + '\n';
   };
   auto text = line("time", "after", "where", "what", look::faint);
   for (const auto& x : rows)
@@ -87,8 +88,8 @@ std::string drawn(const tree& path, const paper& on) {
   return text;
 }
 
-std::string title(const std::string& text, const paper& on) {
-  return report::painted(printable(text), look::strong, on.colour) + "\n\n";
+std::string title(const std::string& text, const text_style& style) {
+  return report::painted(printable(text), look::strong, style.colour) + "\n\n";
 }
 
 /// `2 radio repeats, 1 serial repeat, 2 attempts`
@@ -106,7 +107,7 @@ std::string effort(const retries& x) {
   return text;
 }
 
-std::string conclusion(const traces& all, const message& x, const paper& on) {
+std::string conclusion(const traces& all, const message& x, const text_style& style) {
   const auto y = outcome_of(all, x);
   std::string text;
   auto how = look::good;
@@ -135,12 +136,12 @@ std::string conclusion(const traces& all, const message& x, const paper& on) {
     text = "in flight when the record ends" + (y.why.empty() ? "" : " (" + y.why + ')');
     break;
   }
-  return report::painted(printable(text + effort(y.retries)), how, on.colour) + '\n';
+  return report::painted(printable(text + effort(y.retries)), how, style.colour) + '\n';
 }
 
 /// Faults of the ecology shortly before a time, and until another.
-/// @param key and what is told of writes to that tuple; empty: of none
-std::string around(const traces& all, instant from, instant to, const paper& on,
+/// @param key whose writes are listed too; empty: of none
+std::string around(const traces& all, instant from, instant to, const text_style& style,
                    const std::string& key = {}) {
   constexpr std::size_t lines_max = 5;
   constexpr duration shortly = 60s;
@@ -154,7 +155,7 @@ std::string around(const traces& all, instant from, instant to, const paper& on,
     if (is_fault && x.time + shortly >= from && x.time <= to && ++lines <= lines_max)
       rows.add({report::run_time(x.time), names::of(x.from), printable(x.text)});
   }
-  return rows.empty() ? "" : '\n' + rows.render(never_cut, on.colour);
+  return rows.empty() ? "" : '\n' + rows.render(never_cut, style.colour);
 }
 
 std::string cut_note(const traces& all) {
@@ -173,7 +174,7 @@ instant end_of(const traces& all, const message& x) {
   return end;
 }
 
-/// Proxies tell the unit of `a.b` in `a.b.unit`.
+/// Proxies publish the unit of `a.b` as `a.b.unit`.
 std::string unit_of(const traces& all, const tuple_value& x) {
   const auto is_unit = [&](const tuple_value& y) {
     return y.owner == x.owner && y.is_text && !y.is_deletion && y.key == x.key + ".unit";
@@ -189,62 +190,63 @@ bool is_from(const traces& all, const message& x, const std::string& from) {
 
 } // namespace
 
-std::string message_text(const traces& all, std::size_t index, const paper& on) {
+std::string message_text(const traces& all, std::size_t index, const text_style& style) {
   const auto& x = all.messages[index];
   tree path(all);
   path.add_path_to(x.root);
   path.add(x.root);
-  auto text = title(x.name + " to " + all.known.of(x.destination), on) + drawn(path, on) + '\n';
-  text += conclusion(all, x, on);
+  auto text =
+      title(x.name + " to " + all.known.of(x.destination), style) + drawn(path, style) + '\n';
+  text += conclusion(all, x, style);
   if (!x.delivered)
-    text += around(all, all.nodes[x.root].begin, end_of(all, x), on);
+    text += around(all, all.nodes[x.root].begin, end_of(all, x), style);
   return text + cut_note(all);
 }
 
-std::string tuple_text(const traces& all, std::size_t index, const paper& on) {
+std::string tuple_text(const traces& all, std::size_t index, const text_style& style) {
   const auto& x = all.tuples[index];
   tree path(all);
   path.add_path_to(x.root);
   const auto begun = path.rows().empty() ? all.nodes[x.root].begin : path.rows().front().time;
   path.add(x.root);
-  auto text = title(assignment(x) + unit_of(all, x), on) + drawn(path, on) + '\n';
+  auto text = title(assignment(x) + unit_of(all, x), style) + drawn(path, style) + '\n';
   if (!x.set) {
     text += report::painted("never set: it did not reach " + printable(all.known.of(x.owner)),
-                            look::bad, on.colour) +
+                            look::bad, style.colour) +
             '\n';
-    return text + around(all, begun, all.nodes[x.root].begin + 60s, on, x.key) + cut_note(all);
+    return text + around(all, begun, all.nodes[x.root].begin + 60s, style, x.key) + cut_note(all);
   }
   text += "set at " + printable(all.known.of(x.owner)) +
           (*x.set > begun ? " after " + span(*x.set - begun) : "");
-  const auto heard = audience_of(all, x);
-  if (heard.empty())
+  const auto receivers = audience_of(all, x);
+  if (receivers.empty())
     text += "; no subscriber";
-  for (const auto& who : heard)
+  for (const auto& who : receivers)
     text += who.after ? "\n" + printable(who.who) + " received it after " +
                             span(*x.set - begun + *who.after)
                       : "\n" + report::painted(printable(who.who) + " did not receive it",
-                                               look::bad, on.colour);
+                                               look::bad, style.colour);
   return text + '\n' + cut_note(all);
 }
 
 std::string values_text(const traces& all, const std::vector<std::size_t>& indices,
-                        std::size_t limit, const paper& on) {
+                        std::size_t limit, const text_style& style) {
   report::table rows({{"time", align::right}, {"value"}, {"by"}, {"received by"}});
   const auto first = limit != 0 && indices.size() > limit ? indices.size() - limit : 0;
   for (auto i = first; i < indices.size(); ++i) {
     const auto& x = all.tuples[indices[i]];
-    std::string heard;
+    std::string receivers;
     for (const auto& who : audience_of(all, x))
-      heard += (heard.empty() ? "" : ", ") + who.who + (who.after ? "" : " (not)");
+      receivers += (receivers.empty() ? "" : ", ") + who.who + (who.after ? "" : " (not)");
     rows.add({report::run_time(all.nodes[x.root].begin),
               x.is_deletion ? "deleted" : value_text(x.value, x.is_text), names::of(x.writer),
-              x.set ? heard : "never set"});
+              x.set ? receivers : "never set"});
   }
   const auto key = full_key(all, all.tuples[indices.front()]);
   auto text = title(printable(key) + ", " + report::counted(indices.size(), "value") +
                         (first > 0 ? ", the newest " + std::to_string(limit) : ""),
-                    on);
-  return text + rows.render(never_cut, on.colour) + cut_note(all);
+                    style);
+  return text + rows.render(never_cut, style.colour) + cut_note(all);
 }
 
 // ----------------------------------------------------------------------------------------- listing
@@ -285,7 +287,7 @@ std::vector<std::pair<std::string, std::size_t>> loss_causes(const traces& all,
 namespace {
 
 /// A bar for each cause, the longest for the most frequent.
-std::string histogram(const traces& all, const listing& asked, const paper& on) {
+std::string histogram(const traces& all, const listing& asked, const text_style& style) {
   constexpr std::size_t bar_max = 30;
   constexpr std::size_t rows_max = 20;
   const auto causes = loss_causes(all, asked);
@@ -301,12 +303,12 @@ std::string histogram(const traces& all, const listing& asked, const paper& on) 
   }
   if (causes.size() > rows_max)
     rows.add_note("… and " + std::to_string(causes.size() - rows_max) + " causes more");
-  return rows.render(never_cut, on.colour) + '\n';
+  return rows.render(never_cut, style.colour) + '\n';
 }
 
 } // namespace
 
-std::string list_text(const traces& all, const listing& asked, const paper& on) {
+std::string list_text(const traces& all, const listing& asked, const text_style& style) {
   report::table rows({{"time", align::right},
                       {"message"},
                       {"to"},
@@ -345,8 +347,8 @@ std::string list_text(const traces& all, const listing& asked, const paper& on) 
                 std::to_string(of(message_status::delivered)) + " delivered, " +
                 std::to_string(of(message_status::lost) + of(message_status::refused)) + " lost, " +
                 std::to_string(of(message_status::in_flight)) + " in flight",
-            on);
-  text += histogram(all, asked, on) + rows.render(never_cut, on.colour);
+            style);
+  text += histogram(all, asked, style) + rows.render(never_cut, style.colour);
   if (fits > shown.size())
     text += "  … and " + std::to_string(fits - shown.size()) + " before (--limit 0 shows all)\n";
   if (asked.lost_only || !asked.from.empty())
@@ -369,7 +371,7 @@ std::string list_text(const traces& all, const listing& asked, const paper& on) 
                 x.is_deletion ? "deleted" : value_text(x.value, x.is_text),
                 report::run_time(all.nodes[x.root].begin)});
   }
-  return text + '\n' + tuples.render(never_cut, on.colour) + cut_note(all);
+  return text + '\n' + tuples.render(never_cut, style.colour) + cut_note(all);
 }
 
 // ------------------------------------------------------------------------------------------- names

@@ -20,8 +20,8 @@ struct listing {
   std::size_t limit = 20; ///< the newest; 0: all
 };
 
-/// How wide, and in colour?
-struct paper {
+/// How text is laid out.
+struct text_style {
   std::size_t width = 100;
   bool colour = false;
 };
@@ -34,20 +34,22 @@ struct paper {
 [[nodiscard]] std::vector<std::pair<std::string, std::size_t>> loss_causes(const traces& all,
                                                                            const listing& asked);
 
-[[nodiscard]] std::string list_text(const traces& all, const listing& asked, const paper& on);
+[[nodiscard]] std::string list_text(const traces& all, const listing& asked,
+                                    const text_style& style);
 [[nodiscard]] std::string list_json(const traces& all, const listing& asked);
 
 /// The whole path of one message, and of what came of it.
-[[nodiscard]] std::string message_text(const traces& all, std::size_t index, const paper& on);
+[[nodiscard]] std::string message_text(const traces& all, std::size_t index,
+                                       const text_style& style);
 [[nodiscard]] std::string message_json(const traces& all, std::size_t index);
 
-/// Where a value came from, and who heard of it.
-[[nodiscard]] std::string tuple_text(const traces& all, std::size_t index, const paper& on);
+/// Where a value came from, and which subscribers received it.
+[[nodiscard]] std::string tuple_text(const traces& all, std::size_t index, const text_style& style);
 [[nodiscard]] std::string tuple_json(const traces& all, std::size_t index);
 
 /// All values that a tuple has had, a line each.
 [[nodiscard]] std::string values_text(const traces& all, const std::vector<std::size_t>& indices,
-                                      std::size_t limit, const paper& on);
+                                      std::size_t limit, const text_style& style);
 [[nodiscard]] std::string values_json(const traces& all, const std::vector<std::size_t>& indices,
                                       std::size_t limit);
 

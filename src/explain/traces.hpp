@@ -1,4 +1,4 @@
-// What a record tells, put together: each message and each value of a tuple with its whole path.
+// The content of a record, put together: each message and each value of a tuple with its path.
 #pragma once
 
 #include <cstddef>
@@ -27,10 +27,10 @@ enum class step : std::uint8_t {
   hop,      ///< over one medium from one actor to another
   receives, ///< a program is given the message
   acts,     ///< an actuator, or whoever notes an event
-  learns,   ///< the sending program is told how it ended
+  learns,   ///< the sending program is notified how it ended
   asks,     ///< a component wants a tuple of another peer to be set
   sets,     ///< a tuple has a new value at its owner, or is deleted
-  hears,    ///< a component is told
+  notified, ///< a component receives the value
 };
 
 enum class medium : std::uint8_t { none, air, serial, peis };
@@ -66,9 +66,9 @@ struct node {
   std::string from; ///< actor path; who does it, for steps that are no hops
   std::string to;   ///< actor path or, for a frame to all, empty
   instant begin;
-  std::optional<instant> arrived; ///< at `to`; set for steps that are no hops
-  std::vector<std::string> heard; ///< by whom, of a frame to all
-  peer_id towards = any_peer;     ///< whom a package is for in the end
+  std::optional<instant> arrived;     ///< at `to`; set for steps that are no hops
+  std::vector<std::string> receivers; ///< of a frame to all
+  peer_id towards = any_peer;         ///< whom a package is for in the end
   std::vector<attempt> attempts;
   std::string failure;         ///< how the radio or kernel gave up; empty: it did not
   std::uint32_t fragments = 1; ///< that it was cut into
@@ -95,7 +95,7 @@ struct message {
   std::uint16_t channel = 0; ///< AM type, or above 255
   bool is_reliable = false;
   bool is_on_channel = false;   ///< a stream's record or a synaptic vector, on a channel of Network
-  bool is_in_tunnel = false;    ///< the same on its way to another island or PC
+  bool is_in_tunnel = false;    ///< the same in transit to another island or PC
   std::optional<bytes> content; ///< nothing: never seen as a whole
   std::string name;             ///< `kitchen/climate-7#12`
   std::string program;          ///< actor path; empty: unknown
@@ -104,7 +104,7 @@ struct message {
   std::uint32_t sends = 0;       ///< attempts of Transport, greetings not counted
   std::optional<instant> delivered;
   std::optional<instant> acknowledged; ///< the answer has reached the sender
-  std::optional<instant> failed;       ///< the sender was told, or refused it
+  std::optional<instant> failed;       ///< the sender was notified, or refused it
   bool refused = false;                ///< at once
   bool turned_away = false;            ///< by the receiver, which was busy or did not know us
   bool is_accounted = false;           ///< the run's account has it, so its ending is recorded
@@ -127,7 +127,7 @@ struct tuple_value {
   [[nodiscard]] instant begun(const std::vector<node>& all) const { return all[root].begin; }
 };
 
-/// Somebody who wants to hear of tuples.
+/// A subscriber to tuples.
 struct watcher {
   std::string who; ///< actor path
   std::int32_t owner = 0;
@@ -142,11 +142,11 @@ struct traces {
   std::vector<message> messages; ///< in order of their beginning
   std::vector<tuple_value> tuples;
   std::vector<watcher> watchers;
-  std::map<std::string, instant> last_told; ///< of a tuple, by actor path
-  std::vector<record> events;               ///< faults and what came of them
-  std::string ecology;                      ///< what `view` has written of the ecology,
-  std::vector<std::string> samples;         ///< and of each moment that it has looked at
-  instant end;                              ///< of the record
+  std::map<std::string, instant> last_notified; ///< of a tuple, by actor path
+  std::vector<record> events;                   ///< faults and what came of them
+  std::string ecology;                          ///< what `view` has written of the ecology,
+  std::vector<std::string> samples;             ///< and of each moment that it has looked at
+  instant end;                                  ///< of the record
   bool cut_off = false;
 };
 

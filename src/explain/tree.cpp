@@ -132,7 +132,7 @@ tree::block tree::plain(node_index n) const {
   return out;
 }
 
-/// Hops of a package to one peer, as long as nothing else happens on the way.
+/// Hops of a package to one peer, as long as nothing else happens meanwhile.
 tree::block tree::package_chain(node_index n) const {
   auto out = plain(n);
   std::uint32_t repeated = repeats(at(n));

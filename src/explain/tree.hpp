@@ -35,7 +35,7 @@ private:
   /// What is shown together: a row and what follows it.
   struct block {
     node_index first = no_node;
-    std::vector<node_index> members; ///< told in one row
+    std::vector<node_index> members; ///< shown in one row
     std::vector<node_index> then;    ///< children of the row
     std::string where;
     std::string what;

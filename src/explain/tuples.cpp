@@ -83,12 +83,12 @@ node_index tuple_follower::reach_owner(std::uint32_t index, const std::string& a
 }
 
 void tuple_follower::on_event(const record& r) {
-  all_.all.last_told[r.to] = r.time;
+  all_.all.last_notified[r.to] = r.time;
   const auto parent = all_.step_of(r.cause);
   if (parent == no_node || !all_.at(parent).about.is_tuple)
     return;
   node x;
-  x.what = step::hears;
+  x.what = step::notified;
   x.about = all_.at(parent).about;
   x.from = r.to;
   x.begin = r.time;

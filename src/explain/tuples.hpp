@@ -1,4 +1,4 @@
-// For files of this room only: values of tuples, who asks for them, who hears of them.
+// For files of this room only: values of tuples, who sets them, who is notified of them.
 #pragma once
 
 #include <cstdint>

@@ -39,8 +39,8 @@ std::string hop_text(const node& x) {
     text += ", " + std::to_string(x.fragments) + " fragments";
   if (!x.arrived)
     return text + ": LOST, " + obstacle(x);
-  if (x.to.empty() && x.heard.size() > 1)
-    text += ": received by " + std::to_string(x.heard.size());
+  if (x.to.empty() && x.receivers.size() > 1)
+    text += ": received by " + std::to_string(x.receivers.size());
   else
     text += ": received";
   const auto repeated = repeats(x);
@@ -108,7 +108,7 @@ std::string where(const traces& all, const node& x) {
   case step::learns:
   case step::asks:
   case step::sets:
-  case step::hears:
+  case step::notified:
     break;
   }
   return names::of(x.from);
@@ -144,7 +144,7 @@ std::string what(const traces& all, const node& x) {
       return "now has this value";
     return (all.tuples[x.about.index].is_deletion ? "" : "sets ") +
            assignment(all.tuples[x.about.index]);
-  case step::hears:
+  case step::notified:
     return "receives it";
   }
   return {};

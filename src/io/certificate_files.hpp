@@ -63,7 +63,7 @@ using owned = std::unique_ptr<T, openssl_free>;
   return time_of(*X509_get0_notAfter(&x));
 }
 
-/// A certificate and its key on their way into files.
+/// A certificate and its key, about to be written to files.
 struct certificate_pair {
   owned<X509> certificate;
   owned<EVP_PKEY> key;
@@ -87,7 +87,8 @@ read_authority(const std::string& folder, std::chrono::sys_seconds now);
 /// Where a folder has the certificates that others have taken the place of: HOST-SERIAL.crt
 [[nodiscard]] std::string former_in(const std::string& folder);
 
-/// Puts a pair, or a certificate without key, in the place of that of a host, which is kept there.
+/// Puts a pair, or a certificate without key, in the place of that of a host, which is stored
+/// there.
 /// @returns why not
 [[nodiscard]] std::optional<std::string> replace_files(const certificate_pair& x, const X509& old,
                                                        const std::string& folder,

@@ -125,7 +125,7 @@ bool is_dns_label(std::string_view x) {
          std::all_of(x.begin(), x.end(), is_inner);
 }
 
-/// RFC 1123 2.1: the last label tells a name from an address, and so is not a number.
+/// RFC 1123 2.1: the last label distinguishes a name from an address, and so is not a number.
 bool is_dns_name(std::string_view x) {
   if (x.empty() || x.size() > 253)
     return false;
@@ -220,8 +220,9 @@ certificate_pair build_certificate(const new_certificate& wanted, const validity
 certificate_pair build_renewal(const X509& former, certificate_use use, const validity& valid,
                                owned<EVP_PKEY> key, const certificate_pair& authority) {
   auto& issuer = *authority.certificate;
-  auto* const kept = X509_get0_pubkey(&former);
-  certificate_pair x{draft(common_name_of(former), valid, key ? *key : *kept), std::move(key)};
+  auto* const former_key = X509_get0_pubkey(&former);
+  certificate_pair x{draft(common_name_of(former), valid, key ? *key : *former_key),
+                     std::move(key)};
   const auto names = X509_get_ext_by_NID(&former, NID_subject_alt_name, -1);
   if (x.certificate && names >= 0 &&
       X509_set_issuer_name(x.certificate.get(), X509_get_subject_name(&issuer)) == 1 &&

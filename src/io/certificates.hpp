@@ -114,7 +114,7 @@ struct listed_certificate {
   key_state key = key_state::missing;
 };
 
-/// Whether a host can show it to others at this time, as far as its file and its key tell.
+/// Whether a host can show it to others at this time, judged by its file and its key.
 [[nodiscard]] bool is_good(const listed_certificate& x, std::chrono::sys_seconds now);
 
 /// All files *.crt of the folder, the authority's first, then in the order of their names, and a

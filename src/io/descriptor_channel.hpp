@@ -76,8 +76,8 @@ private:
           x->reading_ = false;
           if (error)
             return x->fail(error);
-          if (const auto tell = x->on_octets_; x->open_ && tell) // which may close it
-            tell(byte_view(x->input_).first(size));
+          if (const auto on_octets = x->on_octets_; x->open_ && on_octets) // which may close it
+            on_octets(byte_view(x->input_).first(size));
           x->receive();
         });
   }
@@ -113,8 +113,8 @@ private:
       return;
     stop();
     if (on_failed_) {
-      const auto tell = on_failed_; // which may put another in its place
-      tell(error);
+      const auto on_failed = on_failed_; // which may put another in its place
+      on_failed(error);
     }
   }
 

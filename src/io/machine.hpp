@@ -18,7 +18,7 @@ struct network_interface {
   friend bool operator==(const network_interface&, const network_interface&) = default;
 };
 
-/// In the system's order; one entry an address. Empty if the system does not tell.
+/// In the system's order; one entry an address. Empty if the system does not report them.
 [[nodiscard]] std::vector<network_interface> network_interfaces();
 
 /// Whether this computer has an IPv4 address now: `192.168.1.5`; 0.0.0.0 and 127.0.0.0/8 always.

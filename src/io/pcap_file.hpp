@@ -15,7 +15,7 @@ namespace rubicon::io {
 /// One pcap file of IEEE 802.15.4 frames with FCS (link type 195), times to the nanosecond.
 ///
 /// What cannot be written is never passed over in silence: the first failure stays, nothing is
-/// written after it, and error() tells it. Because frames are buffered, a full disk may show as
+/// written after it, and error() returns it. Because frames are buffered, a full disk may show as
 /// late as in flush(): who drops a file without it does not learn how it ended.
 class pcap_file {
 public:

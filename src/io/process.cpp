@@ -56,13 +56,13 @@ std::string to_string(const process_end& x) {
 struct process::state : std::enable_shared_from_this<state> {
   state(loop& where, callbacks f)
       : in(context_of(where)), out(context_of(where)), err(context_of(where)),
-        ends(context_of(where), SIGCHLD), heard(std::move(f)) {}
+        ends(context_of(where), SIGCHLD), to_owner(std::move(f)) {}
 
   pipe_end in;
   pipe_end out;
   pipe_end err;
   asio::signal_set ends; ///< of any child: each looks for its own
-  callbacks heard;
+  callbacks to_owner;
   std::string waiting; ///< for `in`
   pid_t pid = -1;
   bool over = false;
@@ -96,7 +96,7 @@ struct process::state : std::enable_shared_from_this<state> {
     if (size < 0)
       return errno == EAGAIN || errno == EINTR ? got::nothing : got::end;
     if (size > 0)
-      heard.on_output(from, byte_view(block.data(), static_cast<std::size_t>(size)));
+      to_owner.on_output(from, byte_view(block.data(), static_cast<std::size_t>(size)));
     return size > 0 && !over ? got::some : got::end;
   }
 
@@ -134,7 +134,7 @@ struct process::state : std::enable_shared_from_this<state> {
     if (over)
       return;
     close();
-    std::exchange(heard, {}).on_end(x);
+    std::exchange(to_owner, {}).on_end(x);
   }
 
   /// What the pipe still holds. Somebody who has left the group may write for ever: no more than
@@ -193,7 +193,7 @@ process::process(std::shared_ptr<state> x) : state_(std::move(x)) {}
 std::variant<process, std::string> process::start(loop& where, spawn_request x, callbacks f) {
   x.feeds = true;
   x.own_group = true;
-  auto made = std::make_shared<state>(where, std::move(f)); // hears of ends from now on
+  auto made = std::make_shared<state>(where, std::move(f)); // is notified of ends from now on
   try {
     made->begin(spawn(x));
   } catch (const std::system_error& error) {

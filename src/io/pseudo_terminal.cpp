@@ -27,7 +27,7 @@ using boost::system::error_code;
 
 namespace {
 
-/// Nothing tells that a program has opened the other end.
+/// The system does not notify us when a program opens the other end.
 constexpr duration looking_period = 50ms;
 
 std::string reason() {
@@ -35,7 +35,7 @@ std::string reason() {
 }
 
 /// As the next program is to find the other end: octets pass as they are, and what the last one has
-/// not read is gone. Only once it has been open it tells that nobody has it open.
+/// not read is gone. A hang-up is reported only after it has been open once.
 void make_ready(const std::string& other_end) {
   const int descriptor = ::open(other_end.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0)
@@ -107,7 +107,7 @@ struct pseudo_terminal::state : std::enable_shared_from_this<pseudo_terminal::st
     attached = true;
     channel->start(
         [this](byte_view octets) {
-          const auto kept = shared_from_this(); // the owner may go
+          const auto self = shared_from_this(); // the owner may go
           to_owner.on_octets(octets);
         },
         [this](const error_code&) { on_hang_up(); });
@@ -115,7 +115,7 @@ struct pseudo_terminal::state : std::enable_shared_from_this<pseudo_terminal::st
   }
 
   void on_hang_up() {
-    const auto kept = shared_from_this();
+    const auto self = shared_from_this();
     attached = false;
     make_ready(target);
     look_later();

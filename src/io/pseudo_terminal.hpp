@@ -13,7 +13,7 @@
 namespace rubicon::io {
 
 /// Programs come and go at the other end, which has the name of a link. While none is there,
-/// nothing is kept for it. Callbacks run on the loop's thread, never from within a call, and may
+/// nothing is stored for it. Callbacks run on the loop's thread, never from within a call, and may
 /// destroy the terminal.
 class pseudo_terminal {
 public:

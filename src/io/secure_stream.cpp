@@ -25,7 +25,7 @@ struct secure_stream::state : std::enable_shared_from_this<state> {
   std::size_t waiting = 0;
   bool was_ready = false;
   bool is_sending = false;
-  bool over = false; ///< the owner hears nothing any more
+  bool over = false; ///< the owner is not called any more
 
   void start() {
     const auto self = weak_from_this();

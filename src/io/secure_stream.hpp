@@ -31,7 +31,7 @@ public:
   /// @param name that the other side must have; empty: any
   secure_stream(tcp_stream over, const std::optional<tls_identity>& own, tls_session::side which,
                 const std::string& name, callbacks to_owner);
-  ~secure_stream(); ///< says goodbye, and lets what tells the other side why leave
+  ~secure_stream(); ///< closes TLS, and lets the alert with the cause leave
   secure_stream(secure_stream&&) noexcept;
   secure_stream& operator=(secure_stream&&) = delete;
 

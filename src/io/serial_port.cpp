@@ -94,9 +94,10 @@ serial_port& serial_port::operator=(serial_port&& other) noexcept {
 
 void serial_port::start(callbacks x) {
   assert(channel_ && x.on_octets && x.on_closed);
-  channel_->start(std::move(x.on_octets), [tell = std::move(x.on_closed)](const error_code& error) {
-    tell(error == asio::error::eof ? "the other end was closed" : error.message());
-  });
+  channel_->start(
+      std::move(x.on_octets), [on_closed = std::move(x.on_closed)](const error_code& error) {
+        on_closed(error == asio::error::eof ? "the other end was closed" : error.message());
+      });
 }
 
 void serial_port::read(bool wanted) {

@@ -51,12 +51,12 @@ std::size_t spare_memory::give_back(time_point now) {
   const auto before = resident_memory();
   const auto allocated = allocated_memory();
   const auto spare = before - std::min(before, allocated); // program and stack have a part
-  kept_ = std::min(kept_, spare);
-  if (spare < 2 * least || (spare < kept_ + least / 2 && now < next_search_))
+  left_ = std::min(left_, spare);
+  if (spare < 2 * least || (spare < left_ + least / 2 && now < next_search_))
     return 0;
   trim();
   const auto after = resident_memory();
-  kept_ = after - std::min(after, allocated);
+  left_ = after - std::min(after, allocated);
   next_search_ = now + pause;
   return before - std::min(before, after);
 }

@@ -8,7 +8,7 @@
 
 namespace rubicon::io {
 
-/// Resident memory of this process in octets; 0 if the system does not tell.
+/// Resident memory of this process in octets; 0 if the system does not report it.
 [[nodiscard]] std::size_t resident_memory();
 
 /// After a flood most of what it took lies about free between what lives on, and stays resident for
@@ -30,7 +30,7 @@ public:
 private:
   time_point next_look_{};
   time_point next_search_{};
-  std::size_t kept_ = 0; ///< spare octets that the last search could not give back
+  std::size_t left_ = 0; ///< spare octets that the last search could not give back
 };
 
 } // namespace rubicon::io

@@ -99,7 +99,7 @@ public:
 
 private:
   [[noreturn]] void become(pid_t parent, int failure) const noexcept {
-    // The parent may have died before we asked to be told: then somebody else is our parent now.
+    // The parent may have died before we asked for the signal: then we have another parent now.
     if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != parent)
       ::_exit(exec_failed);
     if (own_group_) {
@@ -119,7 +119,7 @@ private:
     give_up(failure);
   }
 
-  /// Tells the parent what went wrong last.
+  /// Reports the last error to the parent.
   [[noreturn]] static void give_up(int failure) noexcept {
     const int error = errno;
     static_cast<void>(::write(failure, &error, sizeof error));

@@ -52,7 +52,7 @@ struct tcp_listener::state : std::enable_shared_from_this<state> {
     if (over)
       return;
     if (!error) {
-      error_code gone; // then it is known by no address, and its first octet tells
+      error_code gone; // then it is known by no address, and its first octet shows it
       const auto from = socket.remote_endpoint(gone).address();
       on_connection(stream_of(std::move(socket)),
                     from.is_v4() ? from.to_v4().to_bytes() : ipv4_address{});

@@ -80,7 +80,7 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
   bool paced = false;
   bool look_due = false;
   std::uint64_t written = 0;  ///< octets that the system has
-  std::uint64_t reported = 0; ///< of these, on_sent() has told
+  std::uint64_t reported = 0; ///< of these, passed to on_sent()
   std::chrono::steady_clock::time_point
       moved; ///< when something was last acknowledged or written, or began to wait
 
@@ -213,9 +213,9 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
   }
 
   void fail(const error_code& error) {
-    const bool told = now == phase::open;
+    const bool was_open = now == phase::open;
     end();
-    if (told)
+    if (was_open)
       to_owner.on_closed(error == asio::error::eof ? "closed by the other side" : error.message());
   }
 

@@ -53,7 +53,7 @@ public:
   void send(payload octets);
 
   /// From now on what each send() was given leaves as a whole, as soon as the other side has room
-  /// for all of it, and on_sent tells what the other side's system has acknowledged. For readers
+  /// for all of it, and on_sent reports what the other side's system has acknowledged. For readers
   /// that wait for a whole with their window closed. @pre start() was called
   void pace();
 

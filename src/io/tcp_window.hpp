@@ -9,7 +9,7 @@ namespace rubicon::io {
 [[nodiscard]] std::size_t unacknowledged(int socket);
 
 /// Octets that may be unacknowledged for want of room at the other side; no limit where the system
-/// cannot tell (Linux before 5.4).
+/// does not report it (Linux before 5.4).
 [[nodiscard]] std::size_t window_of_other_side(int socket);
 
 } // namespace rubicon::io

@@ -112,8 +112,8 @@ bool configure(SSL_CTX& x, const tls_parts& of) {
          X509_STORE_add_cert(SSL_CTX_get_cert_store(&x), of.authority.get()) == 1;
 }
 
-/// Lets nobody in whom the list names.
-bool heed(SSL_CTX& x, const revocation_list& revoked) {
+/// Certificates that the list names are refused.
+bool apply_revocations(SSL_CTX& x, const revocation_list& revoked) {
   auto* const store = SSL_CTX_get_cert_store(&x);
   return X509_STORE_add_crl(store, revoked.inside()->list.get()) == 1 &&
          X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK) == 1;
@@ -125,7 +125,7 @@ std::shared_ptr<tls_identity::content> content_of(std::shared_ptr<const tls_part
   made->context.reset(SSL_CTX_new(TLS_method()));
   if (!made->context || !configure(*made->context, *of))
     return nullptr;
-  if (revoked != nullptr && !heed(*made->context, *revoked))
+  if (revoked != nullptr && !apply_revocations(*made->context, *revoked))
     return nullptr;
   made->name = common_name_of(*of->certificate);
   made->from = *time_of(*X509_get0_notBefore(of->certificate.get()));

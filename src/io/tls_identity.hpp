@@ -41,7 +41,7 @@ public:
   [[nodiscard]] std::chrono::sys_seconds valid_until() const;
   [[nodiscard]] certificate_use use() const;
 
-  /// Hexadecimal digits that tell the key of the authority from those of others.
+  /// Hexadecimal digits that distinguish the key of the authority from those of others.
   [[nodiscard]] std::string authority_mark() const;
 
   /// When the own certificate was taken back; nothing: it was not.

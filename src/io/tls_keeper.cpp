@@ -39,8 +39,8 @@ std::string why_revoked(const std::string& path, const tls_identity& own,
 
 } // namespace
 
-tls_keeper::tls_keeper(tls_files files, std::string name, std::string kept)
-    : files_(std::move(files)), name_(std::move(name)), kept_(std::move(kept)),
+tls_keeper::tls_keeper(tls_files files, std::string name, std::string store)
+    : files_(std::move(files)), name_(std::move(name)), store_(std::move(store)),
       seen_(stamps_now()) {
   if (files_.empty())
     return;
@@ -51,9 +51,9 @@ tls_keeper::tls_keeper(tls_files files, std::string name, std::string kept)
   if (const auto why = why_revoked(files_.certificate, *identity_, revoked_); !why.empty())
     throw std::runtime_error(why);
   if (identity_->use() == certificate_use::any)
-    doubts_.push_back(files_.certificate +
-                      " is valid both for a host and for a coordinator: `rubicon certs renew "
-                      "--host` or `--coordinator` restricts it to one use");
+    warnings_.push_back(files_.certificate +
+                        " is valid both for a host and for a coordinator: `rubicon certs renew "
+                        "--host` or `--coordinator` restricts it to one use");
 }
 
 tls_keeper::stamp tls_keeper::stamp_of(const std::string& path) {
@@ -73,8 +73,8 @@ std::string tls_keeper::list_path() const {
 }
 
 /// A new authority has a list of its own.
-std::string tls_keeper::kept_path(const tls_identity& x) const {
-  return kept_.empty() ? "" : kept_ + '-' + x.authority_mark() + ".crl";
+std::string tls_keeper::stored_path(const tls_identity& x) const {
+  return store_.empty() ? "" : store_ + '-' + x.authority_mark() + ".crl";
 }
 
 /// Shows it from now on, with what is known of revoked certificates of its authority.
@@ -83,7 +83,7 @@ std::string tls_keeper::adopt(tls_identity x) {
   auto list = revoked_;
   if (!identity_ || identity_->authority_mark() != x.authority_mark()) {
     list.reset();
-    if (const auto path = kept_path(x); !path.empty()) {
+    if (const auto path = stored_path(x); !path.empty()) {
       auto found = read_revocations(path, files_.authority, system_time(), /*may_be_over=*/true);
       if (auto* why = std::get_if<std::string>(&found))
         return *why;
@@ -112,11 +112,11 @@ void tls_keeper::begin_with_list() {
   if (!list)
     return;
   if (revoked_ && list->number() < revoked_->number())
-    return doubts_.push_back(list_path() + " is older than " + list_text(*revoked_) +
-                             ", which is in force");
+    return warnings_.push_back(list_path() + " is older than " + list_text(*revoked_) +
+                               ", which is in force");
   const auto found = take(*std::move(list));
-  if (!found.is_taken && !found.told.empty())
-    throw std::runtime_error(list_path() + ' ' + found.told);
+  if (!found.is_taken && !found.report.empty())
+    throw std::runtime_error(list_path() + ' ' + found.report);
 }
 
 tls_keeper::outcome tls_keeper::take(const std::string& pem) {
@@ -141,13 +141,13 @@ tls_keeper::outcome tls_keeper::take(revocation_list x) {
     return {false, std::move(*why)};
   identity_ = std::get<tls_identity>(std::move(own));
   revoked_ = std::move(x);
-  std::string told = "accepts " + list_text(*revoked_);
+  std::string report = "accepts " + list_text(*revoked_);
   if (identity_->revoked_by(*revoked_))
-    told += "; its own certificate is among them";
-  if (const auto path = kept_path(*identity_); !path.empty())
+    report += "; its own certificate is among them";
+  if (const auto path = stored_path(*identity_); !path.empty())
     if (const auto why = replace_file(path, revoked_->text(), durability::of_power); !why.empty())
-      told += "; it is lost when this process ends: " + why;
-  return {true, std::move(told)};
+      report += "; it is lost when this process ends: " + why;
+  return {true, std::move(report)};
 }
 
 std::string tls_keeper::look(bool again) {
@@ -155,13 +155,13 @@ std::string tls_keeper::look(bool again) {
     return {};
   const auto now = stamps_now();
   const auto before = std::exchange(seen_, now);
-  std::string told;
+  std::string report;
   if (again || now.certificate != before.certificate)
-    told = look_at_certificate();
+    report = look_at_certificate();
   if (again || now.list != before.list)
     if (const auto more = look_at_list(); !more.empty())
-      told += (told.empty() ? "" : "; ") + more;
-  return told;
+      report += (report.empty() ? "" : "; ") + more;
+  return report;
 }
 
 std::string tls_keeper::look_at_certificate() {
@@ -186,7 +186,7 @@ std::string tls_keeper::look_at_list() {
   if (!list)
     return {};
   auto what = take(*std::move(list));
-  return what.is_taken || what.told.empty() ? what.told : list_path() + ' ' + what.told;
+  return what.is_taken || what.report.empty() ? what.report : list_path() + ' ' + what.report;
 }
 
 } // namespace rubicon::io

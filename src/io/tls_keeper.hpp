@@ -22,21 +22,21 @@ class tls_keeper {
 public:
   /// @param files empty: there is no TLS
   /// @param name that others look for in the certificate; empty: none
-  /// @param kept how the names of files begin in which lists outlive this process; empty: they do
+  /// @param store how the names of files begin in which lists outlive this process; empty: they do
   ///             not
   /// @throws std::runtime_error if what they hold is unfit
-  explicit tls_keeper(tls_files files, std::string name = {}, std::string kept = {});
+  explicit tls_keeper(tls_files files, std::string name = {}, std::string store = {});
 
   [[nodiscard]] const tls_files& files() const { return files_; }
 
   /// Nothing if there is no TLS.
   [[nodiscard]] const std::optional<tls_identity>& identity() const { return identity_; }
 
-  /// Nothing if nobody has ever heard of one.
+  /// Nothing if there has never been one.
   [[nodiscard]] const std::optional<revocation_list>& revoked() const { return revoked_; }
 
-  /// What is good enough to begin with and yet worth telling.
-  [[nodiscard]] const std::vector<std::string>& doubts() const { return doubts_; }
+  /// What does not prevent a start and is yet worth a warning.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
   /// How often the certificate has changed.
   [[nodiscard]] std::uint64_t changes() const { return changes_; }
@@ -48,7 +48,7 @@ public:
   /// What has come of a list.
   struct outcome {
     bool is_taken = false;
-    std::string told; ///< for people; empty: it is the one that is in force
+    std::string report; ///< for people; empty: it is the one that is in force
   };
 
   /// A list that anybody may have sent. It is in force if it is newer, and good.
@@ -73,7 +73,7 @@ private:
   [[nodiscard]] static stamp stamp_of(const std::string& path);
   [[nodiscard]] stamps stamps_now() const;
   [[nodiscard]] std::string list_path() const;
-  [[nodiscard]] std::string kept_path(const tls_identity& x) const;
+  [[nodiscard]] std::string stored_path(const tls_identity& x) const;
   [[nodiscard]] std::string adopt(tls_identity x);
   [[nodiscard]] outcome take(revocation_list x);
   void begin_with_list();
@@ -82,11 +82,11 @@ private:
 
   tls_files files_;
   std::string name_;
-  std::string kept_;
+  std::string store_;
   stamps seen_;
   std::optional<tls_identity> identity_;
   std::optional<revocation_list> revoked_;
-  std::vector<std::string> doubts_;
+  std::vector<std::string> warnings_;
   std::uint64_t changes_ = 0;
 };
 

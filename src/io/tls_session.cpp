@@ -48,8 +48,8 @@ struct tls_session::state {
   phase now = phase::shaking;
   std::size_t handshake_octets = 0;
   std::string peer_name;
-  owned<X509> shown; ///< by the other side, once it is believed
-  std::string doubt; ///< why the other side's certificate is not believed
+  owned<X509> shown;        ///< by the other side, once it is believed
+  std::string cert_problem; ///< why the other side's certificate is not valid
   std::string why;
 
   bool begin() {
@@ -79,7 +79,7 @@ struct tls_session::state {
       return 1;
     }
     if (is_good == 0)
-      static_cast<state*>(SSL_get_app_data(connection))->note_doubt(*about);
+      static_cast<state*>(SSL_get_app_data(connection))->note_problem(*about);
     return is_good;
   }
 
@@ -88,35 +88,35 @@ struct tls_session::state {
     return error == X509_V_ERR_CRL_HAS_EXPIRED || error == X509_V_ERR_CRL_NOT_YET_VALID;
   }
 
-  void note_doubt(X509_STORE_CTX& about) {
+  void note_problem(X509_STORE_CTX& about) {
     const auto* const x = X509_STORE_CTX_get_current_cert(&about);
     const auto* const leaf = X509_STORE_CTX_get0_cert(&about);
     const auto name = leaf == nullptr ? std::string() : in_quotes(common_name_of(*leaf));
     switch (X509_STORE_CTX_get_error(&about)) {
     case X509_V_ERR_CERT_HAS_EXPIRED:
-      doubt = "has a certificate" + name + " that expired on " + date_of(*X509_get0_notAfter(x)) +
-              ", and " + clock_here();
+      cert_problem = "has a certificate" + name + " that expired on " +
+                     date_of(*X509_get0_notAfter(x)) + ", and " + clock_here();
       break;
     case X509_V_ERR_CERT_NOT_YET_VALID:
-      doubt = "has a certificate" + name + " that is valid from " +
-              date_of(*X509_get0_notBefore(x)) + ", but " + clock_here() +
-              ": one of the two clocks is wrong";
+      cert_problem = "has a certificate" + name + " that is valid from " +
+                     date_of(*X509_get0_notBefore(x)) + ", but " + clock_here() +
+                     ": one of the two clocks is wrong";
       break;
     case X509_V_ERR_HOSTNAME_MISMATCH:
-      doubt = "presented the certificate of" + name + ", not of `" + wanted_name + '`';
+      cert_problem = "presented the certificate of" + name + ", not of `" + wanted_name + '`';
       break;
     case X509_V_ERR_INVALID_PURPOSE:
-      doubt =
+      cert_problem =
           "has a certificate" + name +
           (is_server ? " that is not a coordinator's: it may not deploy" : " that is not a host's");
       break;
     case X509_V_ERR_CERT_REVOKED:
-      doubt = words_of_revoked(name);
+      cert_problem = words_of_revoked(name);
       break;
     default: // it ends at an authority that is not ours
-      doubt = "has a certificate" + name + " of another authority";
+      cert_problem = "has a certificate" + name + " of another authority";
       if (!is_server)
-        doubt += ", and rejected our certificate";
+        cert_problem += ", and rejected our certificate";
     }
   }
 
@@ -149,8 +149,8 @@ struct tls_session::state {
   }
 
   [[nodiscard]] std::string why_failed() const {
-    if (!doubt.empty())
-      return doubt;
+    if (!cert_problem.empty())
+      return cert_problem;
     const auto error = ERR_peek_error();
     const auto reason = ERR_GET_REASON(error);
     if (ERR_GET_LIB(error) == ERR_LIB_SSL && reason >= SSL_AD_REASON_OFFSET)
@@ -205,7 +205,7 @@ struct tls_session::state {
     if (shown)
       peer_name = common_name_of(*shown);
     else
-      end("presented no certificate"); // cannot be: OpenSSL was told to refuse it
+      end("presented no certificate"); // cannot be: OpenSSL is configured to refuse it
   }
 
   void read_all(bytes& to) {

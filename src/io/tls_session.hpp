@@ -39,7 +39,7 @@ public:
   /// Says that no more will be sent.
   void close();
 
-  /// What is to go to the network, also after a failure: it tells the other side why.
+  /// What is to go to the network, also after a failure: an alert with its cause.
   [[nodiscard]] bytes outgoing();
 
   [[nodiscard]] phase now() const;

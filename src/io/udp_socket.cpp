@@ -189,7 +189,7 @@ struct udp_socket::state : std::enable_shared_from_this<state> {
     });
   }
 
-  /// @returns false if the system has no room now; x.gone tells how much it has taken
+  /// @returns false if the system has no room now; x.gone is how much it has taken
   bool write(batch& x) {
     while (x.gone < x.octets.size()) {
       const auto rest = x.octets.size() - x.gone;

@@ -56,7 +56,7 @@ bool is_own_origin(std::string_view origin, std::string_view host) {
   return origin.starts_with(scheme) && origin.substr(scheme.size()) == host;
 }
 
-/// Threads that are made meanwhile hear no signals.
+/// Threads that are created meanwhile receive no signals.
 class signals_blocked {
 public:
   signals_blocked() {
@@ -85,7 +85,7 @@ public:
 struct served {
   web_site site;
   std::size_t connections = 0;
-  std::list<closable*> strangers; ///< who have not shown the token, the oldest first
+  std::list<closable*> unauthorised; ///< who have not shown the token, the oldest first
 };
 
 /// One that is counted while it lives.
@@ -120,7 +120,7 @@ public:
       if (error)
         return;
       x->read();
-      x->tell();
+      x->send_news();
     });
   }
 
@@ -139,8 +139,8 @@ private:
     });
   }
 
-  /// Every now and then, unless something is on its way.
-  void tell() {
+  /// Sends news every news_every, unless something is being written.
+  void send_news() {
     if (is_over_)
       return;
     try {
@@ -152,7 +152,7 @@ private:
     timer_.expires_after(web_server::news_every);
     timer_.async_wait([x = shared_from_this()](const error_code& error) {
       if (!error)
-        x->tell();
+        x->send_news();
     });
   }
 
@@ -197,12 +197,12 @@ public:
   http_connection(tcp::socket socket, served& all)
       : all_(all), place_(all), stream_(std::move(socket)),
         buffer_(web_server::request_octets_max + 1) {
-    all_.strangers.push_back(this);
+    all_.unauthorised.push_back(this);
   }
-  ~http_connection() override { all_.strangers.remove(this); }
+  ~http_connection() override { all_.unauthorised.remove(this); }
 
   void close() override {
-    all_.strangers.remove(this);
+    all_.unauthorised.remove(this);
     stream_.close();
   }
 
@@ -229,7 +229,7 @@ private:
     if (!target.starts_with('/') || slash == std::string_view::npos ||
         !is_same(target.substr(1, slash - 1), all_.site.token))
       return refuse(http::status::not_found, "not found: open the address that rubicon prints\n");
-    all_.strangers.remove(this);
+    all_.unauthorised.remove(this);
     const auto name = target.substr(slash + 1, target.find('?') - slash - 1);
     if (websocket::is_upgrade(request)) {
       if (name != all_.site.socket_name)
@@ -349,8 +349,8 @@ struct web_server::state {
         return;
       }
       accept();
-      if (all.connections >= connections_max && !all.strangers.empty())
-        all.strangers.front()->close(); // its place is free when its read has ended
+      if (all.connections >= connections_max && !all.unauthorised.empty())
+        all.unauthorised.front()->close(); // its place is free when its read has ended
       else if (all.connections >= connections_max)
         return;
       error_code ignored;

@@ -34,8 +34,8 @@ public:
   /// The page has said this; the answer is said to it. Nothing more is read before it has left.
   [[nodiscard]] virtual std::string on_text(std::string_view text) = 0;
 
-  /// What the page is to be told unasked, if anything; asked every web_server::news_every, but not
-  /// while something is still on its way to the page. So a browser that is slow is told less, and
+  /// What is to be sent to the page unasked, if anything; called every web_server::news_every, but
+  /// not while something is still being sent to the page. So a slow browser receives less, and
   /// nothing ever waits for it.
   [[nodiscard]] virtual std::optional<std::string> news() = 0;
 };
@@ -43,7 +43,7 @@ public:
 struct web_site {
   std::string address = "127.0.0.1"; ///< IPv4, at which it listens
   std::uint16_t port = 0;            ///< 0: the system chooses
-  /// First part of each path: who does not know it is told nothing.
+  /// First part of each path: requests without it get 404.
   std::string token;
   std::map<std::string, web_file> files; ///< by name, `` is the page; at `/TOKEN/NAME`
   std::string socket_name = "live";      ///< of the WebSocket, likewise

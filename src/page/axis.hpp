@@ -31,7 +31,7 @@ struct tick {
 /// The same of ecology time in seconds, at round times of a clock.
 [[nodiscard]] std::vector<tick> time_ticks(duration length, int count);
 
-/// As few digits as tell values apart that are `step` from each other.
+/// As few digits as distinguish values that are `step` apart.
 [[nodiscard]] std::string number(double x, double step);
 
 } // namespace rubicon::page

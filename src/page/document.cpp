@@ -6,7 +6,7 @@ namespace rubicon::page {
 
 namespace {
 
-/// Colours that people tell apart who see fewer of them (Okabe and Ito), lighter ones on dark.
+/// Colours that remain distinct to the colour-blind (Okabe and Ito), lighter ones on dark.
 constexpr std::string_view style = R"(
 :root{--bg:#fff;--fg:#1b1f24;--soft:#57606a;--line:#d5dae0;--panel:#f5f7f9;--good:#0072b2;--fair:#3f9fd8;
 --poor:#c98500;--bad:#d55e00;--c0:#0072b2;--c1:#d55e00;--c2:#009e73;--c3:#cc79a7;--c4:#c98500;--c5:#56b4e9}

@@ -39,9 +39,9 @@ position place_of(const config::mote_description& x, duration at) {
     if (i == 0)
       break;
     const auto& last = x.path[i - 1];
-    const auto way = seconds(at - last.at) / seconds(next.at - last.at);
-    return {last.place.x_m + way * (next.place.x_m - last.place.x_m),
-            last.place.y_m + way * (next.place.y_m - last.place.y_m), place.z_m};
+    const auto fraction = seconds(at - last.at) / seconds(next.at - last.at);
+    return {last.place.x_m + fraction * (next.place.x_m - last.place.x_m),
+            last.place.y_m + fraction * (next.place.y_m - last.place.y_m), place.z_m};
   }
   return place;
 }
@@ -151,12 +151,12 @@ private:
           path.push_back(at(each.place));
         out.polyline(path, "class='path'");
       }
-      const auto* const told = report_of(island.id, mote.id);
-      if (told == nullptr || !places.contains(told->parent))
+      const auto* const own = report_of(island.id, mote.id);
+      if (own == nullptr || !places.contains(own->parent))
         continue;
-      const auto delivery = told->messages.delivery();
+      const auto delivery = own->messages.delivery();
       const auto look = class_of(delivery);
-      out.line(places.at(mote.id), places.at(told->parent),
+      out.line(places.at(mote.id), places.at(own->parent),
                "class='link " + std::string(look) + '\'',
                island.name + '/' + mote.name + ": " + share(delivery) + " of its messages arrived");
     }
@@ -173,12 +173,12 @@ private:
 
   void draw_nodes(drawing& out, const config::island_description& island) {
     for (const auto& mote : island.motes) {
-      const auto* const told = report_of(island.id, mote.id);
+      const auto* const own = report_of(island.id, mote.id);
       const auto where = at(place_of(mote, page_.report.simulated));
-      const bool absent = told != nullptr && told->joins && !told->joined;
-      const auto title = title_of(island, mote, told);
+      const bool absent = own != nullptr && own->joins && !own->joined;
+      const auto title = title_of(island, mote, own);
       out.circle(where, radius_, absent ? "class='mote absent'" : "class='mote'", title);
-      if (told != nullptr && !told->alive) {
+      if (own != nullptr && !own->alive) {
         const auto arm = radius_ + 3;
         out.line({where.x - arm, where.y - arm}, {where.x + arm, where.y + arm}, "class='dead'",
                  title);
@@ -196,17 +196,17 @@ private:
 
   [[nodiscard]] static std::string title_of(const config::island_description& island,
                                             const config::mote_description& mote,
-                                            const report::mote_report* told) {
+                                            const report::mote_report* own) {
     auto text = island.name + '/' + mote.name;
-    if (told == nullptr)
+    if (own == nullptr)
       return text;
-    if (told->joins && !told->joined)
+    if (own->joins && !own->joined)
       text += ", never joined";
-    if (!told->alive)
-      text += told->left_cause.empty() ? ", off" : ", " + told->left_cause;
-    if (told->messages.offered > 0)
-      text += ", " + report::counted(told->messages.offered, "message") + ", " +
-              share(told->messages.delivery()) + " arrived";
+    if (!own->alive)
+      text += own->left_cause.empty() ? ", off" : ", " + own->left_cause;
+    if (own->messages.offered > 0)
+      text += ", " + report::counted(own->messages.offered, "message") + ", " +
+              share(own->messages.delivery()) + " arrived";
     return text;
   }
 
@@ -214,7 +214,7 @@ private:
     return {x.x - half, x.y - half, x.x + half, x.y + half};
   }
 
-  /// Beside what it names, where there is room; else nowhere: the title tells it.
+  /// Beside what it names, where there is room; else nowhere: the title has it.
   void label(drawing& out, point x, const std::string& text, std::string_view look) {
     const auto wide = 8.4 * static_cast<double>(text.size()); // of the font's most common letters
     const auto gap = radius_ + 4;

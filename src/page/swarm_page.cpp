@@ -70,13 +70,13 @@ std::string distributions_of(const swarm_page& x) {
     auto sorted = entries;
     std::ranges::stable_sort(sorted, {}, &seed_figures::entry::value);
     const auto wide_value = sorted.back().value - sorted.front().value;
-    const auto told = [&](const char* name, const seed_figures::entry& y) {
+    const auto entry_text = [&](const char* name, const seed_figures::entry& y) {
       return std::string(name) + ' ' + value_text(y.value, wide_value) + " (seed " +
              std::to_string(y.seed) + ')';
     };
-    const auto text = wide_value > 0 ? told("least", sorted.front()) + " · " +
-                                           told("median", sorted[sorted.size() / 2]) + " · " +
-                                           told("most", sorted.back())
+    const auto text = wide_value > 0 ? entry_text("least", sorted.front()) + " · " +
+                                           entry_text("median", sorted[sorted.size() / 2]) + " · " +
+                                           entry_text("most", sorted.back())
                                      : "the same with every seed";
     out += "<figure>" + element("h3", title) + histogram(title, sorted) +
            element("figcaption", text) + "</figure>\n";

@@ -34,7 +34,7 @@ struct lane {
   std::vector<mark> marks;
 };
 
-/// Whether something got better or worse, as far as its words tell.
+/// Whether something got better or worse, judged by its words.
 std::string look_of(const std::string& what) {
   constexpr std::string_view bad[] = {"left",  "flat", "crashed", "killed",    "failed", "gone",
                                       "ended", "lost", "unplug",  "power off", "noise",  "loses"};

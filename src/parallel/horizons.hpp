@@ -36,10 +36,9 @@ public:
     return least;
   }
 
-  /// @param next when each process does something next, if it hears of nobody; or never
+  /// @param next when each process does something next, if nobody sends it anything; or never
   /// @returns for each process: whatever is still sent to it comes at this time or later. Valid
-  /// until
-  ///          the next call
+  ///          until the next call
   [[nodiscard]] std::span<const instant> of(std::span<const instant> next) {
     // When each does something next at the earliest, if others may cause it.
     earliest_.assign(next.begin(), next.end());

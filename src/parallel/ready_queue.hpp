@@ -8,8 +8,8 @@
 
 namespace rubicon::parallel {
 
-/// A ring that doubles when full. Each actor stands in it at most once, so it is bounded by their
-/// number.
+/// A ring whose size doubles when full. Each actor stands in it at most once, so it is bounded by
+/// their number.
 template <class T>
 class ready_queue {
 public:

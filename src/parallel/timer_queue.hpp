@@ -47,7 +47,7 @@ public:
   /// As if it were cancelled and added again. @pre `x` is pending
   void move(ticket x, const event_order& when) {
     assert(pending(x));
-    settle(places_[x], {when, x});
+    sift(places_[x], {when, x});
   }
 
   /// @pre `x` is pending
@@ -73,7 +73,7 @@ public:
   T pop() {
     auto x = std::exchange(values_[front()], T{});
     take_out(0);
-    if (heap_.empty() && heap_.capacity() > kept_when_empty)
+    if (heap_.empty() && heap_.capacity() > capacity_when_empty)
       release();
     return x;
   }
@@ -96,7 +96,7 @@ private:
   static constexpr place nowhere = UINT32_MAX;
   static constexpr std::size_t children = 4;
   /// A burst of more entries than this leaves no memory behind.
-  static constexpr std::size_t kept_when_empty = 1024;
+  static constexpr std::size_t capacity_when_empty = 1024;
 
   struct entry {
     event_order when;
@@ -131,7 +131,7 @@ private:
   }
 
   /// Puts `x` at the free place `i` or where it belongs above or below it.
-  void settle(std::size_t i, entry x) {
+  void sift(std::size_t i, entry x) {
     for (auto first = i * children + 1; first < heap_.size(); first = i * children + 1) {
       const auto from = heap_.begin() + static_cast<std::ptrdiff_t>(first);
       const auto end =
@@ -150,7 +150,7 @@ private:
     const auto last = heap_.back();
     heap_.pop_back();
     if (i < heap_.size())
-      settle(i, last);
+      sift(i, last);
     places_[slot] = nowhere;
     free_.push_back(slot);
   }

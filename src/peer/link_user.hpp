@@ -1,4 +1,4 @@
-// Who has the real links of a kernel.
+// The callbacks of the real links of a kernel.
 #pragma once
 
 #include <cstddef>
@@ -11,9 +11,9 @@
 
 namespace rubicon::peer {
 
-/// Hears what happens to links, on the loop's thread, never from within a call of tcp_links or
-/// udp_links. Named like the kernel's inputs, which an owner passes it on to. May call them, not
-/// destroy them.
+/// Is notified of what happens to links, on the loop's thread, never from within a call of
+/// tcp_links or udp_links. Named like the kernel's inputs, which an owner passes it on to. May call
+/// them, not destroy them.
 class link_user {
 public:
   virtual ~link_user() = default;

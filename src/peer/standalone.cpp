@@ -137,7 +137,7 @@ void standalone::check_step_gap() {
          "the peer was not stepped for " + in_ms(gap) + "; it needs a step every 50 ms at least");
 }
 
-void standalone::warn(muffler& kind, const std::string& text) {
+void standalone::warn(rate_limiter& kind, const std::string& text) {
   if (!config_.on_warning || (kind.last && now() - *kind.last < warning_gap))
     return;
   kind.last = now();
@@ -156,7 +156,7 @@ void standalone::leave() {
             io::tcp_stream::drain_max + io::tcp_stream::linger_max);
 }
 
-// What links tell.
+// Events of links.
 
 void standalone::on_link_open(peis::link_id link, peis::link_role role,
                               std::optional<peis::attempt_id> attempt) {
@@ -457,8 +457,8 @@ std::optional<std::vector<peer_id>> standalone::trace(peer_id destination, durat
   traces_[request];
   perform(kernel_.trace(destination, request, now()));
   run_until([&] { return !traces_.at(request).empty(); }, timeout);
-  auto way = std::move(traces_.extract(request).mapped());
-  return way.empty() ? std::nullopt : std::optional(std::move(way));
+  auto route = std::move(traces_.extract(request).mapped());
+  return route.empty() ? std::nullopt : std::optional(std::move(route));
 }
 
 } // namespace rubicon::peer

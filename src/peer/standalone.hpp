@@ -27,8 +27,8 @@ struct standalone_config {
   peis::kernel_config kernel;
   links_config links;
   std::optional<std::uint64_t> seed; ///< of ids and other random numbers; unset: from the system
-  /// Hears what a person should know: steps that come too rarely, callbacks that take too long,
-  /// links that failed. May be empty.
+  /// Called with what a person should know: steps that come too rarely, callbacks that take too
+  /// long, links that failed. May be empty.
   std::function<void(const std::string&)> on_warning;
 };
 
@@ -57,7 +57,7 @@ public:
   [[nodiscard]] static std::variant<std::unique_ptr<standalone>, std::string>
   open(io::loop& where, standalone_config config);
 
-  /// Drops the links without a word; see leave().
+  /// Closes the links without a goodbye; see leave().
   ~standalone() override;
 
   // Driving.
@@ -77,21 +77,21 @@ public:
   /// Says goodbye, lets queued octets leave for up to 2 s and closes all links (KH-04).
   void leave();
 
-  /// Somebody who may has asked this peer to end (TUP-22): call leave() soon.
+  /// An authorised peer has asked this one to end (TUP-22): call leave() soon.
   [[nodiscard]] bool quit_requested() const { return quit_requested_; }
 
   [[nodiscard]] instant now() const; ///< since open()
   [[nodiscard]] peis::timestamp network_time() const { return kernel_.network_time(now()); }
 
-  // Tuples. Names in brackets are those of D1.1 3.1.3; what the causes mean is told in
+  // Tuples. Names in brackets are those of D1.1 3.1.3; the causes are described in
   // peis/kernel.hpp.
 
   /// [setTuple] Sets one of our own.
   [[nodiscard]] peis::cause set_tuple(std::string_view key, peis::tuple_content content);
   [[nodiscard]] peis::cause delete_tuple(std::string_view key);
 
-  /// [insertTuple] Sets a tuple with all its fields. `then` hears once how it ended; what is known
-  /// at once is returned as well.
+  /// [insertTuple] Sets a tuple with all its fields. `then` is called once with how it ended; what
+  /// is known at once is returned as well.
   peis::cause insert_tuple(peis::tuple draft, outcome_callback then = {});
 
   /// [appendTupleByAbstract] Adds to what matches.
@@ -103,7 +103,7 @@ public:
                                outcome_callback then = {});
   peis::cause delete_remote_tuple(peer_id owner, std::string_view key, outcome_callback then = {});
 
-  /// [subscribe, subscribeByAbstract] `changed` hears of each set, `deleted` of each end.
+  /// [subscribe, subscribeByAbstract] `changed` is called for each set, `deleted` for each end.
   /// @returns the handle, or why there is none
   [[nodiscard]] watch_result subscribe(peer_id owner, std::string_view pattern,
                                        tuple_callback changed = {}, tuple_callback deleted = {});
@@ -128,7 +128,7 @@ public:
 
   [[nodiscard]] bool has_subscriber(std::string_view key) const;
 
-  /// Does the present value of an own tuple still wait for room on its way to a subscriber?
+  /// Does the present value of an own tuple still wait for room to be sent to a subscriber?
   /// set_tuple() never waits: the next value takes its place.
   [[nodiscard]] bool is_waiting(std::string_view key) const { return kernel_.is_waiting(key); }
 
@@ -146,7 +146,7 @@ public:
   /// @returns false unless the port is 20..49
   [[nodiscard]] bool register_hook(std::uint16_t port, message_callback hook);
 
-  /// [registerHook] The same for packages that pass through here on the way to others (API-06): one
+  /// [registerHook] The same for packages that pass through here to others (API-06): one
   /// hook a port, which may consume them.
   [[nodiscard]] bool register_transit_hook(std::uint16_t port, peis::transit_hook hook) {
     return kernel_.hook_transit(port, std::move(hook));
@@ -160,7 +160,7 @@ public:
   [[nodiscard]] bool reachable(peer_id host) const { return kernel_.reachable(host); }
   void on_host_change(host_callback x) { on_host_ = std::move(x); }
 
-  /// The peers on the way to a host and back, ourselves first (API-12). nullopt: none came back.
+  /// The peers on the route to a host and back, ourselves first (API-12). nullopt: none came back.
   [[nodiscard]] std::optional<std::vector<peer_id>> trace(peer_id destination, duration timeout);
 
   // Everything else.
@@ -196,7 +196,7 @@ private:
     std::function<void()> f;
   };
   /// How often one kind of warning is given.
-  struct muffler {
+  struct rate_limiter {
     std::optional<instant> last;
   };
 
@@ -243,7 +243,7 @@ private:
                                    tuple_callback deleted);
   [[nodiscard]] io::loop::time_point real(instant x) const;
   void check_step_gap();
-  void warn(muffler& kind, const std::string& text);
+  void warn(rate_limiter& kind, const std::string& text);
   template <class F>
   void call_user(const char* what, F&& f);
 
@@ -269,10 +269,10 @@ private:
   std::uint64_t next_attempt_;
 
   std::optional<instant> last_step_;
-  muffler rare_steps_;
-  muffler slow_callback_;
-  muffler failed_attempt_;
-  muffler taken_id_;
+  rate_limiter rare_steps_;
+  rate_limiter slow_callback_;
+  rate_limiter failed_attempt_;
+  rate_limiter taken_id_;
 };
 
 } // namespace rubicon::peer

@@ -35,7 +35,8 @@ struct links_config {
   std::optional<std::uint16_t> first_port = peis::tcp_port_default;
   /// IPv4; empty: 127.0.0.1, with lan 0.0.0.0. Announcements use its interface alone, or all.
   std::string listen_address;
-  /// Links from elsewhere are closed at once, announcements are not heard; empty: none of that.
+  /// Links from elsewhere are closed at once, announcements are not received; empty: no
+  /// restriction.
   std::vector<ipv4_network> networks;
   bool udp = false;           ///< links over UDP too, on a port of the same number if it is free
   io::udp_group_config group; ///< of announcements, with lan only (TCP-02)
@@ -59,13 +60,13 @@ public:
   /// all that is behind it.
   static constexpr std::size_t window = 512 * 1024;
   /// Twice the links a kernel takes: it makes room among those that do not ask for a link, and
-  /// tells one more than it takes whom else to ask (close_link).
+  /// sends one more than it takes a list of others to ask (close_link).
   static constexpr std::size_t streams_max = 128;
   static constexpr std::size_t closing_max = 64; ///< of what they still had to send, more is lost
   static constexpr std::size_t attempts_max = 64;
 
-  /// Listens, and joins the group. Whether the group could be joined is told by warning(): peers
-  /// find each other also through those they are told of (TCP-07).
+  /// Listens, and joins the group. warning() reports whether the group could be joined: peers
+  /// find each other also through those that others report (TCP-07).
   /// @param where, user must outlive the links
   /// @returns why it cannot listen, if it cannot
   [[nodiscard]] static std::variant<std::unique_ptr<tcp_links>, std::string>
@@ -89,7 +90,7 @@ public:
   void carry_out(const peis::announce& x);
 
   /// Takes no more links and closes those that are there when their octets have left; attempts are
-  /// given up. The user hears nothing any more.
+  /// given up. The user is not called any more.
   void close_all();
 
   [[nodiscard]] std::size_t open_links() const;

@@ -41,7 +41,7 @@ std::optional<std::string> udp_links::open_socket() {
       {[this](byte_view datagrams, std::size_t each, const ipv4_address& from, std::uint16_t port) {
          on_datagrams(datagrams, each, {from, port});
        },
-       [this] { settle(); }});
+       [this] { process(); }});
   if (auto* refusal = std::get_if<std::string>(&opened))
     return std::move(*refusal);
   socket_ = std::move(std::get<io::udp_socket>(opened));
@@ -65,7 +65,7 @@ void udp_links::send(peis::link_id link, payload octets) {
   if (found == tokens_.end())
     return;
   port_.send(found->second, std::move(octets));
-  settle_soon();
+  process_soon();
 }
 
 void udp_links::read(const peis::read_link& x) {
@@ -74,7 +74,7 @@ void udp_links::read(const peis::read_link& x) {
     return;
   port_.read(found->second, x.wanted);
   if (x.wanted)
-    settle_soon();
+    process_soon();
 }
 
 void udp_links::close(const peis::close_link& x) {
@@ -87,7 +87,7 @@ void udp_links::close(const peis::close_link& x) {
     port_.reset(found.mapped());
   else
     port_.close(found.mapped(), now());
-  settle_soon();
+  process_soon();
 }
 
 void udp_links::close_all() {
@@ -97,7 +97,7 @@ void udp_links::close_all() {
     port_.close(token, now());
   tokens_.clear();
   links_.clear();
-  settle_soon();
+  process_soon();
 }
 
 void udp_links::connect(peis::attempt_id attempt, const peis::link_url& to) {
@@ -117,7 +117,7 @@ void udp_links::on_address(peis::attempt_id attempt, std::uint16_t port,
     return;
   }
   port_.connect(attempt, {std::get<ipv4_address>(found), port}, config_.connect_timeout, now());
-  settle();
+  process();
 }
 
 void udp_links::on_datagrams(byte_view datagrams, std::size_t each, const peis::udp_address& from) {
@@ -133,20 +133,20 @@ void udp_links::on_datagrams(byte_view datagrams, std::size_t each, const peis::
   if (!much)
     return;
   send_due(); // so that more comes while this is worked off
-  settle();
+  process();
 }
 
 /// What is sent in one turn leaves together.
-void udp_links::settle_soon() {
-  if (std::exchange(settle_due_, true))
+void udp_links::process_soon() {
+  if (std::exchange(process_due_, true))
     return;
   loop_->post([this, alive = std::weak_ptr(alive_)] {
-    if (!alive.expired() && settle_due_)
-      settle();
+    if (!alive.expired() && process_due_)
+      process();
   });
 }
 
-void udp_links::settle() {
+void udp_links::process() {
   if (const auto due = port_.deadline(); due && *due <= now())
     port_.on_time(now());
   for (auto& event : port_.take_events()) {
@@ -154,7 +154,7 @@ void udp_links::settle() {
     if (auto* received = std::get_if<peis::udp_received>(&event))
       port_.give_back(std::move(received->octets));
   }
-  settle_due_ = false; // what was sent just now leaves now
+  process_due_ = false; // what was sent just now leaves now
   send_due();
   const auto due = port_.deadline();
   if (!due || (wakes_at_ && *wakes_at_ <= *due && *wakes_at_ > now()))
@@ -162,7 +162,7 @@ void udp_links::settle() {
   wakes_at_ = due;
   timer_.start(std::max<duration>(*due - now(), 0ns), [this] {
     wakes_at_.reset();
-    settle();
+    process();
   });
 }
 

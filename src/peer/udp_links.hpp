@@ -45,7 +45,7 @@ public:
   open(io::loop& where, udp_links_config config, link_user& user,
        std::function<peis::link_id()> next_link);
 
-  /// The other sides are sent word that their links are over.
+  /// Resets the sessions, so that the other sides close their links.
   ~udp_links();
   udp_links(const udp_links&) = delete;
   udp_links& operator=(const udp_links&) = delete;
@@ -61,7 +61,8 @@ public:
   void connect(peis::attempt_id attempt, const peis::link_url& to);
   [[nodiscard]] std::size_t attempts() const { return lookups_.size() + port_.attempts(); }
 
-  /// Ends all links when what they have to send has been acknowledged; the user hears nothing more.
+  /// Ends all links when what they have to send has been acknowledged; the user is not called any
+  /// more.
   void close_all();
 
   [[nodiscard]] std::size_t open_links() const { return tokens_.size(); }
@@ -78,8 +79,8 @@ private:
   void on_datagrams(byte_view datagrams, std::size_t each, const peis::udp_address& from);
   void on_address(peis::attempt_id attempt, std::uint16_t port,
                   const std::variant<ipv4_address, std::string>& found);
-  void settle_soon();
-  void settle();
+  void process_soon();
+  void process();
   void send_due();
   void handle(const peis::udp_opened& x);
   void handle(const peis::udp_refused& x);
@@ -101,7 +102,7 @@ private:
   std::map<peis::attempt_id, io::host_lookup> lookups_;
   std::map<peis::attempt_id, std::string> targets_;            ///< as people know them
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true); ///< for what is posted
-  bool settle_due_ = false;
+  bool process_due_ = false;
   bool over_ = false;
 };
 

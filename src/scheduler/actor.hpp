@@ -1,5 +1,5 @@
-// An actor of ours. CAF counts who holds it, tells its monitors of its end and ends it by exit
-// messages; messages, the mailbox and turns are the scheduler's.
+// An actor of ours. CAF counts references to it, notifies its monitors of its end and ends it by
+// exit messages; messages, the mailbox and turns are the scheduler's.
 //
 // What happens when a handler, or the behaviour function itself, throws: the exception becomes an
 // error (failure_of, or what set_exception_handler() makes of it), the actor ends with that as its

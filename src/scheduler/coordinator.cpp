@@ -23,8 +23,9 @@ constexpr std::size_t messages_per_turn = 50;
 
 constexpr unsigned turns_per_look = 16;
 
-/// What a process sends in a round, but at the start of a run and at its end.
-constexpr std::size_t sent_kept = 256;
+/// Messages that a process sends in a round, except at the start of a run and at its end: larger
+/// buffers are released.
+constexpr std::size_t sent_capacity_max = 256;
 
 /// In virtual time no time passes while somebody is ready. In wall time it does, so that timeouts
 /// that are due must not wait until a flood of messages ends.
@@ -190,7 +191,7 @@ stop_cause coordinator::run_together(instant end) {
         end = std::max(end, x->now());
     }
     const auto others = next_of_others();
-    const auto first = std::min({others, supervisor().next(), told()});
+    const auto first = std::min({others, supervisor().next(), next_arrival()});
     const auto next = std::min(first, end);
     say_before(next);
     if (!stopping && !clock_.reached(next)) {
@@ -214,17 +215,17 @@ stop_cause coordinator::run_together(instant end) {
 bool coordinator::let_supervise(instant others) {
   auto& process = supervisor();
   const auto own = process.next();
-  if (own == parallel::never && told() == parallel::never)
+  if (own == parallel::never && next_arrival() == parallel::never)
     return false;
-  if (own <= told() && own <= others) {
+  if (own <= next_arrival() && own <= others) {
     together_at_ = own;
     process.run_instant();
     return true;
   }
-  if (told() >= own || told() >= others)
+  if (next_arrival() >= own || next_arrival() >= others)
     return false;
   const entered here(&process);
-  process.advance(told());
+  process.advance(next_arrival());
   auto arrival = arrivals_.pop();
   cause_ = process.now() == together_at_ ? nullptr : arrival.cause;
   ship(arrival.what, process);
@@ -238,7 +239,7 @@ void coordinator::let_run(instant others, instant end) {
   const bool ahead = runs_ahead();
   // What the supervisor has done of itself is done to the end before anybody is ahead of it again.
   const auto bound = ahead && others > together_at_
-                         ? std::min({supervisor().next(), parallel::later(told(), moment),
+                         ? std::min({supervisor().next(), parallel::later(next_arrival(), moment),
                                      parallel::later(end, moment), parallel::later(others, reach_)})
                          : parallel::later(others, moment);
   const auto safe = horizons_.of(next_);
@@ -291,7 +292,7 @@ void coordinator::take_over_sent() {
       }
     }
     from.sent().clear();
-    if (from.sent().capacity() > sent_kept)
+    if (from.sent().capacity() > sent_capacity_max)
       from.sent().shrink_to_fit();
     std::ranges::move(from.to_be_said(), std::back_inserter(to_be_said_));
     from.to_be_said().clear();
@@ -316,7 +317,7 @@ instant coordinator::next_of_others() {
   return *std::ranges::min_element(next_);
 }
 
-instant coordinator::told() const {
+instant coordinator::next_arrival() const {
   return arrivals_.next().value_or(parallel::never);
 }
 
@@ -363,7 +364,7 @@ bool coordinator::drain_together(std::size_t turns_max) {
   for (;;) {
     take_over_sent();
     const auto others = next_of_others();
-    if (std::min({others, supervisor().next(), told()}) > end)
+    if (std::min({others, supervisor().next(), next_arrival()}) > end)
       break;
     if (!let_supervise(others))
       let_run(others, end);
@@ -440,7 +441,7 @@ void coordinator::detach_io() {
 }
 
 std::optional<instant> coordinator::next_timeout() const {
-  auto next = told();
+  auto next = next_arrival();
   for (const auto& x : processes_)
     next = std::min(next, x->timeouts().next().value_or(parallel::never));
   return next == parallel::never ? std::nullopt : std::optional(next);

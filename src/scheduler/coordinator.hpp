@@ -114,7 +114,7 @@ public:
   /// coordinator_options::in_order, or no longer: that changes nothing but when who may see what,
   /// so that a stop which somebody requests while an event is handled comes at the time of that
   /// event. Not for use inside a run.
-  void keep_in_order(bool x) { kept_in_order_ = x; }
+  void keep_in_order(bool x) { requires_order_ = x; }
 
   /// Ends the current run, or the next if there is none; each request ends one run. Thread-safe.
   void request_stop();
@@ -160,7 +160,7 @@ public:
 
   /// Whether some process may be ahead of another.
   [[nodiscard]] bool runs_ahead() const {
-    return processes_.size() > 1 && !in_order_ && !kept_in_order_ &&
+    return processes_.size() > 1 && !in_order_ && !requires_order_ &&
            (trace_ == nullptr || !trace_->is_observed());
   }
 
@@ -209,8 +209,8 @@ private:
   void take_over_sent();
   void update_next();
   [[nodiscard]] instant next_of_others();
-  /// When the first thing comes that others have sent the supervisor; or never.
-  [[nodiscard]] instant told() const;
+  /// When the first message of other processes reaches the supervisor; or never.
+  [[nodiscard]] instant next_arrival() const;
   [[nodiscard]] std::uint64_t turns_so_far() const; ///< of those in the round
   /// Lets everything be said that was to be said before that time.
   void say_before(instant end);
@@ -248,7 +248,7 @@ private:
   const duration poll_interval_;
   const bool wall_;
   const bool in_order_;
-  bool kept_in_order_ = false;
+  bool requires_order_ = false;
 };
 
 } // namespace rubicon::scheduler

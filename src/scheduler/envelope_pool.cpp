@@ -31,7 +31,7 @@ void* envelope_pool::take(std::size_t size) {
 
 void envelope_pool::give(void* block, std::size_t size) noexcept {
   const auto number = (size - 1) / step;
-  if (number >= sizes || current == nullptr || current->free_[number].count == kept_max) {
+  if (number >= sizes || current == nullptr || current->free_[number].count == pooled_max) {
     ::operator delete(block);
     return;
   }

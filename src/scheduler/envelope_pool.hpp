@@ -23,9 +23,9 @@ public:
   static void give(void* block, std::size_t size) noexcept;
 
 private:
-  static constexpr std::size_t step = 32;      ///< between sizes, in octets
-  static constexpr std::size_t sizes = 8;      ///< larger blocks are the system's
-  static constexpr std::size_t kept_max = 256; ///< of each size
+  static constexpr std::size_t step = 32;        ///< between sizes, in octets
+  static constexpr std::size_t sizes = 8;        ///< larger blocks are the system's
+  static constexpr std::size_t pooled_max = 256; ///< of each size
 
   struct free_block {
     free_block* next;

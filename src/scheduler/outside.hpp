@@ -20,7 +20,8 @@ namespace rubicon::scheduler {
 /// An actor of CAF's own that is ready, with one reference count; or a message for one of ours.
 using order = std::variant<caf::resumable*, add_timeout>;
 
-/// The way in from other threads, in the order they came. Each arrival ends the loop's wait.
+/// The queue of orders from other threads, in the order they came. Each arrival ends the loop's
+/// wait.
 class outside {
 public:
   /// The thread that constructs it is home.

@@ -46,7 +46,7 @@ void process::run_before(instant end) {
   const entered here(this);
   while (next() < end) {
     run_instant();
-    if (told_supervisor_ == now() || anybody_ready())
+    if (sent_supervisor_at_ == now() || anybody_ready())
       return;
   }
 }
@@ -85,10 +85,10 @@ void process::give_turn() {
 }
 
 void process::give_turn(actor& whom) {
-  const caf::strong_actor_ptr kept(whom.ctrl(), false); // it was made ready with one reference
+  const caf::strong_actor_ptr reference(whom.ctrl(), false); // it was made ready with one reference
   if (!whom.has_begun()) {
     if (whom.where() != this) {
-      send(*whom.where(), {kept}, {});
+      send(*whom.where(), {reference}, {});
       return;
     }
     remember(whom);
@@ -117,7 +117,7 @@ void process::send(process& to, timeout what, std::optional<instant> due) {
   auto when = to.supervises() ? order_as_one(due.value_or(now())) : order_of(due.value_or(now()));
   when.due = owner_.arrival(*this, to, when.due);
   if (to.supervises())
-    told_supervisor_ = now();
+    sent_supervisor_at_ = now();
   sent_.push_back({this, &to, when, std::move(what)});
 }
 
@@ -151,7 +151,7 @@ bool process::kill_all() {
   while (!ready_.empty()) {
     const auto whom = ready_.pop();
     if (whom.own != nullptr) {
-      const caf::strong_actor_ptr kept(whom.own->ctrl(), false);
+      const caf::strong_actor_ptr reference(whom.own->ctrl(), false);
       whom.own->kill();
     } else {
       caf::intrusive_ptr_release(whom.of_caf); // ends with the actor system

@@ -36,7 +36,7 @@ protected:
   ~delivery_tap() = default;
 };
 
-/// On its way to an actor of another process.
+/// A message in transit to an actor of another process.
 struct crossing {
   process* from = nullptr;
   process* to = nullptr;
@@ -73,7 +73,7 @@ public:
   /// It is now at least `x`.
   void advance(instant x);
 
-  /// When it does something next, if it hears of nobody.
+  /// When it does something next, if nobody sends it anything.
   [[nodiscard]] instant next() const {
     return !ready_.empty() ? now() : timeouts_.next().value_or(parallel::never);
   }
@@ -178,7 +178,7 @@ private:
   timeout_table timeouts_;
   std::vector<crossing> sent_;
   std::vector<remark_later> to_be_said_;
-  std::optional<instant> told_supervisor_; ///< when it has last sent it something
+  std::optional<instant> sent_supervisor_at_; ///< when it sent it something last
   traced_base* acting_ = nullptr;
   std::uint64_t sequence_ = 0;
   std::uint64_t turns_ = 0;

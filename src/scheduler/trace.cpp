@@ -6,7 +6,7 @@
 namespace rubicon::scheduler {
 
 void trace_recorder::record(trace_part& part, traced_base& to, envelope& x, const traced_base* from,
-                            bool heard) {
+                            bool received) {
   if (clock_ == nullptr)
     return;
   const auto time = to_instant(clock_->now());
@@ -15,9 +15,9 @@ void trace_recorder::record(trace_part& part, traced_base& to, envelope& x, cons
     return;
   if (wants_remarks())
     x.number = ++numbers_given_;
-  const delivery seen{time, to.path(), from != nullptr ? std::string_view(from->path()) : "",
-                      x,    x.number,  provenance().number(),
-                      heard};
+  const delivery seen{time,    to.path(), from != nullptr ? std::string_view(from->path()) : "",
+                      x,       x.number,  provenance().number(),
+                      received};
   if (to.is_watched_)
     watcher_(seen);
   if (observer_)

@@ -31,7 +31,7 @@ struct delivery {
   std::uint64_t number = 0; ///< ascending, from 1, as those of remarks that begin something; 0
                             ///< unless remarks are observed too
   std::uint64_t cause = 0;  ///< number of what led to it (core/provenance.hpp); 0: nothing known
-  bool heard = true;        ///< false: the receiver has ended
+  bool received = true;     ///< false: the receiver has ended
 
   /// The message, if it is a `Message`; nullptr: it is not.
   template <class Message>
@@ -40,7 +40,7 @@ struct delivery {
   }
 };
 
-/// Something an actor has noticed that no message tells, such as octets that are lost. It is for
+/// Something an actor has noticed that no message carries, such as octets that are lost. It is for
 /// observers only and never part of the trace.
 struct remark {
   instant time;
@@ -58,7 +58,7 @@ class traced_base;
 
 /// What one logical process has folded. Each actor folds what it is delivered, in that order, with
 /// the time of each; what all have folded is added up. So the sum is the same whoever runs first
-/// among those that do not hear of each other, and an island that is added adds to it.
+/// among those that send each other nothing, and an island that is added adds to it.
 class trace_part {
 public:
   [[nodiscard]] std::uint64_t sum() const { return sum_; }
@@ -81,7 +81,7 @@ public:
   using observer = std::function<void(const delivery&)>;
   using remark_observer = std::function<void(const remark&)>;
 
-  /// @param clock tells the ecology time; must outlive the last delivery
+  /// @param clock of the ecology time; must outlive the last delivery
   void start(const caf::actor_clock& clock) { clock_ = &clock; }
 
   /// Nothing is recorded any more.
@@ -92,8 +92,8 @@ public:
   void observe(observer x) { observer_ = std::move(x); }
 
   /// Called for every delivery to an actor whose path begins with `paths`, by any thread that
-  /// executes events, and not in the order of their time. It is not told who the sender is. Must
-  /// not send. @pre no such actor has its place yet
+  /// executes events, and not in the order of their time. The sender is not given. Must not
+  /// send. @pre no such actor has its place yet
   void watch(std::string paths, observer x) {
     watched_paths_ = std::move(paths);
     watcher_ = std::move(x);
@@ -114,15 +114,16 @@ public:
   /// Once for each message, which gets its number.
   /// @param part of the process of `to`
   /// @param from nullptr: nobody
-  /// @param heard whether the receiver still lives
-  void record(trace_part& part, traced_base& to, envelope& x, const traced_base* from, bool heard);
+  /// @param received whether the receiver still lives
+  void record(trace_part& part, traced_base& to, envelope& x, const traced_base* from,
+              bool received);
 
   /// Whether somebody sees events, and wants to in the order of their time.
   [[nodiscard]] bool is_observed() const { return observer_ || remark_observer_; }
 
   void note(remark x);
 
-  /// Gives a number to what `path` begins, and tells it. @pre wants_remarks()
+  /// Gives a number to what `path` begins, and reports it to observers. @pre wants_remarks()
   [[nodiscard]] std::uint64_t begin(std::string_view path, std::string_view what, std::uint64_t id);
 
   /// The account of all messages of the run.
@@ -175,7 +176,7 @@ public:
   [[nodiscard]] std::string_view place() const override { return path(); }
   [[nodiscard]] instant time() const override;
 
-  /// Tells observers; costs nothing without any.
+  /// Notifies observers; costs nothing without any.
   /// @param octets made only if somebody observes
   template <class Octets>
   void remark(std::string_view what, std::uint64_t id, Octets octets) const {
@@ -199,9 +200,9 @@ protected:
   /// Itself, if it was placed.
   [[nodiscard]] provenance_source* source() { return recorder_ != nullptr ? this : nullptr; }
 
-  void record(envelope& x, const traced_base* from, bool heard) {
+  void record(envelope& x, const traced_base* from, bool received) {
     if (recorder_ != nullptr)
-      recorder_->record(part(), *this, x, from, heard);
+      recorder_->record(part(), *this, x, from, received);
   }
 
   /// While this lives, what is sent comes from that actor.

@@ -76,9 +76,9 @@ public:
 
   /// Ends what is alive and takes the actor system down: pending timeouts and delayed messages are
   /// dropped, then actors end as by exit_reason::kill and their states are destroyed. Actors that
-  /// are to leave in good order must have been told, and drained or run, before. Afterwards only
-  /// trace() and stats() may be used; handles may be kept, but nothing may be sent to them.
-  /// Harmless if repeated.
+  /// are to leave in good order must have been asked to, and drained or run, before. Afterwards
+  /// only trace() and stats() may be used; handles may still exist, but nothing may be sent to
+  /// them. Harmless if repeated.
   void shutdown();
 
   [[nodiscard]] trace_recorder& trace() { return trace_; }

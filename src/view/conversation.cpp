@@ -410,7 +410,7 @@ private:
     return x->kind == "lost" ? 0 : x->kind == "open" ? 1 : 2;
   }
 
-  /// As of when it is; nothing if all is told.
+  /// Up to when the record has been read; null: to its end.
   static void add_time(json& to, const message_list& from) {
     to["as_of_s"] = from.is_whole() ? json() : json(in_seconds(from.traces().end));
   }
@@ -458,7 +458,7 @@ private:
     for (auto each = std::ranges::lower_bound(all, from, {}, &listed_frame::begin);
          each != all.end() && each->begin <= to && y["frames"].size() < frames_listed_max; ++each)
       y["frames"].push_back(json::array({in_seconds(each->begin), seconds(each->length),
-                                         address(each->from), address(each->to), each->heard}));
+                                         address(each->from), address(each->to), each->received}));
     return y;
   }
 
@@ -515,7 +515,7 @@ std::string conversation::on_text(std::string_view text_in) {
       throw refusal{"a request must be a JSON object"};
     if (text(question, "ask") == "follow") {
       follows_ = question.value("on", true);
-      samples_told_ = 0;
+      samples_sent_ = 0;
       reply = {{"kind", "done"}, {"ok", true}, {"text", ""}};
     } else {
       reply = answerer(*this).answer(question);
@@ -537,10 +537,10 @@ std::optional<std::string> conversation::news() {
   }
   const auto state = all_->state();
   const auto events = all_->events();
-  const bool is_new = !has_told_ || state.now != state_told_.now ||
-                      state.running != state_told_.running || events != events_told_;
-  const bool has_moment = follows_ && all_->samples() != samples_told_;
-  if (is_new && !(has_moment && told_state_last_)) { // in turns
+  const bool is_new = !has_sent_state_ || state.now != state_sent_.now ||
+                      state.running != state_sent_.running || events != events_sent_;
+  const bool has_moment = follows_ && all_->samples() != samples_sent_;
+  if (is_new && !(has_moment && last_was_state_)) { // in turns
     json y = {{"kind", "state"},
               {"now_s", in_seconds(state.now)},
               {"end_s", in_seconds(state.end)},
@@ -549,19 +549,19 @@ std::optional<std::string> conversation::news() {
               {"speed", rounded(state.speed)},
               {"samples", all_->samples()},
               {"new_events", json::array()}};
-    const auto fresh = all_->events_from(events_told_);
+    const auto fresh = all_->events_from(events_sent_);
     for (const auto& each : fresh.events)
       y["new_events"].push_back(event_json(each));
-    state_told_ = state;
-    events_told_ = fresh.next;
-    has_told_ = true;
-    told_state_last_ = true;
+    state_sent_ = state;
+    events_sent_ = fresh.next;
+    has_sent_state_ = true;
+    last_was_state_ = true;
     return text_of(y);
   }
   if (!has_moment)
     return std::nullopt;
-  told_state_last_ = false;
-  samples_told_ = all_->samples();
+  last_was_state_ = false;
+  samples_sent_ = all_->samples();
   const auto newest = all_->newest();
   if (newest == nullptr)
     return std::nullopt;

@@ -1,4 +1,4 @@
-// What the live page asks and is told (docs/view.md): one for each page that is open.
+// Requests of the live page, and what is sent to it (docs/view.md): one for each open page.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace rubicon::view {
 
-/// What somebody does by hand to the run; each returns what came of it, in words.
+/// Manual actions on the run; each returns its result, in words.
 struct controls {
   struct outcome {
     bool ok = false;
@@ -33,7 +33,7 @@ struct mote_index {
   bool is_mac = false; ///< its island has radio and medium access only
 };
 
-/// What every page is told first, and what it says of motes.
+/// What is sent to every page first, and the motes and peers that it names.
 struct introduction {
   std::string facts; ///< the message `ecology`, with facts
   std::vector<mote_index> motes;
@@ -41,20 +41,20 @@ struct introduction {
   std::map<peer_id, std::string> peers;
 };
 
-/// @param facts of which nobody has to be able to read anything
+/// @param facts may be malformed: what cannot be read is left out
 [[nodiscard]] introduction introduction_of(std::string facts);
 
 class conversation {
 public:
   /// @param about shared by all pages
-  /// @param controls nothing: the page only looks
+  /// @param controls nullptr: the page is read-only
   conversation(std::shared_ptr<const timeline> all, std::shared_ptr<const introduction> about,
                std::shared_ptr<const controls> controls);
 
   /// The answer to a question; `refused` if it is none.
   [[nodiscard]] std::string on_text(std::string_view text);
 
-  /// What the page has not been told yet: the ecology, then states and moments.
+  /// What has not been sent to the page yet: the ecology, then states and moments.
   [[nodiscard]] std::optional<std::string> news();
 
 private:
@@ -65,11 +65,11 @@ private:
   std::shared_ptr<const controls> controls_;
   bool introduced_ = false;
   bool follows_ = true;
-  std::uint64_t events_told_ = 0;
-  run_state state_told_;
-  bool has_told_ = false;
-  bool told_state_last_ = false;
-  std::size_t samples_told_ = 0;
+  std::uint64_t events_sent_ = 0;
+  run_state state_sent_;
+  bool has_sent_state_ = false;
+  bool last_was_state_ = false;
+  std::size_t samples_sent_ = 0;
 };
 
 } // namespace rubicon::view

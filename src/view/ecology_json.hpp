@@ -1,4 +1,4 @@
-// What the live page is told of an ecology before anything has happened (docs/view.md).
+// The description of an ecology that the live page receives first (docs/view.md).
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace rubicon::view {
 
-/// What a page knows of the run that no description tells.
+/// Facts of the run that are not part of an ecology's description.
 struct run_facts {
   std::string file = {};    ///< that describes the ecology
   std::string command = {}; ///< that repeats the run; empty: none does

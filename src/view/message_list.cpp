@@ -11,8 +11,8 @@ namespace rubicon::view {
 
 namespace {
 
-constexpr duration frame_length = 4ms; ///< of one that nobody heard: about 100 octets
-constexpr explain::paper paper{100, false};
+constexpr duration frame_length = 4ms; ///< of one that nobody received: about 100 octets
+constexpr explain::text_style style{100, false};
 
 listed_message listed(const explain::traces& all, const explain::message& x) {
   const auto how = explain::outcome_of(all, x);
@@ -59,7 +59,7 @@ message_list::message_list(std::shared_ptr<const explain::traces> all, bool is_w
 std::string message_list::explain_message(std::string_view name) const {
   const auto found = explain::find(*all_, name);
   if (const auto* message = std::get_if<explain::message_found>(&found))
-    return explain::message_text(*all_, message->index, paper);
+    return explain::message_text(*all_, message->index, style);
   return "The record has no such message.";
 }
 
@@ -72,7 +72,7 @@ std::string message_list::explain_tuple(const std::string& owner, const std::str
   if (values == nullptr)
     return "The record has no such tuple.";
   const auto index = explain::value_at(*all_, values->indices, at);
-  return index ? explain::tuple_text(*all_, *index, paper) : "It had no value at that time.";
+  return index ? explain::tuple_text(*all_, *index, style) : "It had no value at that time.";
 }
 
 } // namespace rubicon::view

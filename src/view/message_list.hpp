@@ -18,7 +18,7 @@ struct listed_message {
   std::string from;
   std::string to;
   instant sent;
-  std::optional<instant> ended; ///< nothing: it was under way when the record ended
+  std::optional<instant> ended; ///< nothing: it was in flight when the record ended
   std::string outcome;          ///< in words
   std::string_view kind;        ///< `lost`, `open` or `arrived`
 };
@@ -27,9 +27,9 @@ struct listed_message {
 struct listed_frame {
   instant begin;
   duration length{};
-  std::string from; ///< actor paths; `to` is empty for all who hear it
+  std::string from; ///< actor paths; `to` is empty: a broadcast
   std::string to;
-  bool heard = false;
+  bool received = false;
 };
 
 class message_list {

@@ -8,7 +8,7 @@
 
 namespace rubicon::view {
 
-/// Puts in what a record has kept: samples, tuples, events, planned faults and messages.
+/// Adds what a record contains: samples, tuples, events, planned faults and messages.
 void fill(timeline& out, std::shared_ptr<const explain::traces> all);
 
 } // namespace rubicon::view

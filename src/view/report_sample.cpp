@@ -14,7 +14,7 @@ report::mote_sample sample_of(const report::mote_report& x) {
   y.alive = x.alive;
   y.flat = !x.alive && x.left_cause == "battery";
   y.joined = x.alive && (!x.joins || (x.joined && x.left_cause.empty()));
-  y.radio_on = true; // a report does not tell
+  y.radio_on = true; // a report does not contain it
   y.used_mah = x.energy.used_mah;
   y.battery_mah = x.energy.battery_mah;
   y.parent = x.parent;

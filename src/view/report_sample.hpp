@@ -1,4 +1,4 @@
-// A moment of a run as its report so far tells it: of parts on other hosts nothing else is known.
+// A moment of a run, from its report so far: parts on other hosts send nothing else.
 #pragma once
 
 #include "report/history.hpp"

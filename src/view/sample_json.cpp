@@ -170,7 +170,7 @@ std::string encode(const report::run_sample& x) {
       all.push_back(std::move(list));
     }
   }
-  if (x.peers.size() <= peers_told_max)
+  if (x.peers.size() <= peers_listed_max)
     for (const auto& peer : x.peers)
       y["peers"][peer.name] = written(peer);
   return y.dump(-1, ' ', false, json::error_handler_t::replace);

@@ -12,7 +12,7 @@ namespace rubicon::view {
 /// Of more motes their neighbours are left out.
 inline constexpr std::size_t motes_with_neighbours_max = 500;
 /// Of more peers all.
-inline constexpr std::size_t peers_told_max = 500;
+inline constexpr std::size_t peers_listed_max = 500;
 
 [[nodiscard]] std::string encode(const report::run_sample& x);
 

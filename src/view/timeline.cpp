@@ -11,11 +11,11 @@ namespace {
 /// Every second one goes, first and last stay.
 template <class T>
 void halve(std::vector<T>& x) {
-  std::size_t kept = 0;
+  std::size_t count = 0;
   for (std::size_t i = 0; i < x.size(); ++i)
     if (i % 2 == 0 || i + 1 == x.size())
-      x[kept++] = std::move(x[i]);
-  x.resize(kept);
+      x[count++] = std::move(x[i]);
+  x.resize(count);
 }
 
 std::string shortened(std::string x) {
@@ -38,11 +38,11 @@ void timeline::add(report::run_sample x) {
   auto shared = std::make_shared<report::run_sample>(std::move(x));
   const std::lock_guard guard(lock_);
   newest_ = shared;
-  if (samples_told_++ % sample_stride_ != 0)
+  if (samples_added_++ % sample_stride_ != 0)
     return;
   const bool many_motes = shared->motes.size() > motes_with_neighbours_max;
-  const bool many_peers = shared->peers.size() > peers_told_max;
-  if (many_motes || many_peers) { // then neighbours and peers are kept for the present only
+  const bool many_peers = shared->peers.size() > peers_listed_max;
+  if (many_motes || many_peers) { // then neighbours and peers are stored for the present only
     auto lean = std::make_shared<report::run_sample>(*shared);
     for (auto& each : lean->motes)
       if (many_motes)
@@ -68,34 +68,34 @@ void timeline::add(const report::tuple_write& x) {
   const auto value = std::string_view(x.value).substr(0, value_octets_max);
   bool is_full = false;
   {
-    const std::lock_guard guard(unsettled_lock_);
-    unsettled_.all.push_back({x.at, static_cast<std::uint32_t>(x.owner.size()),
-                              static_cast<std::uint32_t>(x.key.size()),
-                              static_cast<std::uint32_t>(value.size()), x.deleted});
-    (((unsettled_.text += x.owner) += '\0') += x.key) += value;
-    is_full = unsettled_.all.size() >= unsettled_max;
+    const std::lock_guard guard(pending_lock_);
+    pending_.all.push_back({x.at, static_cast<std::uint32_t>(x.owner.size()),
+                            static_cast<std::uint32_t>(x.key.size()),
+                            static_cast<std::uint32_t>(value.size()), x.deleted});
+    (((pending_.text += x.owner) += '\0') += x.key) += value;
+    is_full = pending_.all.size() >= pending_max;
   }
   if (is_full)
-    settle();
+    flush();
 }
 
-void timeline::settle() const {
+void timeline::flush() const {
   const std::lock_guard guard(table_lock_);
   {
-    const std::lock_guard other_guard(unsettled_lock_);
-    std::swap(unsettled_, settling_);
+    const std::lock_guard other_guard(pending_lock_);
+    std::swap(pending_, flushing_);
   }
-  std::string_view text = settling_.text;
-  for (const auto& each : settling_.all) {
+  std::string_view text = flushing_.text;
+  for (const auto& each : flushing_.all) {
     const std::size_t size = each.owner_size + 1 + each.key_size + each.size;
     table_.put(each, text.substr(0, size));
     text.remove_prefix(size);
   }
-  settling_.all.clear();
-  settling_.text.clear();
+  flushing_.all.clear();
+  flushing_.text.clear();
 }
 
-void timeline::tuple_table::put(const unsettled_values::value& x, std::string_view text) {
+void timeline::tuple_table::put(const pending_values::value& x, std::string_view text) {
   name = text.substr(0, x.owner_size + 1 + x.key_size);
   const auto value = text.substr(name.size());
   const auto found = tuples.find(name);
@@ -110,14 +110,14 @@ void timeline::tuple_table::put(const unsettled_values::value& x, std::string_vi
   put(made, x, value);
 }
 
-void timeline::tuple_table::put(kept_tuple& to, const unsettled_values::value& x,
+void timeline::tuple_table::put(tuple_history& to, const pending_values::value& x,
                                 std::string_view text) {
   auto& all = to.values;
   if (all.empty() || all.back().since <= x.at) {
     if (!all.empty() && all.back().value == text && all.back().deleted == x.deleted)
       return;
     all.push_back({x.at, std::string(text), x.deleted});
-  } else { // a record tells of other owners' tuples when they come there: not always in order
+  } else { // a record has other owners' tuples as they arrived: not always in order
     const auto where = std::ranges::upper_bound(all, x.at, {}, &tuple_value::since);
     all.insert(where, {x.at, std::string(text), x.deleted});
   }
@@ -175,7 +175,7 @@ run_state timeline::state() const {
 
 std::size_t timeline::samples() const {
   const std::lock_guard guard(lock_);
-  return samples_told_;
+  return samples_added_;
 }
 
 timeline::sample timeline::newest() const {
@@ -224,7 +224,7 @@ std::optional<listed_event> timeline::event_after(instant x) const {
 }
 
 timeline::tuples_then timeline::tuples_at(instant x) const {
-  settle();
+  flush();
   tuples_then all;
   {
     const std::lock_guard guard(table_lock_);
@@ -240,7 +240,7 @@ timeline::tuples_then timeline::tuples_at(instant x) const {
 }
 
 std::vector<tuple_value> timeline::values_of(const tuple_key& x) const {
-  settle();
+  flush();
   const std::lock_guard guard(table_lock_);
   const auto found = table_.tuples.find(x.first + '\0' + x.second);
   return found == table_.tuples.end() ? std::vector<tuple_value>() : found->second.values;

@@ -1,5 +1,5 @@
-// All that the live page can be asked about a run, at any moment of it: what the run has told so
-// far, within bounds.
+// All that the live page can be asked about a run, at any moment of it: what the run has reported
+// so far, within bounds.
 #pragma once
 
 #include <cstddef>
@@ -43,12 +43,12 @@ struct run_state {
   double speed = 0;         ///< ecology seconds per real second
 };
 
-/// Written by the run, read by who serves the page, from any threads: what is read is shared, not
-/// copied, and the run waits for nobody longer than that takes. Values of tuples, of which there
-/// are many, are only put down by the run, and put in order by whoever comes next: settle().
+/// Written by the run, read by the web server, from any threads: what is read is shared, not
+/// copied, so that the run waits only briefly. Values of tuples, of which there
+/// are many, are only queued by the run; the next reader puts them in order: flush().
 ///
-/// Of long runs every second sample goes when there are samples_max, and so on; the newest stays.
-/// Likewise the values of tuples, and of events the oldest.
+/// At samples_max every second sample is dropped; the newest stays. Likewise values of tuples; of
+/// events the oldest are dropped.
 class timeline {
 public:
   using sample = std::shared_ptr<const report::run_sample>;
@@ -60,7 +60,7 @@ public:
   static constexpr std::size_t tuples_max = 20'000;
   static constexpr std::size_t values_max = 400'000; ///< of all tuples
   static constexpr std::size_t value_octets_max = 512;
-  static constexpr std::size_t unsettled_max = 65'536; ///< more are put in order by the run itself
+  static constexpr std::size_t pending_max = 65'536; ///< more are put in order by the run itself
 
   void add(report::run_sample x);
   void add(const report::tuple_write& x);
@@ -68,13 +68,13 @@ public:
   void set(run_state x);
   /// From now on these messages can be explained.
   void set(std::shared_ptr<const message_list> x);
-  /// Why none can be at this time, or why some cannot.
+  /// Why no message can be explained at this time, or why some cannot.
   void set_why_no_messages(std::string x);
-  /// Called whenever somebody asks for messages, by who asks: those that are there may be old.
+  /// Called for each request for messages, on its thread: the list may be out of date.
   void set_on_messages(std::function<void()> x);
 
-  /// Puts in order what the run has put down, on the calling thread; reading does so too.
-  void settle() const;
+  /// Puts the queued values in order, on the calling thread; reading does so too.
+  void flush() const;
 
   [[nodiscard]] run_state state() const;
   [[nodiscard]] std::size_t samples() const;
@@ -104,12 +104,12 @@ public:
   [[nodiscard]] std::string why_no_messages() const;
 
 private:
-  struct kept_tuple {
+  struct tuple_history {
     tuple_key key;
     std::vector<tuple_value> values; ///< ascending by time
   };
   /// Values as they come, one behind the other: the run allocates nothing for each.
-  struct unsettled_values {
+  struct pending_values {
     struct value {
       instant at;
       std::uint32_t owner_size = 0; ///< octets of `text`, as all sizes
@@ -121,22 +121,22 @@ private:
     std::string text; ///< of each its owner, a NUL, its key and the value
   };
   struct tuple_table {
-    std::unordered_map<std::string, kept_tuple> tuples; ///< by owner, a NUL, and key
-    std::size_t values = 0;                             ///< of all
-    std::uint64_t left_out = 0;                         ///< writes of tuples beyond tuples_max
-    std::string name;                                   ///< that is looked for
+    std::unordered_map<std::string, tuple_history> tuples; ///< by owner, a NUL, and key
+    std::size_t values = 0;                                ///< of all
+    std::uint64_t left_out = 0;                            ///< writes of tuples beyond tuples_max
+    std::string name;                                      ///< buffer for look-ups
 
-    void put(const unsettled_values::value& x, std::string_view text);
-    void put(kept_tuple& to, const unsettled_values::value& x, std::string_view text);
+    void put(const pending_values::value& x, std::string_view text);
+    void put(tuple_history& to, const pending_values::value& x, std::string_view text);
     void thin();
   };
 
   void thin_samples();
 
-  mutable std::mutex unsettled_lock_; ///< of the next one
-  mutable unsettled_values unsettled_;
-  mutable std::mutex table_lock_; ///< of the next two; taken before unsettled_lock_, if both are
-  mutable unsettled_values settling_;
+  mutable std::mutex pending_lock_; ///< of the next one
+  mutable pending_values pending_;
+  mutable std::mutex table_lock_; ///< of the next two; taken before pending_lock_, if both are
+  mutable pending_values flushing_;
   mutable tuple_table table_;
 
   mutable std::mutex lock_; ///< of all the others
@@ -144,8 +144,8 @@ private:
   std::vector<sample> samples_; ///< ascending by time
   sample newest_;
   std::uint64_t sample_stride_ = 1;
-  std::uint64_t samples_told_ = 0;
-  std::vector<listed_event> events_; ///< as they were told
+  std::uint64_t samples_added_ = 0;
+  std::vector<listed_event> events_; ///< as they were reported
   std::uint64_t events_forgotten_ = 0;
   std::shared_ptr<const message_list> messages_;
   std::string why_no_messages_;

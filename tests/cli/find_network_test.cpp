@@ -191,10 +191,10 @@ TEST_CASE("of several networks nobody guesses one", "[cli][SVC-08]") {
   REQUIRE(std::holds_alternative<std::string>(found));
   CHECK(std::get<std::string>(found) ==
         "there are several networks: attic, barn; choose one with --network NAME");
-  network_options wish;
-  wish.network = "attic";
-  wish.network_given = true;
-  found = join_network(loop, wish, no_area());
+  network_options options;
+  options.network = "attic";
+  options.network_given = true;
+  found = join_network(loop, options, no_area());
   CHECK(std::holds_alternative<joined_network>(found));
 }
 

@@ -57,7 +57,7 @@ TEST_CASE("each question and answer comes as what it was", "[control]") {
                                   deploy::ask_news{"id", 3, 4},
                                   deploy::offer_seeds{"x", {}, 1s},
                                   deploy::run_seeds{"x", {1, 2}, 3, true},
-                                  deploy::tell_revoked{"-----"}};
+                                  deploy::send_revoked{"-----"}};
   static_assert(std::size(all) == std::variant_size_v<deploy::question>);
   for (std::uint8_t kind = 0; kind < std::size(all); ++kind) {
     INFO(int(kind));
@@ -68,14 +68,14 @@ TEST_CASE("each question and answer comes as what it was", "[control]") {
     CHECK(found->index() == kind);
     CHECK(octets_of(*found) == octets);
   }
-  deploy::news told;
-  told.lines = {"one"};
-  told.lives.push_back({7, 1s, 0s, false, some_part()});
-  told.facts.state = deploy::part_state::running;
-  const auto octets = octets_of(deploy::answer(told));
+  deploy::news report;
+  report.lines = {"one"};
+  report.lives.push_back({7, 1s, 0s, false, some_part()});
+  report.facts.state = deploy::part_state::running;
+  const auto octets = octets_of(deploy::answer(report));
   const auto found = control::answer_of(control::answer_kind(6), octets);
   REQUIRE(found);
-  CHECK(std::get<deploy::news>(*found).lives.at(0).told.report.ecology == "house");
+  CHECK(std::get<deploy::news>(*found).lives.at(0).newest.report.ecology == "house");
   CHECK(std::get<deploy::news>(*found).facts.state == deploy::part_state::running);
 }
 

@@ -136,7 +136,7 @@ deploy::answer echo(deploy::question x) {
     out.line = asked->line + 1;
     out.lines.emplace_back(asked->change, 'y');
     out.lives.resize(1);
-    out.lives[0].told.report.ecology = "house";
+    out.lives[0].newest.report.ecology = "house";
     return out;
   }
   return deploy::greeting{"1.2.3"};
@@ -160,11 +160,11 @@ TEST_CASE("a question is answered by another system", "[control]") {
   const auto offered = ask(loop, client, big);
   CHECK(std::get<deploy::verdict>(std::get<deploy::answer>(offered)).problems.at(0) ==
         description(big.what.toml));
-  const auto told = ask(loop, client, deploy::ask_news{"id", 41, 8'000'000});
-  const auto& news = std::get<deploy::news>(std::get<deploy::answer>(told));
+  const auto received = ask(loop, client, deploy::ask_news{"id", 41, 8'000'000});
+  const auto& news = std::get<deploy::news>(std::get<deploy::answer>(received));
   CHECK(news.line == 42);
   CHECK(news.lines.at(0) == std::string(8'000'000, 'y'));
-  CHECK(news.lives.at(0).told.report.ecology == "house");
+  CHECK(news.lives.at(0).newest.report.ecology == "house");
   CHECK(std::holds_alternative<std::string>(
       control::server::open(theirs, loop, "127.0.0.1", server.port(), echo)));
 }

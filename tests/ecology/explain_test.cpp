@@ -179,7 +179,7 @@ TEST_CASE("equal messages of one moment each arrive once", "[ecology][explain]")
 TEST_CASE("a proxy's value comes from its mote, and goes to who listens", "[ecology][explain]") {
   const auto all = record_of(example("home.toml"), 20s).all;
   const auto& value = all.tuples[value_of(all, "kitchen.climate-7.temperature", 0)];
-  CHECK(way_to(all, step_of(all, value.nodes, step::hears, "care-pc/rules-1")) ==
+  CHECK(way_to(all, step_of(all, value.nodes, step::notified, "care-pc/rules-1")) ==
         words{"kitchen/climate-7", "kitchen/climate-7 → sink", "kitchen/sink → gateway",
               "kitchen/gateway", "kitchen-gateway → kitchen-pc", "proxy kitchen.climate-7",
               "proxy kitchen.climate-7", "kitchen-pc → care-pc", "care-pc/rules-1"});

@@ -26,7 +26,7 @@
 namespace rubicon::test {
 
 inline const bytes reading{0x00, 0xd7};
-inline constexpr explain::paper wide{200, false};
+inline constexpr explain::text_style wide{200, false};
 
 inline const std::string near_mote = "mote/kitchen/near";
 inline const std::string far_mote = "mote/kitchen/far";

@@ -198,12 +198,12 @@ TEST_CASE("a host takes newer lists only, and keeps them over its own end", "[io
     CHECK_FALSE(host.revoked());
     CHECK(meet(host, thief).server.empty());
     CHECK(host.take(first).is_taken);
-    const auto told = host.take(second);
-    CHECK(told.is_taken);
-    CHECK(told.told == "accepts list 2 of revoked certificates, with 2");
+    const auto taken = host.take(second);
+    CHECK(taken.is_taken);
+    CHECK(taken.report == "accepts list 2 of revoked certificates, with 2");
     CHECK(has(meet(host, thief).server, "revoked"));
-    CHECK(host.take(second).told.empty());
-    CHECK(has(host.take(first).told, "has number 1, and list 2"));
+    CHECK(host.take(second).report.empty());
+    CHECK(has(host.take(first).report, "has number 1, and list 2"));
     CHECK(host.revoked()->number() == 2);
     CHECK(host.changes() == 0);
   }
@@ -214,8 +214,8 @@ TEST_CASE("a host takes newer lists only, and keeps them over its own end", "[io
   put(at.path() + "/ca.crl", first); // somebody has put an old one there
   const io::tls_keeper older(kitchen, "kitchen", at.state());
   CHECK(older.revoked()->number() == 2);
-  REQUIRE(older.doubts().size() == 1);
-  CHECK(has(older.doubts()[0], "older than list 2"));
+  REQUIRE(older.warnings().size() == 1);
+  CHECK(has(older.warnings()[0], "older than list 2"));
   CHECK(has(again.look(), "has number 1"));
 
   at.revoke("shed"); // from a folder that has lost list 2: another one with its number
@@ -244,10 +244,10 @@ TEST_CASE("a list that is forged, over, or none is refused, and the one in force
   others.revoke("x");
   others.revoke("y");
   others.revoke("z");
-  CHECK(has(host.take(others.list()).told, "is not signed by"));
-  CHECK(has(host.take("garbage").told, "not a list of revoked certificates in PEM"));
-  CHECK(has(host.take(std::string(200'000, 'x')).told, "too long"));
-  CHECK(has(host.take("").told, "not a list"));
+  CHECK(has(host.take(others.list()).report, "is not signed by"));
+  CHECK(has(host.take("garbage").report, "not a list of revoked certificates in PEM"));
+  CHECK(has(host.take(std::string(200'000, 'x')).report, "too long"));
+  CHECK(has(host.take("").report, "not a list"));
   for (std::size_t i = 40; i + 40 < real.size(); i += 7) { // each change of it is none of ours
     auto changed = real;
     changed[i] = changed[i] == 'A' ? 'B' : 'A';
@@ -311,8 +311,8 @@ TEST_CASE("a list that takes back the own certificate is taken, and a new author
 TEST_CASE("a certificate for both uses is accepted, and told", "[io][tls]") {
   const deployment at;
   const io::tls_keeper old(at.add("kitchen", certificate_use::any), "kitchen");
-  REQUIRE(old.doubts().size() == 1);
-  CHECK(has(old.doubts()[0], "valid both for a host and for a coordinator"));
+  REQUIRE(old.warnings().size() == 1);
+  CHECK(has(old.warnings()[0], "valid both for a host and for a coordinator"));
   CHECK(meet(old, io::tls_keeper(at.add("me", certificate_use::coordinator))).server.empty());
-  CHECK(io::tls_keeper(at.add("attic"), "attic").doubts().empty());
+  CHECK(io::tls_keeper(at.add("attic"), "attic").warnings().empty());
 }

@@ -241,9 +241,9 @@ TEST_CASE("a watcher sees what its kind of actors is delivered, and changes no t
 TEST_CASE("a delivery tells what its sender was handling, and whether anybody hears it",
           "[scheduler]") {
   world world;
-  std::vector<std::vector<std::uint64_t>> seen; // number, cause, heard
+  std::vector<std::vector<std::uint64_t>> seen; // number, cause, received
   world.trace().observe([&](const delivery& x) {
-    seen.push_back({x.number, x.cause, x.heard ? 1U : 0U});
+    seen.push_back({x.number, x.cause, x.received ? 1U : 0U});
   });
   world.trace().observe_remarks([](const remark&) {});
   const auto to = world.spawn("to", sink);
@@ -379,8 +379,8 @@ TEST_CASE("a message to an actor that has ended is counted and not handled",
           "[scheduler][ACT-05]") {
   world world;
   events log;
-  std::vector<bool> heard;
-  world.trace().observe([&](const delivery& x) { heard.push_back(x.heard); });
+  std::vector<bool> received;
+  world.trace().observe([&](const delivery& x) { received.push_back(x.received); });
   const auto to = world.spawn("to", recorder, &log, 0);
   post(to, mark{1});
   post_exit(to, caf::exit_reason::user_shutdown);
@@ -390,7 +390,7 @@ TEST_CASE("a message to an actor that has ended is counted and not handled",
   post(to, mark{3});
   world.run_for(1s);
   CHECK(log == events{{0s, 1}});
-  CHECK(heard == std::vector{true, true, true, false});
+  CHECK(received == std::vector{true, true, true, false});
   CHECK(world.trace().events() == 4);
   CHECK(world.trace().hash() != hash);
 }

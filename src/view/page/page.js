@@ -186,7 +186,7 @@ const box = (x, y, w, h) => () => ctx.rect(x, y, w, h);
 
 const lines = (...points) => () => points.forEach(([x, y]) => ctx.lineTo(x, y));
 
-/** The sign of a state. Each has a shape of its own, so that colours are not needed to tell them apart. */
+/** The sign of a state. Each has a shape of its own, so that they differ without colours. */
 function drawSign(code, x, y, r) {
   const hue = STATES[code][2];
   const thick = max(1, r * 0.3);
@@ -532,7 +532,7 @@ function setSpeed(speed) {
 
 const changeSpeed = by => setSpeed(SPEEDS[clamp(SPEEDS.indexOf(shown.speed) + by, 0, SPEEDS.length - 1)]);
 
-/** Frames that are on their way while the page plays slowly: [start, length, from, to, heard]. */
+/** Frames in transit while the page plays slowly: [start, length, from, to, received]. */
 const frames = {
   list: [], to: 0, asking: false, round: 0, again_ms: 0,
 
@@ -894,7 +894,7 @@ function lineToParent(i) {
   ctx.lineTo(to.x, to.y);
 }
 
-/** Which of LINKS. Of messages without acknowledgement nobody knows whether they arrived: then ETX tells more. */
+/** Which of LINKS. The delivery of messages without acknowledgement is unknown: then ETX says more. */
 function linkClass(i, by) {
   const { delivery, etx, signal } = shown.motes;
   if (by === "delivery" && isNumber(delivery[i])) return classIn([0.99, 0.95, 0.8], delivery[i]);
@@ -1067,19 +1067,19 @@ function drawMarks() {
   }
 }
 
-/** Frames on their way: a dot from sender to receiver; a growing ring is for all who hear it. */
+/** Frames in transit: a dot from sender to receiver; a growing ring is a broadcast. */
 function drawFrames() {
-  for (const [start, length, from, to, heard] of frames.list) {
+  for (const [start, length, from, to, received] of frames.list) {
     const part = (shown.at_s - start) / max(length, frames.least_s());
     if (part < 0 || part > 1) continue;
     const a = placeOf(from);
     const b = to ? placeOf(to) : null;
     if (!a || a.island.folded) continue;
-    const hue = heard ? "c2" : "bad";
+    const hue = received ? "c2" : "bad";
     ctx.globalAlpha = b ? 1 : 1 - part;
     if (b) fill(hue, disc(a.x + part * (b.x - a.x), a.y + part * (b.y - a.y), 4));
     else stroke(hue, 2, disc(a.x, a.y, 4 + 36 * part));
-    if (b && !heard && part > 0.8) drawSign(OFF, b.x, b.y, 6);
+    if (b && !received && part > 0.8) drawSign(OFF, b.x, b.y, 6);
   }
   ctx.globalAlpha = 1;
 }
@@ -1196,9 +1196,9 @@ function tipLines({ kind, index: i }) {
   const { motes } = shown;
   if (!motes) return [fullName(i)];
   const parent = model.parent[i];
-  const way = parent === NO_PARENT ? [] : [`by ${parent === SINK ? "the sink" : model.names[parent]}, hops ${motes.hops[i] ?? "–"}`,
+  const route = parent === NO_PARENT ? [] : [`by ${parent === SINK ? "the sink" : model.names[parent]}, hops ${motes.hops[i] ?? "–"}`,
     `ETX ${etxText(motes.etx[i])}, ${isNumber(motes.signal[i]) ? motes.signal[i] + " dBm" : "no signal"}`];
-  return [fullName(i), stateLabel(i), ...way, `arrived ${shareText(motes.delivery[i])}`];
+  return [fullName(i), stateLabel(i), ...route, `arrived ${shareText(motes.delivery[i])}`];
 }
 
 function showTip({ clientX, clientY }, texts) {
@@ -1238,7 +1238,7 @@ function listenToMap() {
   }, { passive: false });
 }
 
-/** What moves outside is heard too, as long as the pointer is down. */
+/** Moves outside are reported too, as long as the pointer is down. */
 function capture(canvas, event) {
   try { canvas.setPointerCapture(event.pointerId); } catch { /* the pointer is gone already */ }
 }
@@ -1775,7 +1775,7 @@ function startProxies() {
   on($("proxy-filter"), "input", showProxies);
 }
 
-/** Proxies are told by their tuples: PREFIX.class and PREFIX.status, readings with units, inputs with words. */
+/** Proxies are recognised by their tuples: PREFIX.class and PREFIX.status, readings with units, inputs with words. */
 function proxiesOf(list) {
   const found = new Map();
   for (const [owner, key] of list)
@@ -2069,7 +2069,7 @@ function startControl() {
   $("fault-kind").replaceChildren(...options(Object.keys(FAULTS)));
   on($("fault-kind"), "change", () => proposeFault($("fault-kind").value));
   on($("fault-who"), "change", composeFault);
-  const doFault = () => tell({ ask: "fault", sentence: $("fault-sentence").value.trim() }, $("fault-sentence").value);
+  const doFault = () => post({ ask: "fault", sentence: $("fault-sentence").value.trim() }, $("fault-sentence").value);
   on($("fault-do"), "click", doFault);
   on($("fault-sentence"), "keydown", event => { if (event.key === "Enter") doFault(); });
 }
@@ -2093,17 +2093,17 @@ function proposeFault(kind, who = shown.chosen && nameOf(shown.chosen)) {
   composeFault();
 }
 
-/** The sentence may be changed by hand before it is said. */
+/** The sentence may be changed by hand before it is sent. */
 function composeFault() {
   const who = $("fault-who").value;
   const sink = who.replace(/\/.*/, "/sink");
   $("fault-sentence").value = FAULTS[$("fault-kind").value][1].replace("WHO", () => who).replace("SINK", () => sink);
 }
 
-const setTuple = (owner, key, value) => tell({ ask: "set", owner, key, value }, `${owner}: ${key} = ${value}`);
+const setTuple = (owner, key, value) => post({ ask: "set", owner, key, value }, `${owner}: ${key} = ${value}`);
 
-/** Says something that changes the run, and lists the answer. */
-async function tell(question, title) {
+/** Sends a request that changes the run, and lists the answer. */
+async function post(question, title) {
   const answer = await ask(question);
   const good = answer?.kind === "done" && answer.ok;
   const text = answer ? answer.text || (good ? "done" : "refused") : "the connection is lost";

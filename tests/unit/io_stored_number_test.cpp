@@ -1,4 +1,4 @@
-#include "io/kept_number.hpp"
+#include "io/stored_number.hpp"
 
 #include <cstdlib>
 #include <filesystem>
@@ -15,19 +15,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
-io::kept_number kept_in(const std::string& path) {
-  return std::get<io::kept_number>(io::kept_number::open(path));
+io::stored_number stored_in(const std::string& path) {
+  return std::get<io::stored_number>(io::stored_number::open(path));
 }
 
 } // namespace
 
 TEST_CASE("a number is kept for who opens the file again", "[io]") {
   const test::scratch_folder in;
-  auto first = kept_in(in.file("n"));
+  auto first = stored_in(in.file("n"));
   CHECK(first.value() == 0);
-  CHECK(first.keep(7).empty());
-  CHECK(first.keep(4'294'967'295).empty());
-  CHECK(kept_in(in.file("n")).value() == 4'294'967'295);
+  CHECK(first.store(7).empty());
+  CHECK(first.store(4'294'967'295).empty());
+  CHECK(stored_in(in.file("n")).value() == 4'294'967'295);
   CHECK_FALSE(fs::exists(in.file("n.new")));
 }
 
@@ -35,7 +35,7 @@ TEST_CASE("a file that holds something else is told, and stays", "[io]") {
   const test::scratch_folder in;
   for (const std::string text : {"", "x", "-1", "4294967296", "7 8", "7\n\n8"}) {
     std::ofstream(in.file("n")) << text;
-    const auto found = io::kept_number::open(in.file("n"));
+    const auto found = io::stored_number::open(in.file("n"));
     REQUIRE(std::holds_alternative<std::string>(found));
     CHECK(std::get<std::string>(found).starts_with(in.file("n") + " contains no number"));
     CHECK(fs::file_size(in.file("n")) == text.size());
@@ -44,7 +44,7 @@ TEST_CASE("a file that holds something else is told, and stays", "[io]") {
 
 TEST_CASE("a number that cannot be kept is told", "[io]") {
   const test::scratch_folder in;
-  auto x = kept_in(in.file("no/such/folder"));
-  CHECK(x.keep(1).find("cannot be written: No such file") != std::string::npos);
+  auto x = stored_in(in.file("no/such/folder"));
+  CHECK(x.store(1).find("cannot be written: No such file") != std::string::npos);
   CHECK(x.value() == 0);
 }

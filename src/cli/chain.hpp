@@ -1,4 +1,4 @@
-// One more listener for what has room for one.
+// Callbacks one after the other.
 #pragma once
 
 #include <functional>
@@ -6,9 +6,9 @@
 
 namespace rubicon::cli {
 
-/// From now on `next` is called after what there was.
+/// From now on `next` is called after the former callback.
 template <class... Arguments, class F>
-void also(std::function<void(Arguments...)>& all, F next) {
+void chain(std::function<void(Arguments...)>& all, F next) {
   if (!all) {
     all = std::move(next);
     return;

@@ -1,4 +1,4 @@
-#include "cli/guest.hpp"
+#include "cli/temporary_peer.hpp"
 
 #include <random>
 #include <utility>
@@ -7,20 +7,20 @@ namespace rubicon::cli {
 
 namespace {
 
-constexpr std::int32_t guest_id_min = 60'000;
+constexpr std::int32_t temporary_id_min = 60'000;
 constexpr duration quiet = 500ms; ///< some round trips over several hops
 
 peer_id id_by_chance() {
   std::random_device device;
-  std::uniform_int_distribution<std::int32_t> ids(guest_id_min, peer_id_max);
+  std::uniform_int_distribution<std::int32_t> ids(temporary_id_min, peer_id_max);
   return peer_id{ids(device)};
 }
 
 } // namespace
 
-std::variant<std::unique_ptr<guest>, std::string> guest::join(io::loop& where,
-                                                              const network_options& options) {
-  std::unique_ptr<guest> x(new guest);
+std::variant<std::unique_ptr<temporary_peer>, std::string>
+temporary_peer::join(io::loop& where, const network_options& options) {
+  std::unique_ptr<temporary_peer> x(new temporary_peer);
   x->options_ = options;
   peer::standalone_config config;
   auto& network = config.kernel.network;
@@ -55,26 +55,26 @@ std::variant<std::unique_ptr<guest>, std::string> guest::join(io::loop& where,
                       : " does not answer");
 }
 
-guest::~guest() {
+temporary_peer::~temporary_peer() {
   if (peer_ && peer_->hosts().size() > 1)
     peer_->leave();
 }
 
-bool guest::await_host(peer_id host) {
+bool temporary_peer::await_host(peer_id host) {
   return peer_->run_until([&] { return peer_->reachable(host); }, options_.timeout);
 }
 
-bool guest::await_quiet(const std::function<bool()>& found,
-                        const std::function<std::size_t()>& news) {
+bool temporary_peer::await_quiet(const std::function<bool()>& found,
+                                 const std::function<std::size_t()>& news) {
   const auto end = peer_->now() + options_.timeout;
   auto seen = news();
   auto since = peer_->now();
-  const auto settled = [&] {
+  const auto is_quiet = [&] {
     if (std::exchange(seen, news()) != seen)
       since = peer_->now();
     return found() && peer_->now() - since >= quiet;
   };
-  while (!settled() && peer_->now() < end)
+  while (!is_quiet() && peer_->now() < end)
     peer_->step(20ms);
   return found();
 }

@@ -10,8 +10,8 @@ using namespace rubicon::cli;
 
 TEST_CASE("a tuple that cannot be set by hand is refused with the reason", "[cli][page]") {
   const bool kernels = GENERATE(false, true);
-  hand_made hands(deploy::bundle{}, {}, {"robot"}, kernels);
-  const auto controls = hands.controls();
+  manual_control manual(deploy::bundle{}, {}, {"robot"}, kernels);
+  const auto controls = manual.controls();
   const auto refusal = [&](const std::string& owner, const std::string& key) {
     const auto done = controls->set_tuple(owner, key, "x");
     return done.ok ? std::string() : done.text;
@@ -26,12 +26,12 @@ TEST_CASE("a tuple that cannot be set by hand is refused with the reason", "[cli
   CHECK(refusal("robot", "kernel.name").empty() == kernels);
   CHECK(refusal("robot", "Kernel.do-quit").empty() == kernels);
   int set = 0;
-  const auto told = hands.perform({{},
-                                   [&](const auto&, const auto&, const auto&) {
-                                     ++set;
-                                     return true;
-                                   }},
-                                  instant{});
+  const auto results = manual.perform({{},
+                                       [&](const auto&, const auto&, const auto&) {
+                                         ++set;
+                                         return true;
+                                       }},
+                                      instant{});
   CHECK(set == (kernels ? 3 : 1));
 }
 

@@ -12,17 +12,17 @@
 
 namespace rubicon::cli {
 
-/// Nobody can connect to it and it is no way between others. It leaves when it is destroyed.
-class guest {
+/// It accepts no links and forwards nothing. It leaves when it is destroyed.
+class temporary_peer {
 public:
   /// Connects and waits until the other peer has introduced itself.
   /// @returns why that failed
-  [[nodiscard]] static std::variant<std::unique_ptr<guest>, std::string>
+  [[nodiscard]] static std::variant<std::unique_ptr<temporary_peer>, std::string>
   join(io::loop& where, const network_options& options);
 
-  ~guest();
-  guest(const guest&) = delete;
-  guest& operator=(const guest&) = delete;
+  ~temporary_peer();
+  temporary_peer(const temporary_peer&) = delete;
+  temporary_peer& operator=(const temporary_peer&) = delete;
 
   [[nodiscard]] peer::standalone& peer() { return *peer_; }
 
@@ -35,7 +35,7 @@ public:
                                  const std::function<std::size_t()>& news);
 
 private:
-  guest() = default;
+  temporary_peer() = default;
 
   network_options options_;
   std::string last_failure_;

@@ -16,7 +16,7 @@ struct page_place {
 };
 
 /// What the command line asks for; empty names: nothing.
-struct watch_wishes {
+struct watch_options {
   std::string page_file;             ///< HTML goes here
   std::string csv_folder;            ///< tables go here
   std::optional<duration> csv_every; ///< between two samples; unset: a hundredth of the run

@@ -7,20 +7,20 @@
 
 namespace rubicon::io {
 
-/// A file with a number, in decimal. What is kept is there, or what was there before: a write that
+/// A file with a number, in decimal. The file holds the new number or the old one: a write that
 /// is cut off leaves no half of it.
-class kept_number {
+class stored_number {
 public:
   /// @returns the number; 0 if there is no such file; or why it is not known
-  [[nodiscard]] static std::variant<kept_number, std::string> open(const std::string& path);
+  [[nodiscard]] static std::variant<stored_number, std::string> open(const std::string& path);
 
   [[nodiscard]] std::uint32_t value() const { return value_; }
 
-  /// @returns empty, or why it is not kept
-  [[nodiscard]] std::string keep(std::uint32_t x);
+  /// @returns empty, or why it is not stored
+  [[nodiscard]] std::string store(std::uint32_t x);
 
 private:
-  explicit kept_number(std::string path) : path_(std::move(path)) {}
+  explicit stored_number(std::string path) : path_(std::move(path)) {}
 
   std::string path_;
   std::uint32_t value_ = 0;

@@ -1,4 +1,4 @@
-#include "io/kept_number.hpp"
+#include "io/stored_number.hpp"
 
 #include <charconv>
 #include <cstdlib>
@@ -11,8 +11,8 @@
 
 namespace rubicon::io {
 
-std::variant<kept_number, std::string> kept_number::open(const std::string& path) {
-  kept_number x(path);
+std::variant<stored_number, std::string> stored_number::open(const std::string& path) {
+  stored_number x(path);
   std::error_code error;
   if (!std::filesystem::exists(path, error) && !error)
     return x;
@@ -27,7 +27,7 @@ std::variant<kept_number, std::string> kept_number::open(const std::string& path
   return x;
 }
 
-std::string kept_number::keep(std::uint32_t x) {
+std::string stored_number::store(std::uint32_t x) {
   auto why = replace_file(path_, std::to_string(x) + '\n', durability::of_power);
   if (why.empty())
     value_ = x;
