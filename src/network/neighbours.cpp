@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 
 namespace rubicon::network {
 
@@ -25,6 +26,14 @@ constexpr quality start_quality = quality_max / 2;
 /// Whoever is new beacons often, and whoever is said to be there but is not makes room soon.
 constexpr duration young_gap_max = 24s;
 constexpr quality crowd_discount = quality_of(0.75);
+
+/// Numbers start at 1 after a restart: it is a jump back, or to one of the first numbers. Others were
+/// only missed.
+bool is_restart(std::uint16_t sequence, std::uint16_t gap) {
+  constexpr auto gap_max = neighbours_config::sequence_gap_max;
+  const bool is_back = gap > std::numeric_limits<std::uint16_t>::max() / 2;
+  return gap > gap_max && (is_back || sequence <= gap_max);
+}
 
 } // namespace
 
@@ -114,7 +123,7 @@ admission neighbours::on_beacon(const link_report& x, instant now) {
     ++counters_.repeated;
     return admission::repeated;
   }
-  if (gap > config_.sequence_gap_max) {
+  if (is_restart(x.sequence, gap)) {
     ++counters_.restarted;
     const neighbour old = *known;
     *known = neighbour{};
@@ -125,7 +134,8 @@ admission neighbours::on_beacon(const link_report& x, instant now) {
     refresh_deadline();
     return admission::restarted;
   }
-  for (int lost = gap - 1 - known->missed; lost > 0; --lost)
+  const int missed = std::min(gap, config_.sequence_gap_max) - 1;
+  for (int lost = missed - known->missed; lost > 0; --lost)
     sample(*known, false); // the overdue ones are in already
   const auto was_due = known->due;
   take_report(*known, x, now);

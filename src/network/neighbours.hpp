@@ -42,7 +42,8 @@ struct neighbours_config {
   static constexpr std::uint8_t unmentioned_max = 6;
   duration beacon_gap_max = 12min; ///< longest between two beacons: 1.5 intervals of 8 min
   duration beacon_slack = 250ms;   ///< by which a beacon may come late
-  static constexpr std::uint16_t sequence_gap_max = 32; ///< a longer one is a restart
+  /// A longer gap of sequence numbers, back or to one of the first so many, is a restart.
+  static constexpr std::uint16_t sequence_gap_max = 32;
   /// Least between evictions for links that do not matter.
   static constexpr duration replacement_gap = 10s;
 };

@@ -469,8 +469,11 @@ void router::take(channels_outputs todo, router_outputs& out) {
 // Beacons.
 
 void router::send_beacon(router_outputs& out, instant now, bool again, bool asks) {
-  beacon_due_ = false;
-  relay_due_.reset();
+  const bool is_extra = again && config_.duty.enabled(); // others sleep: one in their window is due
+  if (!is_extra) {
+    beacon_due_ = false;
+    relay_due_.reset();
+  }
   answer_due_.reset();
   if (answers_left_ > 0 && --answers_left_ > 0)
     answer_due_ = now + config_.answer_gap;
@@ -480,11 +483,13 @@ void router::send_beacon(router_outputs& out, instant now, bool again, bool asks
   }
   if (beacon_in_flight_)
     return;
-  if (clock_.synchronised() && ++relays_ < config_.relays_max && copies_ < config_.relay_copies) {
+  if (!is_extra && clock_.synchronised() && ++relays_ < config_.relays_max &&
+      copies_ < config_.relay_copies) {
     const auto pause = config_.duty.enabled() ? 2 * spread_in_window() : config_.relay_pause;
     relay_due_ = now + rng_.between(pause / 2, pause);
   }
-  timer_.done(now);
+  if (!is_extra)
+    timer_.done(now);
   beacon x;
   x.sequence = again ? beacon_sequence_ : ++beacon_sequence_;
   x.next_quarters = quarters(timer_.certain() - now + turn_wait(now));
@@ -831,8 +836,9 @@ router_outputs router::on_time(instant now) {
   if (!tree_.has_route() && now < seek_end_)
     timer_.shorten(now, is_in_crowd() ? crowd_beacon : change_beacon());
   const bool is_turn = turn_ <= now && (beacon_due_ || (relay_due_ && *relay_due_ <= now));
+  // Who sleeps cannot count answers, which leave at any time.
   if (is_turn || (answer_due_ && *answer_due_ <= now))
-    send_beacon(out, now);
+    send_beacon(out, now, !is_turn && config_.duty.enabled() && beacon_sequence_ > 0);
   search_time(out, now);
   request_period(out, now);
   take(packets_.on_time(now), out, now);

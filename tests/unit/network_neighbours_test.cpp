@@ -260,10 +260,20 @@ TEST_CASE("a neighbour that restarts is known anew, a repeated beacon teaches no
   CHECK(at.find(a.mote)->samples == 1);
   CHECK(at.find(a.mote)->data_weight == 0);
   CHECK(!at.good(a.mote));
-  a.sequence = static_cast<std::uint16_t>(a.sequence + 31);
-  CHECK(a.beacon(at) == admission::known);
-  a.sequence = static_cast<std::uint16_t>(a.sequence + 32);
+}
+
+TEST_CASE("beacons that were not received are no restart, however many", "[network][NET-09]") {
+  neighbours at;
+  sender a{mote_id{7}};
+  a.beacons(at, 6);
+  for (const int missed : {31, 32, 500, 30'000}) {
+    a.sequence = static_cast<std::uint16_t>(a.sequence + missed);
+    CHECK(a.beacon(at) == admission::known);
+  }
+  CHECK(at.find(a.mote)->sequence > 30'000);
+  a.sequence = 0; // less than half of all numbers ahead, but one of the first
   CHECK(a.beacon(at) == admission::restarted);
+  CHECK(at.counters().restarted == 1);
 }
 
 TEST_CASE("a full table gives up the overdue, the deaf and the weak, in this order",

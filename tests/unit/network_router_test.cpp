@@ -457,6 +457,30 @@ TEST_CASE("one who asks for the time is answered twice where it listens for a mo
   CHECK(x.now - x.beacons[1].first >= 150ms);             // it listens for so long
 }
 
+TEST_CASE("answers outside of the windows are not counted, and take no beacon's place",
+          "[network][NRG-01]") {
+  const auto numbers_after = [](bool is_asked) {
+    alone x(the_sink);
+    x.run_for(4min + 2s);
+    const auto before = x.beacons.back().second.sequence;
+    for (int i = 0; i < 240; ++i) {
+      x.run_for(500ms);
+      beacon neighbour;
+      neighbour.sequence = 1;
+      neighbour.clock = *x.life.clock().stamp(x.now);
+      if (is_asked)
+        neighbour.clock.doubt = doubt_asks;
+      x.receive(id(2), neighbour);
+    }
+    if (is_asked)
+      CHECK(x.beacons.size() > 300);
+    return x.beacons.back().second.sequence - before;
+  };
+  const auto calm = numbers_after(false);
+  CHECK(calm > 0);
+  CHECK(numbers_after(true) == calm);
+}
+
 TEST_CASE("who rests from a search listens after each beacon, and asks in it",
           "[network][CLK-04]") {
   alone x(id(2));
