@@ -51,7 +51,7 @@ public:
   [[nodiscard]] virtual std::vector<stream_end> stream_ends(instant /*now*/) const { return {}; }
 
   /// What people following the run would want to hear, since the last call.
-  [[nodiscard]] std::vector<std::string> take_stories() { return std::exchange(stories_, {}); }
+  [[nodiscard]] std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
 
   /// Lines for the log, of what should not be, since the last call.
   [[nodiscard]] std::vector<std::string> take_warnings() { return std::exchange(warnings_, {}); }
@@ -64,7 +64,7 @@ public:
 protected:
   virtual void on_start(instant now) = 0;
   [[nodiscard]] communication::interface& layer() { return *layer_; }
-  void tell(std::string what) { stories_.push_back(std::move(what)); }
+  void tell(std::string what) { notices_.push_back(std::move(what)); }
   void warn(std::string what) { warnings_.push_back(std::move(what)); } ///< `event=lost number=3`
 
   /// As layer().provide(); warns if the type is another's.
@@ -75,7 +75,7 @@ protected:
 
 private:
   std::optional<communication::interface> layer_;
-  std::vector<std::string> stories_;
+  std::vector<std::string> notices_;
   std::vector<std::string> warnings_;
 };
 

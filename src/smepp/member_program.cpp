@@ -41,7 +41,7 @@ void member_program::start(environment at) {
   if (const auto* const id = std::get_if<group_id>(&made))
     return enter(*id, "has created", at);
   ++counters_.joins_failed;
-  at.host.report("cannot create group " + config_.group + ": " +
+  at.host.notify("cannot create group " + config_.group + ": " +
                  std::string(to_string(std::get<failure>(made))));
 }
 
@@ -94,7 +94,7 @@ void member_program::on(const joinGroup_result& x, environment& at) {
   if (!x.error)
     return enter(x.group, "has joined", at);
   if (counters_.joins_failed == 0)
-    at.host.report("is not let into group " + config_.group + ": " +
+    at.host.notify("is not let into group " + config_.group + ": " +
                    std::string(to_string(*x.error)));
   try_next(at);
 }
@@ -103,7 +103,7 @@ void member_program::enter(group_id group, const char* how, environment& at) {
   group_ = group;
   pause_ = pause_min;
   ++counters_.joins;
-  at.host.report(how + (" group " + config_.group));
+  at.host.notify(how + (" group " + config_.group));
   for (std::size_t i = 0; i < planned_.size(); ++i)
     planned_[i] = {std::max(at.now, begin_ + config_.subscribes[i].from), false};
   const auto* const g = at.own.groups().find(group);
@@ -113,7 +113,7 @@ void member_program::enter(group_id group, const char* how, environment& at) {
 }
 
 void member_program::leave_behind(environment& at) {
-  at.host.report("has left group " + config_.group);
+  at.host.notify("has left group " + config_.group);
   group_.reset();
   tasks_.clear();
   std::ranges::fill(planned_, planned_subscription{});
@@ -142,7 +142,7 @@ void member_program::subscribe(std::size_t number, environment& at) {
   if (const auto error =
           at.own.smepp_subscribe(x.event, *group_, x.expires, x.rate, at.now, at.out)) {
     if (counters_.refused++ == 0)
-      at.host.report("cannot subscribe to " + x.event + ": " + std::string(to_string(*error)));
+      at.host.notify("cannot subscribe to " + x.event + ": " + std::string(to_string(*error)));
     own.due = at.now + again;
     return;
   }

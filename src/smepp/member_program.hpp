@@ -41,7 +41,7 @@ public:
   /// An event's value is to go to the gateway.
   virtual void forward(std::uint8_t channel, const bytes& value) = 0;
   /// Adds a line to the event log of the run.
-  virtual void report(std::string what) = 0;
+  virtual void notify(std::string what) = 0;
 
 protected:
   ~member_host() = default;

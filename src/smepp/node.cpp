@@ -64,7 +64,7 @@ public:
   void forward(std::uint8_t channel, const bytes& value) override {
     out_.emplace_back(forward_event{channel, value});
   }
-  void report(std::string what) override { out_.emplace_back(notable{std::move(what)}); }
+  void notify(std::string what) override { out_.emplace_back(notable{std::move(what)}); }
 
 private:
   const reader& reads_;

@@ -439,7 +439,7 @@ TEST_CASE("a listener claims its type and tells the first message it hears", "[a
   const mote_address button{island_id{1}, mote_id{8}};
   for (const std::string text : {"dinner", "dessert"})
     x.hear(button, 10, to_bytes(std::string_view(text)));
-  CHECK(x.app->take_stories() == std::vector<std::string>{"received \"dinner\" from mote 1/8"});
+  CHECK(x.app->take_notices() == std::vector<std::string>{"received \"dinner\" from mote 1/8"});
   x.join();
 }
 
