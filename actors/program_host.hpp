@@ -80,7 +80,7 @@ public:
     if constexpr (requires { node.settle(now); })
       return node.settle(now);
     else
-      return node.settle();
+      return node.flush();
   }
 
   [[nodiscard]] std::optional<instant> deadline() const {

@@ -34,7 +34,7 @@ using test::the_sink;
 
 namespace {
 
-gateway::gateway make_unheard() {
+gateway::gateway make_without_sink() {
   gateway_config config;
   config.island = kitchen;
   gateway::gateway x(config, random_stream(1));
@@ -43,7 +43,7 @@ gateway::gateway make_unheard() {
 }
 
 gateway::gateway make_gateway() {
-  auto x = make_unheard();
+  auto x = make_without_sink();
   static_cast<void>(tell(x, network::sink_started{}));
   return x;
 }
@@ -356,7 +356,7 @@ TEST_CASE("packets longer than a serial packet go up and down in fragments",
 
 TEST_CASE("a silent line makes motes stale, not gone; what is heard again is not",
           "[gateway][GW-15]") {
-  auto x = make_unheard();
+  auto x = make_without_sink();
   const auto hear = [&](mote_id source, instant now) {
     return x.on_packet(source, network::am::to_gateway,
                        up({kitchen, no_mote}, plain(source, 2, {})), now);
