@@ -44,9 +44,8 @@ struct weak_sync_config {
 class weak_sync {
 public:
   static constexpr std::size_t points_max = 6;
-  static constexpr std::size_t receptions_max =
-      12;                                    ///< neighbours; the one silent longest is replaced
-  static constexpr double rate_max = 250e-6; ///< of one crystal against another
+  static constexpr std::size_t receptions_max = 12; ///< neighbours; the oldest is replaced
+  static constexpr double rate_max = 250e-6;        ///< of one crystal against another
 
   enum class news : std::uint8_t { none, better, jumped };
 
