@@ -432,7 +432,7 @@ TEST_CASE("a program that takes no events gets no reliable messages and loses ti
     here.core.on_tick(tick, here.now);
   const auto batch = port.take_events();
   REQUIRE(batch);
-  CHECK(batch->all.size() == 10); // it was told of the join too
+  CHECK(batch->all.size() == 10); // the join included
   CHECK(port.counters().dropped == 12);
 
   const auto send = [&] {

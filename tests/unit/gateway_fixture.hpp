@@ -1,4 +1,4 @@
-// What tests tell a gateway of its island, and what it publishes then.
+// Events of an island for a gateway, and what it publishes then.
 #pragma once
 
 #include <cstdint>

@@ -33,7 +33,7 @@ network::sink_event event_in(const sink_packet& x) {
   return *found;
 }
 
-/// The tuples that a gateway makes of what it is told.
+/// The tuples that a gateway makes of what it receives.
 std::vector<std::string> tuples_of(gateway::gateway& to, const std::vector<sink_packet>& all,
                                    instant now) {
   std::vector<std::string> found;
@@ -434,7 +434,7 @@ TEST_CASE("a sink and a line to real motes do not speak for each other",
   };
   const auto real = texts_of_plain(core, *line.on_packet(said(100, blink, bytes{1}), start), start);
   CHECK(has(real, "devices={100}"));
-  CHECK(!has(real, "devices.line=up 0.000000")); // nobody has heard the sink
+  CHECK(!has(real, "devices.line=up 0.000000")); // the sink has sent nothing
   const auto simulated = from_sink(joined(2), start + 1s);
   CHECK(has(simulated, "devices={2,100}"));
   CHECK(has(simulated, "devices.line=up 1.000000"));

@@ -445,7 +445,7 @@ TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
                                          now));
   };
   auto x = make_gateway();
-  CHECK(ask(x, instant(1s)).empty()); // its kernel has not told it
+  CHECK(ask(x, instant(1s)).empty()); // its kernel has not set it
   static_cast<void>(x.on_clock(1000s, instant(1s)));
   const auto out = ask(x, instant(5s + 1us));
   REQUIRE(out.size() == 1);
@@ -462,7 +462,7 @@ TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
   gateway::gateway again(config, random_stream(1));
   static_cast<void>(again.start(instant(60s)));
   static_cast<void>(
-      again.on_clock(1000s, instant(60s))); // the clock of a kernel that has heard nobody yet
+      again.on_clock(1000s, instant(60s))); // the clock of a kernel that knows no other yet
   CHECK(ask(again, instant(69s)).empty());
   CHECK(ask(again, instant(70s)).size() == 1);
 }

@@ -61,7 +61,7 @@ TEST_CASE("a request is written and ends with the gateway's word",
     CHECK(status(channel, 1, word) == lines{text});
     CHECK(channel.open() == 0);
     CHECK_FALSE(channel.deadline());
-    CHECK(status(channel, 1, word).empty()); // told once
+    CHECK(status(channel, 1, word).empty()); // reported once
   }
 }
 
@@ -179,7 +179,7 @@ TEST_CASE("with answers lost and repeated, outcomes are single and true",
   const auto seed = GENERATE(range(1, 21));
   random_stream rng(static_cast<std::uint64_t>(seed));
   input_channel channel(5s);
-  std::map<std::string, int> outcomes;           // word -> times told
+  std::map<std::string, int> outcomes;           // word -> times reported
   std::map<std::string, input_outcome> verdicts; // word -> what the gateway decided
   std::deque<std::pair<instant, input_status>> pipe;
   std::uint64_t writes = 0;

@@ -149,7 +149,7 @@ TEST_CASE("an unknown type is reported once and tried again with other classes",
   CHECK(x.devices("{7}") == lines{"unknown 5/7 300"});
   CHECK(x.type(7, 300).empty());
   CHECK(x.devices("{7}").empty());
-  CHECK(x.devices("{}").empty()); // there is no proxy to tell
+  CHECK(x.devices("{}").empty()); // there is no proxy to notify
   CHECK(x.devices("{7}").empty());
   CHECK(lines_of(x.aut.on_classes(sensors_and_lamps(), now)).empty());
   CHECK(x.type(7, 301) == lines{"unknown 5/7 301"});

@@ -51,7 +51,8 @@ proxy::proxy with_occupancy(const proxy::program_settings& settings) {
   return with_program(std::get<program_factory>(make_occupancy(room(), settings)));
 }
 
-/// A program as somebody else may write it: how much the sound has risen, and how often it told so.
+/// A program as somebody else may write it: how much the sound has risen, and how often it reported
+/// that.
 class rise final : public proxy::program {
 public:
   [[nodiscard]] std::vector<std::string> names() const override { return {"rise"}; }

@@ -437,7 +437,7 @@ TEST_CASE("a write to an owner that is away is repeated, and when the owner is b
   CHECK(x.aut.deadline() == at(6s));
   CHECK(x.aut.on_time(at(6s)) == again);
   x.ends(write_end::unreached, 7s, "no_route");
-  CHECK(x.story().empty()); // told once
+  CHECK(x.story().empty()); // reported once
   CHECK(x.aut.deadline() == at(17s));
   CHECK(x.aut.on_owner(key, at(10s), true) == again);
   CHECK(!x.aut.deadline());
@@ -456,7 +456,7 @@ TEST_CASE("an owner that goes at once may not have acted", "[proxy][rules]") {
   x.ends(write_end::accepted, 41s);
   CHECK(x.counted() == write_counters{1, 1, 0, 0, 0});
 
-  written done; // its proxy has told that the mote has it
+  written done; // its proxy has reported that the mote has it
   done.ends(write_end::accepted, 1s);
   static_cast<void>(done.aut.on_value("kitchen.fan.switch.outcome", "on acknowledged", at(2s)));
   done.aut.on_owner_gone(key, at(3s));

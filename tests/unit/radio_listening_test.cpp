@@ -334,7 +334,7 @@ TEST_CASE("events of radios that only listen do not pile up", "[radio][listening
   f.add(sleeper(2, 0, every(20ms)));
   const auto before = f.channel.deadline();
   f.run_for(1s);
-  CHECK(f.channel.deadline() == before); // its battery's: a check tells nobody anything
+  CHECK(f.channel.deadline() == before); // its battery's: a check has no output
 }
 
 TEST_CASE("gaps between copies are shorter than a check, by every medium access",
