@@ -114,7 +114,7 @@ std::shared_ptr<const smepp::node_config> groups_of(ecology_pointer self,
 /// The store of a mote whose frames may have been counted by earlier processes: the high half of
 /// its counters is this process's alone. Nobody counts the starts of a run in wall time that is no
 /// part of a deployment: it draws it, from a half that starts do not reach.
-smepp::kept first_kept(std::uint32_t starts, bool is_real) {
+smepp::persistent_state first_state(std::uint32_t starts, bool is_real) {
   constexpr unsigned frames_of_a_process = 32; // bits
   if (is_real && starts == 0) {
     std::array<std::uint8_t, 4> drawn{};
@@ -123,7 +123,7 @@ smepp::kept first_kept(std::uint32_t starts, bool is_real) {
       starts = starts << 8 | each;
     starts |= 1U << 31U;
   }
-  smepp::kept x;
+  smepp::persistent_state x;
   x.counter_reserved = std::uint64_t{starts} << frames_of_a_process;
   x.counter_end = x.counter_reserved | std::numeric_limits<std::uint32_t>::max();
   return x;
@@ -173,8 +173,8 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.apps = mote.apps;
   x.smepp = groups_of(self, island, mote);
   if (x.smepp)
-    x.smepp_kept =
-        std::make_shared<smepp::kept>(first_kept(self->state.process.starts, x.smepp->is_real));
+    x.smepp_state = std::make_shared<smepp::persistent_state>(
+        first_state(self->state.process.starts, x.smepp->is_real));
   x.node.tables = tables_of(self, island.id, configs_of(programs_among(mote.apps)), traffic);
   x.node.access = config::access_of(self->state.description.radio, island);
   x.seed = self->state.description.seed;

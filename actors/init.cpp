@@ -108,7 +108,7 @@ struct init_performer {
           self->state.supervisor.components()[x.component].name, x.text.size());
   }
 
-  void operator()(peisinit::tell& x) const {
+  void operator()(peisinit::notice& x) const {
     log(self, spdlog::level::info, "event=component what=\"{}\"", x.what);
     self->send(self->state.arguments.ecology, notable_event{self->path(), std::move(x.what)});
   }

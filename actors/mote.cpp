@@ -131,8 +131,8 @@ struct group_performer {
     self->state.groups->psdu_size = x.octets.size() + radio::overhead;
     self->send(self->state.arguments->air, request_of(self->state.arguments->radio, std::move(x)));
   }
-  void operator()(smepp::store_kept& x) const {
-    *self->state.arguments->smepp_kept = std::move(x.content);
+  void operator()(smepp::store_state& x) const {
+    *self->state.arguments->smepp_state = std::move(x.content);
   }
   void operator()(const smepp::set_radio& x) const {
     auto wish = self->state.radio;
@@ -459,7 +459,7 @@ void start_groups(mote_pointer self, const std::string& life, const mote::crysta
     return;
   state.groups = std::make_unique<smepp_shell>(smepp_shell{
       smepp::node(*arguments.smepp, random_stream(arguments.seed, life + "/smepp"),
-                  crystal.own(instant{}), crystal.own(now(self)), *arguments.smepp_kept),
+                  crystal.own(instant{}), crystal.own(now(self)), *arguments.smepp_state),
       crystal});
   auto& groups = *state.groups;
   const auto octets = groups.node.own().footprint() + (state.node ? state.node->footprint() : 0);

@@ -37,9 +37,9 @@ struct mote_arguments {
   mote_address address;
   std::string name; ///< `kitchen/climate-7`
   config::stack stack = config::stack::full;
-  mote::node_config node;                          ///< full stack only
-  std::shared_ptr<const smepp::node_config> smepp; ///< nullptr without an app `member`
-  std::shared_ptr<smepp::kept> smepp_kept; ///< with it: what its lives have put into its store
+  mote::node_config node;                               ///< full stack only
+  std::shared_ptr<const smepp::node_config> smepp;      ///< nullptr without an app `member`
+  std::shared_ptr<smepp::persistent_state> smepp_state; ///< with it: what its lives have stored
   mote::crystal crystal;
   shared_list<config::mote_app> apps;
   std::vector<device::waypoint> path; ///< empty: it does not move

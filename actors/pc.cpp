@@ -66,7 +66,7 @@ void change_programs(pc_pointer self, Change change) {
   auto& state = self->state;
   state.pc.begin(now(self));
   change(state.separate);
-  perform(self, state.pc.settle());
+  perform(self, state.pc.flush());
 }
 
 void on_attach(pc_pointer self, const attach_program& x) {

@@ -73,13 +73,13 @@ void on_attached(program_pointer self, const program_attached& x) {
   state.process->begin(own_time(self));
   state.programs.start_one(*state.process, arguments.config, arguments.number, life, arguments.seed,
                            x.incarnation > 0 || state.incarnation > 0, own_time(self));
-  perform(self, state.process->settle());
+  perform(self, state.process->flush());
 }
 
 void on_events(program_pointer self, const program_events& x) {
   auto& process = *self->state.process;
   process.on_events(x.batch, own_time(self));
-  perform(self, process.settle());
+  perform(self, process.flush());
 }
 
 } // namespace

@@ -80,7 +80,7 @@ public:
     if constexpr (requires { node.settle(now); })
       return node.settle(now);
     else
-      return node.settle();
+      return node.flush();
   }
 
   [[nodiscard]] std::optional<instant> deadline() const {
@@ -100,7 +100,7 @@ public:
   void tell(Self* self, const ecology_actor& ecology) {
     for (auto& x : programs_) {
       const auto& who = x.path.empty() ? self->path() : x.path;
-      for (auto& what : x.program->take_stories())
+      for (auto& what : x.program->take_notices())
         self->send(ecology, notable_event{who, std::move(what)});
       for (const auto& what : x.program->take_warnings())
         log_as(self, who, spdlog::level::warn, "{}", what);

@@ -96,7 +96,7 @@ void on_attached(proxy_pointer self, const program_attached& x) {
   streams.process->begin(now(self));
   streams.programs.start_made(*streams.process, std::move(tap), "proxy", number_of_streams(self),
                               x.incarnation > 0, now(self));
-  perform(self, streams.process->settle());
+  perform(self, streams.process->flush());
 }
 
 void on_timer(proxy_pointer self) {
@@ -236,7 +236,7 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
       [self](const program_events& x) {
         auto& process = *self->state.streams.process;
         process.on_events(x.batch, now(self));
-        perform(self, process.settle());
+        perform(self, process.flush());
       },
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))

@@ -104,7 +104,7 @@ struct proxy_manager_performer {
     self->state.proxies.erase(found);
   }
 
-  void operator()(const proxy::tell_presence& x) const {
+  void operator()(const proxy::set_presence& x) const {
     const auto found = self->state.proxies.find(x.mote);
     if (found != self->state.proxies.end())
       self->send(found->second, mote_presence{x.presence, x.cause});
@@ -159,14 +159,14 @@ void on_tuple(proxy_manager_pointer self, const tuple_event& x) {
   auto& manager = self->state.manager;
   auto& gateways = self->state.gateways.at(island);
   const auto before = gateways.current();
-  std::vector<proxy::gateway_choice::heard> heard;
+  std::vector<proxy::gateway_choice::tuple_change> changes;
   if (!x.deleted)
-    heard = gateways.on_tuple(x.owner, x.key, x.value.view());
+    changes = gateways.on_tuple(x.owner, x.key, x.value.view());
   else if (x.key == devices_key)
-    heard = gateways.on_list_deleted(x.owner);
+    changes = gateways.on_list_deleted(x.owner);
   if (gateways.current() != before)
     tell_gateway(self, island, gateways.current());
-  for (const auto& each : heard)
+  for (const auto& each : changes)
     perform(self, each.deleted ? manager.on_gateway_gone(island, now(self))
                                : manager.on_gateway_tuple(island, each.key, each.value, now(self)));
 }

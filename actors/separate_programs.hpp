@@ -14,7 +14,7 @@
 namespace rubicon {
 
 /// The node is a mote::node or communication::pc; whoever owns it calls its begin() before leave()
-/// and on_commands(), its settle() afterwards, and then send_events().
+/// and on_commands(), its settle() or flush() afterwards, and then send_events().
 class separate_programs {
 public:
   /// @pre none has its number: leave() was called

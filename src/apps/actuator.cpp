@@ -18,7 +18,7 @@ void actuator::on_start(instant) {
 void actuator::joined(communication::island_octet, std::uint16_t, communication::status success) {
   in_island_ = success == communication::SUCCESS;
   if (in_island_)
-    tell_state();
+    send_state();
   begin_period();
 }
 
@@ -42,7 +42,7 @@ void actuator::on_time(instant now) {
     return;
   while (*due_ <= now)
     *due_ += period_;
-  tell_state(/*reliable=*/false); // the next one follows
+  send_state(/*reliable=*/false); // the next one follows
 }
 
 void actuator::receiveFrom(mote_address, byte_view octets, std::uint8_t) {
@@ -52,10 +52,10 @@ void actuator::receiveFrom(mote_address, byte_view octets, std::uint8_t) {
 
 void actuator::actuatorChanged(std::string_view, std::uint8_t state, bool) {
   state_ = state;
-  tell_state();
+  send_state();
 }
 
-void actuator::tell_state(bool reliable) {
+void actuator::send_state(bool reliable) {
   layer().send_numbered(own_gateway, bytes{state_}, reliable,
                         static_cast<std::uint8_t>(config_.channel));
 }

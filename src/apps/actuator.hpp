@@ -9,7 +9,7 @@
 
 namespace rubicon::apps {
 
-/// Obeys the first octet of what it receives, and tells the actuator's state after every change,
+/// Obeys the first octet of what it receives, and sends the actuator's state after every change,
 /// when its mote has joined, and at the period that somebody has asked for (IF-03).
 class actuator final : public application {
 public:
@@ -30,14 +30,14 @@ public:
 private:
   void on_start(instant now) override;
   void begin_period();
-  void tell_state(bool reliable = true);
+  void send_state(bool reliable = true);
 
   actuator_config config_;
   std::uint8_t state_ = 0;
   bool in_island_ = false;
   bool begins_ = false;        ///< its periods do, at the next on_time()
   duration period_{};          ///< 0: nobody has asked for one
-  std::optional<instant> due_; ///< when the state is told again
+  std::optional<instant> due_; ///< when the state is sent again
 };
 
 } // namespace rubicon::apps

@@ -1,4 +1,4 @@
-// What the programs that use the Mockup interface are told.
+// The configuration of programs that use the Mockup interface.
 #pragma once
 
 #include <array>
@@ -50,7 +50,7 @@ struct messenger_config {
   bool reliable = true;
 };
 
-/// Tells the first message that it receives on one AM type; the other end of a messenger.
+/// Reports the first message that it receives on one AM type; the other end of a messenger.
 struct listener_config {
   std::uint8_t am_type = 10;
 };
@@ -109,7 +109,7 @@ struct average_config {
 };
 
 /// Commands the app `actuator` of a mote. on_at < off_at: on at that value or less, off at the
-/// other or more; on_at > off_at: the other way round.
+/// other or more; on_at > off_at: the reverse.
 struct stream_switch_config {
   std::uint16_t stream = 1;
   duration every = 1s; ///< as the writer's

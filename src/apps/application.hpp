@@ -30,7 +30,7 @@ struct figure {
 /// Where readings and states go: the PC of the own island, which is its gateway (RTG-03).
 inline constexpr mote_address own_gateway{own_island, no_mote};
 
-/// Whoever hosts a program attaches it, starts it, calls on_time() at its deadline, and settles the
+/// Whoever hosts a program attaches it, starts it, calls on_time() at its deadline, and flushes the
 /// layer after each of these.
 class application : public communication::communication_events {
 public:
@@ -50,8 +50,8 @@ public:
   /// Its ends of streams whose other end is a program's too. @param now by its node's clock
   [[nodiscard]] virtual std::vector<stream_end> stream_ends(instant /*now*/) const { return {}; }
 
-  /// What people following the run would want to hear, since the last call.
-  [[nodiscard]] std::vector<std::string> take_stories() { return std::exchange(stories_, {}); }
+  /// Lines for the event log, since the last call.
+  [[nodiscard]] std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
 
   /// Lines for the log, of what should not be, since the last call.
   [[nodiscard]] std::vector<std::string> take_warnings() { return std::exchange(warnings_, {}); }
@@ -64,7 +64,7 @@ public:
 protected:
   virtual void on_start(instant now) = 0;
   [[nodiscard]] communication::interface& layer() { return *layer_; }
-  void tell(std::string what) { stories_.push_back(std::move(what)); }
+  void notify(std::string what) { notices_.push_back(std::move(what)); }
   void warn(std::string what) { warnings_.push_back(std::move(what)); } ///< `event=lost number=3`
 
   /// As layer().provide(); warns if the type is another's.
@@ -75,7 +75,7 @@ protected:
 
 private:
   std::optional<communication::interface> layer_;
-  std::vector<std::string> stories_;
+  std::vector<std::string> notices_;
   std::vector<std::string> warnings_;
 };
 

@@ -9,8 +9,8 @@ void listener::on_start(instant) {
 }
 
 void listener::receiveFrom(mote_address source, byte_view octets, std::uint8_t) {
-  if (!std::exchange(has_heard_, true))
-    tell("received \"" + to_string(octets) + "\" from mote " + to_string(source));
+  if (!std::exchange(has_received_, true))
+    notify("received \"" + to_string(octets) + "\" from mote " + to_string(source));
 }
 
 } // namespace rubicon::apps

@@ -1,11 +1,11 @@
-// Hears what is sent to its mote on one AM type.
+// Receives what is sent to its mote on one AM type.
 #pragma once
 
 #include "apps/application.hpp"
 
 namespace rubicon::apps {
 
-/// Tells the event log of the first message it receives.
+/// Reports the first message that it receives to the event log.
 class listener final : public application {
 public:
   explicit listener(listener_config config) : config_(config) {}
@@ -16,7 +16,7 @@ private:
   void on_start(instant now) override;
 
   listener_config config_;
-  bool has_heard_ = false;
+  bool has_received_ = false;
 };
 
 } // namespace rubicon::apps

@@ -92,7 +92,7 @@ void reservoir::readDone(int stream, byte_view record, communication::status suc
     const auto range = x->most - x->least;
     x->value = range > 0 ? 2 * (value - x->least) / range - 1 : 0;
   } else if (success ==
-             communication::FAIL) { // in an actor of its own it hears only now that it is refused
+             communication::FAIL) { // in an actor of its own it learns only now that it is refused
     layer().close(stream);
     lose(*x);
   }

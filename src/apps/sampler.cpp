@@ -64,19 +64,19 @@ bool sampler::is_news(const std::vector<std::int16_t>& counts) const {
 }
 
 void sampler::transducersRead(std::span<const std::int16_t> counts, std::uint32_t time_ms) {
-  std::vector<std::int16_t> told(counts.begin(), counts.end());
-  for (std::size_t i = 0; i < means_.size() && i < told.size(); ++i)
-    told[i] = static_cast<std::int16_t>(means_[i].add(told[i]));
-  if (!is_news(told))
+  std::vector<std::int16_t> averages(counts.begin(), counts.end());
+  for (std::size_t i = 0; i < means_.size() && i < averages.size(); ++i)
+    averages[i] = static_cast<std::int16_t>(means_[i].add(averages[i]));
+  if (!is_news(averages))
     return;
   byte_writer out;
-  for (const auto count : told)
+  for (const auto count : averages)
     out.big(count);
   if (config_->stamped)
     out.big(time_ms);
   layer().send_numbered(own_gateway, out.finish(), config_->reliable,
                         static_cast<std::uint8_t>(config_->channel));
-  sent_ = std::move(told);
+  sent_ = std::move(averages);
   sent_at_ = sampled_;
 }
 

@@ -1,4 +1,4 @@
-// What the report tells of streams comes from this.
+// The source of what the report says of streams.
 #pragma once
 
 #include <cstdint>

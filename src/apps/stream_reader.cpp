@@ -10,7 +10,7 @@ constexpr duration leap_min = 24h; ///< more than that between two records: the 
 
 void stream_reader::on_opened(std::size_t) {
   if (openings() == 1)
-    tell("stream " + std::to_string(config_.stream) + " is open");
+    notify("stream " + std::to_string(config_.stream) + " is open");
 }
 
 void stream_reader::on_record(std::size_t, const stream::sensor_record& x) {

@@ -34,8 +34,8 @@ void stream_switch::on_record(std::size_t, const stream::sensor_record& x) {
     return;
   ++changes_;
   state_ = now;
-  tell("switches " + std::string(*now ? "on" : "off") + " at " + std::to_string(x.value));
-  if (!number_) // else when the one under way has ended
+  notify("switches " + std::string(*now ? "on" : "off") + " at " + std::to_string(x.value));
+  if (!number_) // else when the one in flight has ended
     command();
 }
 

@@ -27,7 +27,7 @@ private:
 
   stream_switch_config config_;
   std::optional<bool> state_;           ///< to be; nothing: no value has said
-  std::optional<std::uint32_t> number_; ///< of the command under way
+  std::optional<std::uint32_t> number_; ///< of the command in flight
   bool commanded_ = false;              ///< its state
   std::optional<instant> retry_;
   std::uint64_t changes_ = 0;

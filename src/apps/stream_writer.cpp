@@ -68,7 +68,7 @@ void stream_writer::readDone(int stream, byte_view record, communication::status
   if (stream != sensor_)
     return;
   if (success ==
-      communication::FAIL) { // in an actor of its own it hears only now what the mote refused
+      communication::FAIL) { // in an actor of its own it learns only now what the mote refused
     give_up();
     return;
   }

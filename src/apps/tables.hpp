@@ -15,8 +15,8 @@ namespace rubicon::apps {
 /// these programs.
 void make_room(communication::layer_config& tables, const std::vector<app_config>& programs);
 
-/// @returns how many streams, or synaptic channels each way, these programs of a PC want, and
-/// `least` at least
+/// @returns how many streams, or synaptic channels in each direction, these programs of a PC want,
+/// and `least` at least
 [[nodiscard]] std::size_t ends_max(std::size_t least, const std::vector<app_config>& programs);
 
 /// So many channels of others may pass a mote at least, if its island has as many.

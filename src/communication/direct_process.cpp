@@ -82,18 +82,18 @@ float direct_process::read_input(int channel, std::uint8_t index) {
 
 // Streams.
 
-int direct_process::open_end(const stream_end& wish) {
+int direct_process::open_end(const stream_end& end) {
   if (!below_.may_talk()) {
     refuse();
     return -1;
   }
   stream::remote_request x;
-  x.destination = wish.other;
-  x.name = wish.name;
-  x.rate = std::chrono::milliseconds(wish.rate_ms);
-  x.qos = wish.qos;
-  x.buffer_size = wish.buffer_size;
-  x.writes_to_self = wish.writes_to_self;
+  x.destination = end.other;
+  x.name = end.name;
+  x.rate = std::chrono::milliseconds(end.rate_ms);
+  x.qos = end.qos;
+  x.buffer_size = end.buffer_size;
+  x.writes_to_self = end.writes_to_self;
   const auto slack = below_.messages_.far_slack(x.destination);
   return below_.take_open(number_,
                           below_.streams_.open_remote(below_.self(), x, below_.now_, slack));

@@ -27,7 +27,7 @@ public:
   status write_output(int channel, std::uint8_t k, float value) override;
   float read_input(int channel, std::uint8_t index) override;
 
-  int open_end(const stream_end& wish) override;
+  int open_end(const stream_end& end) override;
   int open_sensor(std::uint8_t transducer, std::uint32_t period_ms, stream::sampling kind) override;
   int open_local() override;
   status close(int desc) override;
@@ -58,8 +58,8 @@ private:
 
   [[nodiscard]] bool wants_ticks() const;
 
-  /// A reliable send that its program has not heard of by ack().
-  struct unsettled {
+  /// A reliable send that has not been reported to its program by ack().
+  struct pending_send {
     transport::ticket number = 0;
     std::optional<bool> acked; ///< nothing: it has not ended
   };
@@ -68,7 +68,7 @@ private:
   std::size_t number_;
   communication_events* events_ = nullptr; ///< nullptr: it has left
   std::string name_;                       ///< for layer::observe(); empty: not observed
-  std::vector<unsettled> sends_;           ///< ack() keeps their order (A-56)
+  std::vector<pending_send> sends_;        ///< ack() keeps their order (A-56)
 };
 
 } // namespace rubicon::communication

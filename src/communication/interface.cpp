@@ -78,9 +78,9 @@ status interface::open_write_end(mote_address to, std::uint16_t symbolic_name,
   return open_end({true, to, symbolic_name, stream_rate, qos, buffer_size}) > 0 ? SUCCESS : FAIL;
 }
 
-int interface::open_end(const stream_end& wish) {
-  if (wish.other.island.value > 0 && wish.rate_ms <= stream_rate_max_ms)
-    return below_->open_end(wish);
+int interface::open_end(const stream_end& end) {
+  if (end.other.island.value > 0 && end.rate_ms <= stream_rate_max_ms)
+    return below_->open_end(end);
   below_->refuse();
   return -1;
 }

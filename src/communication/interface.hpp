@@ -1,12 +1,12 @@
 // The Mockup interface: what the Communication Layer offers to a program, on a mote or on a PC
 // (D1.1 5.3; MCK-01..18, PAR-05). Commands and events have D1.1's names. Commands return at once;
-// an event tells later what has become of them (AM-02). A program is the same wherever it runs and
+// an event reports the outcome later (AM-02). A program is the same wherever it runs and
 // wherever the other end is: only addresses differ.
 //
 // A program may be in the actor of its node, or in an actor of its own that exchanges messages with
 // the node's (mote/remote_process.hpp). There too commands return at once, by what the program's
 // side knows; what the node refuses later, because another program was first, because what ended
-// there has not been heard of, or for want of room, is told by the event that the command has:
+// there has not been reported, or for want of room, is reported by the event that the command has:
 //   create_syn_channel_*   createSynChannelOutDone, createSynChannelInDone with FAIL
 //   open_*                 openRemoteDone with FAIL; a sensor or local stream, which has no event,
 //                          fails at its first read or write
@@ -15,7 +15,8 @@
 //   provide                receive with FAIL, the AM type, and neither source nor octets
 //   read_transducers       transducersRead without counts
 //   joinIsland             joined with FAIL
-// start, stop, dispose and close are refused late only for what has ended: that was told already.
+// start, stop, dispose and close are refused late only for what has ended: that was reported
+// already.
 #pragma once
 
 #include <cstddef>
@@ -60,7 +61,7 @@ public:
   virtual void syn_input_update(int /*channel*/, std::uint8_t /*index*/,
                                 synaptic::input_status /*status*/) {}
   virtual void clock_tick(std::uint32_t /*currentClock*/) {}
-  /// Extension: whether it wants to hear of clock_tick(), always the same. A mote without open
+  /// Extension: whether it wants clock_tick(), always the same. A mote without open
   /// synaptic channels wakes for ticks only if a program wants them.
   [[nodiscard]] virtual bool wants_ticks() const { return true; }
   /// Extension: the other end is gone (SYN-17).
@@ -83,7 +84,7 @@ public:
   }
 
   /// Extension: what its gateway wants this mote to send (GW-10); replaces what it wanted before.
-  /// A program that comes later is told when it comes.
+  /// A program that comes later gets it when it comes.
   virtual void outputsWanted(std::span<const output_wanted> /*all*/) {}
 
   // Extensions: what its mote carries.
@@ -134,7 +135,7 @@ public:
   status open_write_end(mote_address to, std::uint16_t symbolic_name, std::uint32_t stream_rate,
                         std::uint8_t qos, std::size_t buffer_size = stream::buffer_size_default);
   /// Extension: either of these; the descriptor of the Done event, or -1.
-  int open_end(const stream_end& wish);
+  int open_end(const stream_end& end);
   /// @param sensor_tid a device::quantity @returns descriptor or -1
   int open_sensor(std::uint8_t sensor_tid, std::uint32_t stream_rate,
                   stream::sampling sampling_type);
@@ -155,7 +156,7 @@ public:
   /// FAIL: not joined, bad address, more than 256 octets, too many reliable ones in flight.
   status send(island_octet island_addr, std::uint16_t mote_addr, byte_view buf, bool reliable,
               std::uint8_t am_type);
-  /// Extension: the number that ackOf() tells; nothing: FAIL.
+  /// Extension: the number that ackOf() has; nothing: FAIL.
   std::optional<std::uint32_t> send_numbered(mote_address to, byte_view buf, bool reliable,
                                              std::uint8_t am_type);
   /// Messages of this type are for this program. FAIL: it is another's, or the layer's own (AM-05).
@@ -181,8 +182,8 @@ public:
   /// its own, and on a PC that does not know it yet.
   [[nodiscard]] std::optional<duration> network_time() const;
 
-  /// Extension: the program is over. What it has open is closed, its AM types are free; it is told
-  /// nothing any more, and must not give commands.
+  /// Extension: the program is over. What it has open is closed, its AM types are free; it gets
+  /// no more events, and must not give commands.
   void leave();
 
 private:

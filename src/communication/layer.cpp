@@ -66,7 +66,7 @@ interface layer::attach(communication_events& events, std::string name) {
   program.events_ = &events;
   program.name_ = std::move(name);
   if (!outputs_wanted_.empty())
-    tell_wanted(program.number_);
+    notify_outputs_wanted(program.number_);
   return interface(program);
 }
 
@@ -83,7 +83,7 @@ layer_outputs layer::take_outputs() {
   return std::exchange(outputs_, {});
 }
 
-/// Tells programs what has happened, and what comes of that.
+/// Delivers events to programs, and what they cause.
 void layer::dispatch() {
   if (std::exchange(dispatching_, true))
     return;
@@ -95,7 +95,7 @@ void layer::dispatch() {
   dispatching_ = false;
 }
 
-void layer::tell(std::size_t process, event x) {
+void layer::notify(std::size_t process, event x) {
   if (programs_[process]->events_ != nullptr)
     events_.emplace_back(process, std::move(x));
 }
@@ -106,16 +106,16 @@ void layer::note(std::size_t process, program_note x) const {
     observer_(x);
 }
 
-void layer::tell_all(const event& x) {
+void layer::notify_all(const event& x) {
   for (std::size_t i = 0; i < programs_.size(); ++i)
-    tell(i, x);
+    notify(i, x);
 }
 
 template <class Owners>
-void layer::tell_owner(const Owners& owners, typename Owners::key_type of, event x) {
+void layer::notify_owner(const Owners& owners, typename Owners::key_type of, event x) {
   const auto owner = owners.find(of);
   if (owner != owners.end())
-    tell(owner->second, std::move(x));
+    notify(owner->second, std::move(x));
 }
 
 // Membership.
@@ -144,7 +144,7 @@ bool layer::may_talk() {
 void layer::on_initialised(bool success, instant now) {
   now_ = now;
   initialised_ = success;
-  tell_all([success](auto& x) { x.initCommunicationsDone(status_of(success)); });
+  notify_all([success](auto& x) { x.initCommunicationsDone(status_of(success)); });
 }
 
 void layer::on_joined(island_id island, instant now) {
@@ -153,7 +153,7 @@ void layer::on_joined(island_id island, instant now) {
   messages_.join(island);
   tunnels_.join(island);
   const auto at = self();
-  tell_all([at](auto& x) { x.joined(octet_of(at.island), at.mote.value, SUCCESS); });
+  notify_all([at](auto& x) { x.joined(octet_of(at.island), at.mote.value, SUCCESS); });
 }
 
 void layer::on_left(instant now) {
@@ -161,12 +161,12 @@ void layer::on_left(instant now) {
   const auto at = self();
   island_.reset();
   take(messages_.fail_all());
-  tell_all([at](auto& x) { x.joined(octet_of(at.island), at.mote.value, FAIL); });
+  notify_all([at](auto& x) { x.joined(octet_of(at.island), at.mote.value, FAIL); });
 }
 
 void layer::on_mote_joined(mote_id mote, byte_view description, instant now) {
   now_ = now;
-  tell_all([mote, octets = to_bytes(description)](auto& x) { x.moteJoined(mote.value, octets); });
+  notify_all([mote, octets = to_bytes(description)](auto& x) { x.moteJoined(mote.value, octets); });
 }
 
 // Messages.
@@ -210,8 +210,8 @@ void layer::take(transport::outputs todo) {
   }
 }
 
-void layer::tell_wanted(std::size_t process) {
-  tell(process, [all = outputs_wanted_](auto& x) { x.outputsWanted(all); });
+void layer::notify_outputs_wanted(std::size_t process) {
+  notify(process, [all = outputs_wanted_](auto& x) { x.outputsWanted(all); });
 }
 
 void layer::on_outputs_wanted(const transport::received& x) {
@@ -222,7 +222,7 @@ void layer::on_outputs_wanted(const transport::received& x) {
   }
   outputs_wanted_ = *std::move(all);
   for (std::size_t i = 0; i < programs_.size(); ++i)
-    tell_wanted(i);
+    notify_outputs_wanted(i);
 }
 
 void layer::on_received(transport::received& x) {
@@ -242,7 +242,7 @@ void layer::on_received(transport::received& x) {
   if (known != owners_.end()) // who takes the rest may refuse a message, and notes what it did
     note_arrival(message_kind::message, x.source);
   note(*owner, {program_note::kind::received, {}, 0, x.source, x.am_type, x.payload, {}, 0, false});
-  tell(*owner, [message = std::move(x)](auto& events) {
+  notify(*owner, [message = std::move(x)](auto& events) {
     events.receiveFrom(message.source, message.payload, message.am_type);
   });
 }
@@ -255,11 +255,11 @@ void layer::on_outcome(const transport::outcome& x) {
   const auto number = static_cast<std::uint32_t>(x.id);
   const auto result = status_of(x.acked);
   note(process, {.what = program_note::kind::send_ended, .number = number, .yes = x.acked});
-  tell(process, [number, result](auto& events) { events.ackOf(number, result); });
+  notify(process, [number, result](auto& events) { events.ackOf(number, result); });
   auto& sends = programs_[process]->sends_;
-  std::ranges::find(sends, x.id, &direct_process::unsettled::number)->acked = x.acked;
+  std::ranges::find(sends, x.id, &direct_process::pending_send::number)->acked = x.acked;
   for (; !sends.empty() && sends.front().acked; sends.erase(sends.begin()))
-    tell(process, [acked = status_of(*sends.front().acked)](auto& events) { events.ack(acked); });
+    notify(process, [acked = status_of(*sends.front().acked)](auto& events) { events.ack(acked); });
 }
 
 void layer::on_packet(island_id source, std::uint16_t channel, byte_view body, instant now) {
@@ -447,9 +447,9 @@ int layer::take_open(std::size_t process, stream::answer x) {
 
 void layer::take(stream::outputs todo) {
   for (auto& each : todo) {
-    if (const auto* wish = std::get_if<stream::connect_channel>(&each)) {
-      connect({false, wish->stream.value}, wish->destination, wish->interval, wish->size,
-              wish->qos);
+    if (const auto* request = std::get_if<stream::connect_channel>(&each)) {
+      connect({false, request->stream.value}, request->destination, request->interval,
+              request->size, request->qos);
     } else if (auto* packet = std::get_if<stream::send_on_channel>(&each)) {
       send_on(packet->channel, std::move(packet->octets));
     } else if (const auto* over = std::get_if<stream::disconnect>(&each)) {
@@ -457,7 +457,7 @@ void layer::take(stream::outputs todo) {
     } else if (const auto* wanted = std::get_if<stream::sample>(&each)) {
       outputs_.emplace_back(sample_wanted{wanted->stream, wanted->transducer});
     } else if (const auto* opened = std::get_if<stream::open_done>(&each)) {
-      tell_owner(stream_owners_, opened->stream, [x = *opened](auto& events) {
+      notify_owner(stream_owners_, opened->stream, [x = *opened](auto& events) {
         events.openRemoteDone(x.stream.value, x.name, status_of(x.success));
       });
       if (!opened->success)
@@ -472,7 +472,7 @@ void layer::take(stream::outputs todo) {
 void layer::on_read(stream::read_done& x) {
   if (island_ && streams_.is_sensor(x.stream))
     set_island(x.content, *island_);
-  tell_owner(stream_owners_, x.stream, [done = std::move(x)](auto& events) {
+  notify_owner(stream_owners_, x.stream, [done = std::move(x)](auto& events) {
     events.readDone(done.stream.value, done.content, status_of(done.success));
   });
 }
@@ -487,8 +487,8 @@ void layer::on_sample(stream::descriptor stream, const stream::sensor_record& x,
 void layer::on_transducers(std::size_t process, std::vector<std::int16_t> counts,
                            std::uint32_t time_ms, instant now) {
   now_ = now;
-  tell(process,
-       [counts = std::move(counts), time_ms](auto& x) { x.transducersRead(counts, time_ms); });
+  notify(process,
+         [counts = std::move(counts), time_ms](auto& x) { x.transducersRead(counts, time_ms); });
 }
 
 void layer::on_actuator(std::size_t process, const std::string& name, std::uint8_t state,
@@ -499,7 +499,7 @@ void layer::on_actuator(std::size_t process, const std::string& name, std::uint8
                  .actuator = name,
                  .state = state,
                  .yes = obeyed});
-  tell(process, [=](auto& x) { x.actuatorChanged(name, state, obeyed); });
+  notify(process, [=](auto& x) { x.actuatorChanged(name, state, obeyed); });
 }
 
 void layer::on_actuator_arrived(const std::string& name, std::uint8_t state, instant now) {
@@ -529,15 +529,15 @@ int layer::create(std::size_t process, bool is_out, mote_address other, std::uin
 
 void layer::take(synaptic::outputs todo) {
   for (auto& each : todo) {
-    if (const auto* wish = std::get_if<synaptic::connect_channel>(&each)) {
-      connect({true, wish->channel.value}, wish->destination, wish->interval, wish->size,
-              wish->qos);
+    if (const auto* request = std::get_if<synaptic::connect_channel>(&each)) {
+      connect({true, request->channel.value}, request->destination, request->interval,
+              request->size, request->qos);
     } else if (auto* packet = std::get_if<synaptic::send_on_channel>(&each)) {
       send_on(packet->channel, std::move(packet->octets), packet->in_slot);
     } else if (const auto* over = std::get_if<synaptic::disconnect>(&each)) {
       disconnect(over->channel);
     } else if (const auto* done = std::get_if<synaptic::create_done>(&each)) {
-      tell_owner(synaptic_owners_, done->channel, [x = *done](auto& events) {
+      notify_owner(synaptic_owners_, done->channel, [x = *done](auto& events) {
         if (x.is_out)
           events.createSynChannelOutDone(x.channel.value, status_of(x.success));
         else
@@ -546,25 +546,25 @@ void layer::take(synaptic::outputs todo) {
       if (!done->success)
         synaptic_owners_.erase(done->channel);
     } else if (const auto* update = std::get_if<synaptic::input_update>(&each)) {
-      tell_owner(synaptic_owners_, update->channel, [x = *update](auto& events) {
+      notify_owner(synaptic_owners_, update->channel, [x = *update](auto& events) {
         events.syn_input_update(x.channel.value, x.index, x.status);
       });
     } else {
       const auto failed = std::get<synaptic::channel_failed>(each).channel;
-      tell_owner(synaptic_owners_, failed,
-                 [failed](auto& events) { events.synChannelFailed(failed.value); });
+      notify_owner(synaptic_owners_, failed,
+                   [failed](auto& events) { events.synChannelFailed(failed.value); });
     }
   }
 }
 
-/// Inputs are told before the tick: who computes at the tick has them. Programs hear of it before
+/// Inputs are reported before the tick: who computes at the tick has them. Programs get it before
 /// anything is sent: what they write leaves at this tick, in any slot.
 void layer::on_tick(std::uint32_t tick, instant now) {
   now_ = now;
   take(synaptic_.on_tick(tick, now));
   for (std::size_t i = 0; i < programs_.size(); ++i) {
     if (programs_[i]->wants_ticks())
-      tell(i, [tick](auto& x) { x.clock_tick(tick); });
+      notify(i, [tick](auto& x) { x.clock_tick(tick); });
   }
   dispatch();
 }

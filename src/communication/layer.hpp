@@ -91,7 +91,7 @@ using layer_output =
                  sample_wanted, transducers_wanted, actuator_wanted, init_wanted, join_wanted>;
 using layer_outputs = std::vector<layer_output>;
 
-/// What a program has done or was told, for whoever observes the node. Views are valid during the
+/// What a program has done or received, for whoever observes the node. Views are valid during the
 /// call only.
 struct program_note {
   enum class kind : std::uint8_t { sent, send_ended, received, actuator_changed };
@@ -158,10 +158,10 @@ public:
   layer& operator=(const layer&) = delete;
 
   /// @param events a program's, which outlives this
-  /// @param name for observe(); empty: what it is told is not observed
+  /// @param name for observe(); empty: what it receives is not observed
   [[nodiscard]] interface attach(communication_events& events, std::string name = {});
 
-  /// Called at once for what programs send, and for what those with names are told. Must not give
+  /// Called at once for what programs send, and for what those with names receive. Must not give
   /// commands.
   void observe(std::function<void(const program_note&)> observer) {
     observer_ = std::move(observer);
@@ -205,7 +205,7 @@ public:
   /// @param process that asked @param state what it is now
   void on_actuator(std::size_t process, const std::string& name, std::uint8_t state, bool obeyed,
                    instant now);
-  /// Who has set it last is told. @param state what it is now
+  /// Notifies the program that has set it last. @param state what it is now
   void on_actuator_arrived(const std::string& name, std::uint8_t state, instant now);
 
   void on_tick(std::uint32_t tick, instant now);
@@ -250,7 +250,7 @@ public:
 private:
   friend class direct_process;
 
-  /// Something to tell a program, once the command or input that led to it is over.
+  /// An event for a program, once the command or input that led to it is over.
   using event = std::function<void(communication_events&)>;
 
   [[nodiscard]] mote_address self() const;
@@ -275,15 +275,15 @@ private:
   [[nodiscard]] std::optional<duration> latency_bound(stream::channel_handle channel) const;
   void send_on(stream::channel_handle channel, bytes octets, bool in_slot = false);
   void disconnect(stream::channel_handle channel);
-  void tell(std::size_t process, event x);
+  void notify(std::size_t process, event x);
   void note(std::size_t process, program_note x) const;
-  void tell_all(const event& x);
+  void notify_all(const event& x);
   template <class Owners>
-  void tell_owner(const Owners& owners, typename Owners::key_type of, event x);
+  void notify_owner(const Owners& owners, typename Owners::key_type of, event x);
   void on_outcome(const transport::outcome& x);
   void on_received(transport::received& x);
   void on_outputs_wanted(const transport::received& x);
-  void tell_wanted(std::size_t process);
+  void notify_outputs_wanted(std::size_t process);
   void on_read(stream::read_done& x);
   void dispatch();
 

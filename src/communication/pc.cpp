@@ -63,7 +63,7 @@ outputs pc::start(instant now) {
   layer_->on_initialised(true, now);
   layer_->on_joined(island_of(config_.self), now);
   tick(now);
-  return settle();
+  return flush();
 }
 
 outputs pc::on_message(peer_id source, byte_view octets, instant now) {
@@ -78,19 +78,19 @@ outputs pc::on_message(peer_id source, byte_view octets, instant now) {
   } else {
     layer_->on_packet(island_of(source), packet->channel, packet->body, now);
   }
-  return settle();
+  return flush();
 }
 
 outputs pc::on_packet(island_id source, std::uint16_t channel, byte_view body, instant now) {
   now_ = now;
   layer_->on_packet(source, channel, body, now);
-  return settle();
+  return flush();
 }
 
 outputs pc::on_mote_joined(mote_id mote, byte_view description, instant now) {
   now_ = now;
   layer_->on_mote_joined(mote, description, now);
-  return settle();
+  return flush();
 }
 
 outputs pc::on_clock(duration ahead, instant now) {
@@ -98,14 +98,14 @@ outputs pc::on_clock(duration ahead, instant now) {
   ahead_ = ahead;
   layer_->set_network_ahead(ahead);
   tick(now);
-  return settle();
+  return flush();
 }
 
 outputs pc::on_time(instant now) {
   now_ = now;
   tick(now);
   layer_->on_time(now);
-  return settle();
+  return flush();
 }
 
 std::optional<instant> pc::deadline() const {
@@ -120,7 +120,7 @@ void pc::tick(instant now) {
     layer_->on_tick(next->number, now);
 }
 
-outputs pc::settle() {
+outputs pc::flush() {
   outputs out;
   for (auto wanted = layer_->take_outputs(); !wanted.empty(); wanted = layer_->take_outputs()) {
     for (auto& x : wanted)

@@ -39,11 +39,12 @@ struct pc_config {
   std::uint32_t incarnation = 0;              ///< how often it has been started before
   std::chrono::milliseconds tick_period{500}; ///< of the RUBICON clock (CLK-03)
   transport::answer_slacks slacks = {};
-  bool awaits_clock = false;     ///< it does not tick before on_clock()
-  duration ack_wait = 500ms;     ///< transport::messenger_config's
-  std::size_t sends_max = 64;    ///< reliable messages in flight
-  std::size_t channels_max = 64; ///< streams; synaptic channels each way; a quarter of the tunnels
-  std::uint8_t vector_max = 64;  ///< elements of a synaptic channel
+  bool awaits_clock = false;  ///< it does not tick before on_clock()
+  duration ack_wait = 500ms;  ///< transport::messenger_config's
+  std::size_t sends_max = 64; ///< reliable messages in flight
+  std::size_t channels_max =
+      64; ///< streams; synaptic channels in each direction; a quarter of the tunnels
+  std::uint8_t vector_max = 64; ///< elements of a synaptic channel
 };
 
 struct pc_counters {
@@ -62,7 +63,7 @@ public:
   pc(pc_config config, random_stream rng);
 
   /// A program on this PC. Commands that are not given from within an event are preceded by begin()
-  /// and followed by settle(). @param events outlives this
+  /// and followed by flush(). @param events outlives this
   [[nodiscard]] interface attach(communication_events& events);
 
   /// As layer::observe().
@@ -74,7 +75,7 @@ public:
   }
 
   void begin(instant now) { layer_->set_time(now); }
-  [[nodiscard]] outputs settle();
+  [[nodiscard]] outputs flush();
 
   [[nodiscard]] outputs start(instant now); ///< the kernel is up: programs are joined
 
@@ -87,7 +88,8 @@ public:
 
   /// At a gateway: its island has a member more, or one that has been started again (MCK-15).
   [[nodiscard]] outputs on_mote_joined(mote_id mote, byte_view description, instant now);
-  /// At a gateway: whether its sink is heard. While it is not, initCommunications() fails (MCK-13).
+  /// At a gateway: whether its sink is connected. While it is not, initCommunications() fails
+  /// (MCK-13).
   void set_line(bool up) { line_up_ = up; }
   void forget_incarnation(mote_address x) { layer_->forget_incarnation(x); }
 

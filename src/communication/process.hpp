@@ -18,7 +18,7 @@
 
 namespace rubicon::communication {
 
-/// What commands return, and events tell.
+/// What commands return, and events report.
 enum class status : std::uint8_t { FAIL, SUCCESS };
 using enum status;
 
@@ -39,7 +39,7 @@ struct stream_end {
 };
 RUBICON_FIELDS(stream_end, writes_to_self, other, name, rate_ms, qos, buffer_size);
 
-/// The commands of mote/communication.hpp, one each. What can be told from the arguments alone has
+/// The commands of mote/communication.hpp, one each. What the arguments alone show has
 /// been checked there.
 class process {
 public:
@@ -60,7 +60,7 @@ public:
   virtual status write_output(int channel, std::uint8_t k, float value) = 0;
   virtual float read_input(int channel, std::uint8_t index) = 0;
 
-  virtual int open_end(const stream_end& wish) = 0;
+  virtual int open_end(const stream_end& end) = 0;
   virtual int open_sensor(std::uint8_t transducer, std::uint32_t period_ms,
                           stream::sampling kind) = 0;
   virtual int open_local() = 0;

@@ -46,13 +46,13 @@ remote::limits program_port::limits_of(const layer& x) {
 
 void program_port::catch_up(const layer& x) {
   if (x.initialised())
-    tell(remote::initialised{true});
+    send_event(remote::initialised{true});
   if (const auto self = layer_.address())
-    tell(remote::joined{*self, true});
+    send_event(remote::joined{*self, true});
 }
 
 void program_port::on_commands(const remote::commands_batch& x) {
-  told_taken_ = std::min(x.taken, told_);
+  events_acked_ = std::min(x.taken, events_sent_);
   commands_ += x.all.size();
   for (const auto& each : x.all) {
     if (!has_left_)
@@ -75,7 +75,7 @@ std::optional<remote::events_batch> program_port::take_events() {
     const auto here = streams_.find(stream);
     const bool has_ended = here && layer_.has_ended(*here);
     if (has_ended)
-      tell(remote::stream_ended{stream});
+      send_event(remote::stream_ended{stream});
     return has_ended || !here;
   });
   if (events_.empty() && commands_acked_ == commands_)
@@ -84,15 +84,15 @@ std::optional<remote::events_batch> program_port::take_events() {
   return remote::events_batch{commands_, std::exchange(events_, {})};
 }
 
-void program_port::tell(remote::event x) {
-  ++told_;
+void program_port::send_event(remote::event x) {
+  ++events_sent_;
   events_.push_back(std::move(x));
   throttle();
 }
 
-void program_port::tell_if_room(remote::event x) {
+void program_port::send_event_if_room(remote::event x) {
   if (in_flight() < events_max_)
-    tell(std::move(x));
+    send_event(std::move(x));
   else
     ++counters_.dropped;
 }
@@ -118,7 +118,7 @@ void program_port::carry_out(const remote::create_channel& x) {
                              : layer_.create_syn_channel_in(x.other, x.size, x.parameters);
   if (here < 0) {
     ++counters_.refused;
-    tell(remote::channel_created{x.channel, x.is_out, false});
+    send_event(remote::channel_created{x.channel, x.is_out, false});
     return;
   }
   channels_.add(x.channel, here);
@@ -158,7 +158,7 @@ void program_port::on_created(int channel, bool is_out, status success) {
   const auto id = channels_.program(channel);
   if (!id)
     return;
-  tell(remote::channel_created{*id, is_out, success == SUCCESS});
+  send_event(remote::channel_created{*id, is_out, success == SUCCESS});
   if (success == SUCCESS)
     return;
   channels_.erase(*id);
@@ -173,7 +173,7 @@ void program_port::createSynChannelInDone(int channel, status success) {
   on_created(channel, false, success);
 }
 
-/// The layer tells all elements of a vector one after the other.
+/// The layer reports all elements of a vector one after the other.
 void program_port::syn_input_update(int channel, std::uint8_t index, synaptic::input_status how) {
   const auto id = channels_.program(channel);
   if (!id || index > 0)
@@ -181,7 +181,7 @@ void program_port::syn_input_update(int channel, std::uint8_t index, synaptic::i
   std::vector<float> values(sizes_.at(*id));
   for (std::size_t i = 0; i < values.size(); ++i)
     values[i] = layer_.read_input(channel, static_cast<std::uint8_t>(i));
-  tell_if_room(
+  send_event_if_room(
       remote::inputs_shown{*id, how == synaptic::input_status::updated, std::move(values)});
 }
 
@@ -190,12 +190,12 @@ void program_port::carry_out(const remote::want_ticks&) {
 }
 
 void program_port::clock_tick(std::uint32_t tick) {
-  tell_if_room(remote::ticked{tick});
+  send_event_if_room(remote::ticked{tick});
 }
 
 void program_port::synChannelFailed(int channel) {
   if (const auto id = channels_.program(channel))
-    tell(remote::channel_failed{*id});
+    send_event(remote::channel_failed{*id});
 }
 
 // Streams.
@@ -204,14 +204,14 @@ void program_port::keep_open(std::uint16_t stream, int here) {
   if (here > 0)
     streams_.add(stream, here);
   else
-    ++counters_.refused; // reads and writes will tell
+    ++counters_.refused; // reads and writes will fail
 }
 
 void program_port::carry_out(const remote::open_end& x) {
   const auto here = layer_.open_end(x.end);
   keep_open(x.stream, here);
   if (here < 0)
-    tell(remote::stream_opened{x.stream, x.end.name, false, {}});
+    send_event(remote::stream_opened{x.stream, x.end.name, false, {}});
   else
     ends_.insert(x.stream);
 }
@@ -237,7 +237,7 @@ void program_port::carry_out(const remote::read_stream& x) {
   if (here && layer_.read(*here, static_cast<std::size_t>(x.octets)) == SUCCESS)
     return;
   ++counters_.refused;
-  tell(remote::record_read{x.stream, {}, false});
+  send_event(remote::record_read{x.stream, {}, false});
 }
 
 void program_port::carry_out(const remote::write_stream& x) {
@@ -245,22 +245,22 @@ void program_port::carry_out(const remote::write_stream& x) {
   if (here && layer_.write(*here, x.record.view()) >= 0)
     return;
   ++counters_.refused;
-  tell(remote::record_read{x.stream, {}, false});
+  send_event(remote::record_read{x.stream, {}, false});
 }
 
 void program_port::openRemoteDone(int stream, std::uint16_t name, status success) {
   const auto id = streams_.program(stream);
   if (!id)
     return;
-  tell(remote::stream_opened{*id, name, success == SUCCESS,
-                             layer_.latency_bound(stream).value_or(duration{})});
+  send_event(remote::stream_opened{*id, name, success == SUCCESS,
+                                   layer_.latency_bound(stream).value_or(duration{})});
   if (success == FAIL)
     streams_.erase(*id);
 }
 
 void program_port::readDone(int stream, byte_view record, status success) {
   if (const auto id = streams_.program(stream))
-    tell(remote::record_read{*id, payload(to_bytes(record)), success == SUCCESS});
+    send_event(remote::record_read{*id, payload(to_bytes(record)), success == SUCCESS});
 }
 
 // Messages.
@@ -270,7 +270,7 @@ void program_port::carry_out(const remote::send_message& x) {
   if (!number) {
     ++counters_.refused;
     if (x.reliable)
-      tell(remote::send_ended{x.number, false});
+      send_event(remote::send_ended{x.number, false});
   } else if (x.reliable) {
     sends_[*number] = x.number;
   }
@@ -279,7 +279,7 @@ void program_port::carry_out(const remote::send_message& x) {
 void program_port::carry_out(const remote::provide_type& x) {
   if (layer_.provide(x.am_type) == FAIL) {
     ++counters_.refused;
-    tell(remote::type_refused{x.am_type});
+    send_event(remote::type_refused{x.am_type});
     return;
   }
   types_.insert(x.am_type);
@@ -301,11 +301,11 @@ void program_port::carry_out(const remote::hold_type& x) {
 void program_port::ackOf(std::uint32_t number, status success) {
   const auto id = sends_.extract(number);
   if (!id.empty())
-    tell(remote::send_ended{id.mapped(), success == SUCCESS});
+    send_event(remote::send_ended{id.mapped(), success == SUCCESS});
 }
 
 void program_port::receiveFrom(mote_address source, byte_view octets, std::uint8_t am_type) {
-  tell_if_room(remote::message_received{source, am_type, payload(to_bytes(octets))});
+  send_event_if_room(remote::message_received{source, am_type, payload(to_bytes(octets))});
 }
 
 // What the mote carries.
@@ -314,22 +314,22 @@ void program_port::carry_out(const remote::read_transducers& x) {
   if (layer_.read_transducers(x.kinds) == SUCCESS)
     return;
   ++counters_.refused;
-  tell(remote::transducers_read{});
+  send_event(remote::transducers_read{});
 }
 
 void program_port::carry_out(const remote::set_actuator& x) {
   if (layer_.set_actuator(x.name, x.state) == SUCCESS)
     return;
   ++counters_.refused;
-  tell(remote::actuator_changed{x.name, 0, false});
+  send_event(remote::actuator_changed{x.name, 0, false});
 }
 
 void program_port::transducersRead(std::span<const std::int16_t> counts, std::uint32_t time_ms) {
-  tell(remote::transducers_read{{counts.begin(), counts.end()}, time_ms});
+  send_event(remote::transducers_read{{counts.begin(), counts.end()}, time_ms});
 }
 
 void program_port::actuatorChanged(std::string_view name, std::uint8_t state, bool obeyed) {
-  tell(remote::actuator_changed{std::string(name), state, obeyed});
+  send_event(remote::actuator_changed{std::string(name), state, obeyed});
 }
 
 // Membership.
@@ -342,7 +342,7 @@ void program_port::carry_out(const remote::join& x) {
   if (layer_.joinIsland(x.description.view()) == SUCCESS)
     return;
   ++counters_.refused;
-  tell(remote::joined{});
+  send_event(remote::joined{});
 }
 
 void program_port::carry_out(const remote::leave&) {
@@ -350,21 +350,21 @@ void program_port::carry_out(const remote::leave&) {
 }
 
 void program_port::initCommunicationsDone(status success) {
-  tell(remote::initialised{success == SUCCESS});
+  send_event(remote::initialised{success == SUCCESS});
 }
 
 /// The address may have an island beyond one octet.
 void program_port::joined(island_octet island, std::uint16_t mote, status success) {
-  const mote_address told{island_id(island), mote_id(mote)};
-  tell(remote::joined{layer_.address().value_or(told), success == SUCCESS});
+  const mote_address given{island_id(island), mote_id(mote)};
+  send_event(remote::joined{layer_.address().value_or(given), success == SUCCESS});
 }
 
 void program_port::moteJoined(std::uint16_t mote, byte_view description) {
-  tell(remote::mote_joined{mote_id(mote), payload(to_bytes(description))});
+  send_event(remote::mote_joined{mote_id(mote), payload(to_bytes(description))});
 }
 
 void program_port::outputsWanted(std::span<const output_wanted> all) {
-  tell(remote::outputs_asked{{all.begin(), all.end()}});
+  send_event(remote::outputs_asked{{all.begin(), all.end()}});
 }
 
 } // namespace rubicon::communication

@@ -22,11 +22,11 @@ struct program_port_counters {
 RUBICON_FIELDS(program_port_counters, refused, dropped);
 
 /// Carries out the program's commands in its node's layer, and makes events for it of what the
-/// layer tells. A program that does not take its events for long gets no reliable messages, as
+/// layer reports. A program that does not take its events for long gets no reliable messages, as
 /// their senders wait (MCK-18), and loses ticks, vectors and unreliable messages.
 class program_port final : public communication_events {
 public:
-  /// What has happened before is told: the node is up, or has joined.
+  /// Events that came before are sent: the node is up, or has joined.
   /// @param node a mote::node, pc or gateway::gateway
   /// @param events_max in flight when things are dropped; reliable messages wait from half of it on
   template <class Node>
@@ -41,13 +41,14 @@ public:
 
   [[nodiscard]] const remote::limits& limits() const { return limits_; }
 
-  /// Between begin() and settle() of the node.
+  /// Between the node's begin() and its settle() or flush().
   void on_commands(const remote::commands_batch& x);
 
-  /// What is to be sent to the program, after each settle() of the node.
+  /// What is to be sent to the program, after each settle() or flush() of the node.
   [[nodiscard]] std::optional<remote::events_batch> take_events();
 
-  /// The program has gone; nothing of this may be used afterwards. Between begin() and settle().
+  /// The program has gone; nothing of this may be used afterwards. At the same
+  /// time as on_commands().
   void leave();
 
   [[nodiscard]] const program_port_counters& counters() const { return counters_; }
@@ -107,10 +108,10 @@ private:
 
   void keep_open(std::uint16_t stream, int here);
   void on_created(int channel, bool is_out, status success);
-  void tell(remote::event x);
-  void tell_if_room(remote::event x);
+  void send_event(remote::event x);
+  void send_event_if_room(remote::event x);
   [[nodiscard]] std::size_t in_flight() const {
-    return static_cast<std::size_t>(told_ - told_taken_);
+    return static_cast<std::size_t>(events_sent_ - events_acked_);
   }
   void throttle();
 
@@ -119,7 +120,7 @@ private:
   std::size_t events_max_ = 0;
   numbering streams_;
   numbering channels_;
-  std::set<std::uint16_t> ends_;                 ///< remote streams whose end is to be told
+  std::set<std::uint16_t> ends_;                 ///< remote streams whose end is to be reported
   std::map<std::uint16_t, std::uint8_t> sizes_;  ///< of synaptic channels
   std::map<std::uint32_t, std::uint32_t> sends_; ///< the layer's number, the program's
   std::set<std::uint8_t> types_;
@@ -128,10 +129,10 @@ private:
   bool is_throttled_ = false;
   bool has_left_ = false;
   remote::events events_;            ///< to be sent
-  std::uint64_t told_ = 0;           ///< events so far
-  std::uint64_t told_taken_ = 0;     ///< of them, by the program
+  std::uint64_t events_sent_ = 0;    ///< events so far
+  std::uint64_t events_acked_ = 0;   ///< of them, acknowledged by the program
   std::uint64_t commands_ = 0;       ///< so far
-  std::uint64_t commands_acked_ = 0; ///< of them, as the program has been told
+  std::uint64_t commands_acked_ = 0; ///< of them, acknowledged to the program
   program_port_counters counters_;
 };
 

@@ -1,4 +1,4 @@
-// What a program in an actor of its own and its node's actor tell each other. The program numbers
+// The messages between a program in an actor of its own and its node's actor. The program numbers
 // its streams, synaptic channels and sends itself; both sides speak of them by its numbers.
 #pragma once
 
@@ -24,7 +24,7 @@ struct limits {
   std::uint32_t transducer_mask = 0;
   std::uint32_t streams_max = 0;
   std::uint32_t record_max = 0;   ///< octets
-  std::uint32_t channels_max = 0; ///< synaptic, each way
+  std::uint32_t channels_max = 0; ///< synaptic, in each direction
   std::uint8_t vector_max = 0;    ///< elements of a synaptic channel
   std::uint32_t sends_max = 0;    ///< reliable ones that have not ended
   std::uint32_t payload_max = 0;  ///< octets of a message
@@ -124,7 +124,7 @@ struct hold_type {
 };
 RUBICON_FIELDS(hold_type, am_type, holds);
 
-/// The program wants to hear of each tick.
+/// The program wants to be notified of each tick.
 struct want_ticks {};
 RUBICON_FIELDS(want_ticks);
 

@@ -19,7 +19,7 @@ std::size_t remote_process::commands_in_flight() const {
   return static_cast<std::size_t>(sent_ - sent_taken_) + commands_.size();
 }
 
-std::optional<remote::commands_batch> remote_process::settle() {
+std::optional<remote::commands_batch> remote_process::flush() {
   dispatch();
   order_holds();
   if (commands_.empty() && events_acked_ == events_)
@@ -29,7 +29,7 @@ std::optional<remote::commands_batch> remote_process::settle() {
   return remote::commands_batch{events_, std::exchange(commands_, {})};
 }
 
-/// As at the node, the program hears of things when all are as they are now.
+/// As at the node, events reach the program when the state is complete.
 void remote_process::on_events(const remote::events_batch& x, instant now) {
   now_ = now;
   sent_taken_ = std::min(x.taken, sent_);
@@ -42,9 +42,9 @@ void remote_process::on_events(const remote::events_batch& x, instant now) {
 void remote_process::dispatch() {
   if (std::exchange(dispatching_, true))
     return;
-  for (; !told_.empty() && program_ != nullptr; told_.pop_front())
-    told_.front()(*program_);
-  told_.clear();
+  for (; !pending_events_.empty() && program_ != nullptr; pending_events_.pop_front())
+    pending_events_.front()(*program_);
+  pending_events_.clear();
   dispatching_ = false;
 }
 
@@ -98,8 +98,8 @@ int remote_process::create_syn_channel(bool is_out, mote_address other, std::uin
   return id;
 }
 
-void remote_process::tell_created(std::uint16_t channel, bool is_out, bool success) {
-  told_.emplace_back([=](auto& x) {
+void remote_process::report_created(std::uint16_t channel, bool is_out, bool success) {
+  pending_events_.emplace_back([=](auto& x) {
     if (is_out)
       x.createSynChannelOutDone(channel, status_of(success));
     else
@@ -113,7 +113,7 @@ status remote_process::dispose_syn_channel(int channel) {
     return refuse();
   const auto id = static_cast<std::uint16_t>(channel);
   if (x->at == phase::opening)
-    tell_created(id, x->is_out, false);
+    report_created(id, x->is_out, false);
   channels_.erase(id);
   commands_.emplace_back(remote::dispose_channel{id});
   return SUCCESS;
@@ -169,13 +169,13 @@ float remote_process::read_input(int channel, std::uint8_t index) {
 
 void remote_process::apply(const remote::channel_created& x) {
   auto* row = find(channels_, x.channel);
-  if (row == nullptr) // disposed of in the meantime, and told
+  if (row == nullptr) // disposed of in the meantime, and reported
     return;
   if (x.success)
     row->at = phase::open;
   else
     channels_.erase(x.channel);
-  tell_created(x.channel, x.is_out, x.success);
+  report_created(x.channel, x.is_out, x.success);
 }
 
 void remote_process::apply(const remote::inputs_shown& x) {
@@ -185,7 +185,7 @@ void remote_process::apply(const remote::inputs_shown& x) {
   row->values = x.values;
   const auto how = x.updated ? synaptic::input_status::updated : synaptic::input_status::missed;
   for (std::size_t i = 0; i < x.values.size(); ++i)
-    told_.emplace_back([channel = x.channel, i, how](auto& y) {
+    pending_events_.emplace_back([channel = x.channel, i, how](auto& y) {
       y.syn_input_update(channel, static_cast<std::uint8_t>(i), how);
     });
 }
@@ -196,11 +196,11 @@ void remote_process::apply(const remote::channel_failed& x) {
     return;
   row->at = phase::ended;
   row->is_active = false;
-  told_.emplace_back([channel = x.channel](auto& y) { y.synChannelFailed(channel); });
+  pending_events_.emplace_back([channel = x.channel](auto& y) { y.synChannelFailed(channel); });
 }
 
 void remote_process::apply(const remote::ticked& x) {
-  told_.emplace_back([tick = x.tick](auto& y) { y.clock_tick(tick); });
+  pending_events_.emplace_back([tick = x.tick](auto& y) { y.clock_tick(tick); });
 }
 
 // Messages.
@@ -241,7 +241,7 @@ void remote_process::release(std::uint8_t am_type) {
   held_.erase(am_type);
 }
 
-/// The node is told what is held at the end, so that these commands need no room.
+/// Holds are sent to the node last, so that these commands need no room.
 void remote_process::order_holds() {
   for (const auto x : types_) {
     const bool holds = held_.contains(x);
@@ -256,24 +256,27 @@ void remote_process::order_holds() {
 }
 
 void remote_process::apply(const remote::send_ended& x) {
-  const auto found = std::ranges::find(sends_, x.number, &unsettled::number);
+  const auto found = std::ranges::find(sends_, x.number, &pending_send::number);
   if (found == sends_.end())
     return;
   found->acked = x.acked;
-  told_.emplace_back([x](auto& y) { y.ackOf(x.number, status_of(x.acked)); });
+  pending_events_.emplace_back([x](auto& y) { y.ackOf(x.number, status_of(x.acked)); });
   for (; !sends_.empty() && sends_.front().acked; sends_.pop_front())
-    told_.emplace_back([acked = *sends_.front().acked](auto& y) { y.ack(status_of(acked)); });
+    pending_events_.emplace_back(
+        [acked = *sends_.front().acked](auto& y) { y.ack(status_of(acked)); });
 }
 
 void remote_process::apply(const remote::message_received& x) {
-  told_.emplace_back([x](auto& y) { y.receiveFrom(x.source, x.octets.view(), x.am_type); });
+  pending_events_.emplace_back(
+      [x](auto& y) { y.receiveFrom(x.source, x.octets.view(), x.am_type); });
 }
 
 void remote_process::apply(const remote::type_refused& x) {
   types_.erase(x.am_type);
   held_.erase(x.am_type);
   held_at_node_.erase(x.am_type);
-  told_.emplace_back([am_type = x.am_type](auto& y) { y.receive(0, 0, {}, am_type, FAIL); });
+  pending_events_.emplace_back(
+      [am_type = x.am_type](auto& y) { y.receive(0, 0, {}, am_type, FAIL); });
 }
 
 // What the mote carries.
@@ -293,11 +296,11 @@ status remote_process::set_actuator(std::string_view name, std::uint8_t state) {
 }
 
 void remote_process::apply(const remote::transducers_read& x) {
-  told_.emplace_back([x](auto& y) { y.transducersRead(x.counts, x.time_ms); });
+  pending_events_.emplace_back([x](auto& y) { y.transducersRead(x.counts, x.time_ms); });
 }
 
 void remote_process::apply(const remote::actuator_changed& x) {
-  told_.emplace_back([x](auto& y) { y.actuatorChanged(x.name, x.state, x.obeyed); });
+  pending_events_.emplace_back([x](auto& y) { y.actuatorChanged(x.name, x.state, x.obeyed); });
 }
 
 // Membership.
@@ -318,28 +321,28 @@ status remote_process::join(byte_view description) {
 
 void remote_process::leave() {
   program_ = nullptr;
-  told_.clear();
+  pending_events_.clear();
   commands_.emplace_back(remote::leave{});
 }
 
 void remote_process::apply(const remote::initialised& x) {
   initialised_ = x.success;
-  told_.emplace_back(
+  pending_events_.emplace_back(
       [success = x.success](auto& y) { y.initCommunicationsDone(status_of(success)); });
 }
 
 void remote_process::apply(const remote::joined& x) {
   self_ = x.success ? std::optional(x.self) : std::nullopt;
-  told_.emplace_back(
+  pending_events_.emplace_back(
       [x](auto& y) { y.joined(octet_of(x.self.island), x.self.mote.value, status_of(x.success)); });
 }
 
 void remote_process::apply(const remote::mote_joined& x) {
-  told_.emplace_back([x](auto& y) { y.moteJoined(x.mote.value, x.description.view()); });
+  pending_events_.emplace_back([x](auto& y) { y.moteJoined(x.mote.value, x.description.view()); });
 }
 
 void remote_process::apply(const remote::outputs_asked& x) {
-  told_.emplace_back([x](auto& y) { y.outputsWanted(x.all); });
+  pending_events_.emplace_back([x](auto& y) { y.outputsWanted(x.all); });
 }
 
 } // namespace rubicon::communication

@@ -31,7 +31,7 @@ RUBICON_FIELDS(remote_counters, refused, before_join, no_room, bad_reads);
 /// node's tables. program_port at the node carries them out, and refuses what only the node knows.
 ///
 /// Whoever owns one calls begin() before commands that are not given from within an event, and
-/// sends what settle() gives after each of its functions.
+/// sends what flush() returns after each of its functions.
 class remote_process final : public process {
 public:
   /// @param commands_max that the node has not taken; closing and disposing do not count
@@ -44,7 +44,7 @@ public:
 
   void begin(instant now) { now_ = now; }
   void on_events(const remote::events_batch& x, instant now);
-  [[nodiscard]] std::optional<remote::commands_batch> settle();
+  [[nodiscard]] std::optional<remote::commands_batch> flush();
 
   [[nodiscard]] std::size_t commands_in_flight() const; ///< not taken by the node
   [[nodiscard]] const remote_counters& counters() const { return counters_; }
@@ -59,7 +59,7 @@ public:
   status write_output(int channel, std::uint8_t k, float value) override;
   float read_input(int channel, std::uint8_t index) override;
 
-  int open_end(const stream_end& wish) override;
+  int open_end(const stream_end& end) override;
   int open_sensor(std::uint8_t transducer, std::uint32_t period_ms, stream::sampling kind) override;
   int open_local() override;
   status close(int desc) override;
@@ -88,7 +88,7 @@ public:
 private:
   static constexpr std::uint16_t descriptor_max = 32767;
 
-  using told = std::function<void(communication_events&)>;
+  using pending_event = std::function<void(communication_events&)>;
 
   enum class phase : std::uint8_t { opening, open, ended };
   enum class kind : std::uint8_t { sensor, local, writer, reader };
@@ -112,7 +112,7 @@ private:
     bool is_active = false;
   };
 
-  struct unsettled {
+  struct pending_send {
     std::uint32_t number = 0;
     std::optional<bool> acked; ///< nothing: it has not ended
   };
@@ -154,7 +154,7 @@ private:
   void apply(const remote::joined& x);
   void apply(const remote::mote_joined& x);
   void apply(const remote::outputs_asked& x);
-  void tell_created(std::uint16_t channel, bool is_out, bool success);
+  void report_created(std::uint16_t channel, bool is_out, bool success);
   void dispatch();
   void order_holds();
 
@@ -169,19 +169,19 @@ private:
   std::map<std::uint16_t, channel_row> channels_;
   std::uint16_t last_stream_ = 0;
   std::uint16_t last_channel_ = 0;
-  std::deque<unsettled> sends_; ///< ack() keeps their order (A-56)
+  std::deque<pending_send> sends_; ///< ack() keeps their order (A-56)
   std::uint32_t last_number_ = 0;
   std::set<std::uint8_t> types_;
   std::set<std::uint8_t> held_;         ///< of these, by the program
-  std::set<std::uint8_t> held_at_node_; ///< as the node has been told
+  std::set<std::uint8_t> held_at_node_; ///< as sent to the node
 
-  std::deque<told> told_;
+  std::deque<pending_event> pending_events_;
   bool dispatching_ = false;
   remote::commands commands_;      ///< to be sent
   std::uint64_t sent_ = 0;         ///< commands so far
   std::uint64_t sent_taken_ = 0;   ///< of them, by the node
   std::uint64_t events_ = 0;       ///< so far
-  std::uint64_t events_acked_ = 0; ///< of them, as the node has been told
+  std::uint64_t events_acked_ = 0; ///< of them, acknowledged to the node
   remote_counters counters_;
 };
 

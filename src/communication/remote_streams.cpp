@@ -12,19 +12,19 @@ bool remote_process::has_stream(kind what, std::uint16_t name) const {
       streams_, [&](const auto& x) { return x.second.what == what && x.second.name == name; });
 }
 
-int remote_process::open_end(const stream_end& wish) {
-  const auto to = self_ ? resolved(wish.other, own_island) : wish.other;
-  const auto what = to == self_ && !wish.writes_to_self ? kind::reader : kind::writer;
-  if (!may_talk() || to.mote == broadcast_mote || wish.buffer_size == 0 ||
-      wish.buffer_size > node_.record_max || has_stream(what, wish.name) ||
+int remote_process::open_end(const stream_end& end) {
+  const auto to = self_ ? resolved(end.other, own_island) : end.other;
+  const auto what = to == self_ && !end.writes_to_self ? kind::reader : kind::writer;
+  if (!may_talk() || to.mote == broadcast_mote || end.buffer_size == 0 ||
+      end.buffer_size > node_.record_max || has_stream(what, end.name) ||
       streams_.size() >= node_.streams_max || !has_room()) {
     refuse();
     return -1;
   }
   const auto id =
       add(streams_, last_stream_,
-          {.what = what, .is_opening = true, .record_max = wish.buffer_size, .name = wish.name});
-  commands_.emplace_back(remote::open_end{id, wish});
+          {.what = what, .is_opening = true, .record_max = end.buffer_size, .name = end.name});
+  commands_.emplace_back(remote::open_end{id, end});
   return id;
 }
 
@@ -36,10 +36,10 @@ int remote_process::open_sensor(std::uint8_t transducer, std::uint32_t period_ms
     refuse();
     return -1;
   }
-  remote::open_sensor wish{0, transducer, is_periodic, period_ms};
-  wish.stream = add(streams_, last_stream_, {.what = kind::sensor, .sensor = wish});
-  commands_.emplace_back(wish);
-  return wish.stream;
+  remote::open_sensor command{0, transducer, is_periodic, period_ms};
+  command.stream = add(streams_, last_stream_, {.what = kind::sensor, .sensor = command});
+  commands_.emplace_back(command);
+  return command.stream;
 }
 
 int remote_process::open_local() {
@@ -58,9 +58,10 @@ status remote_process::close(int desc) {
     return refuse();
   const auto id = static_cast<std::uint16_t>(desc);
   if (x->is_opening)
-    told_.emplace_back([id, name = x->name](auto& y) { y.openRemoteDone(id, name, FAIL); });
+    pending_events_.emplace_back(
+        [id, name = x->name](auto& y) { y.openRemoteDone(id, name, FAIL); });
   if (x->is_reading)
-    told_.emplace_back([id](auto& y) { y.readDone(id, {}, FAIL); });
+    pending_events_.emplace_back([id](auto& y) { y.readDone(id, {}, FAIL); });
   streams_.erase(id);
   commands_.emplace_back(remote::close_stream{id});
   return SUCCESS;
@@ -98,14 +99,15 @@ std::optional<duration> remote_process::latency_bound(int desc) const {
 
 void remote_process::apply(const remote::stream_opened& x) {
   auto* row = find(streams_, x.stream);
-  if (row == nullptr) // closed in the meantime, and told
+  if (row == nullptr) // closed in the meantime, and reported
     return;
   row->is_opening = false;
   if (x.latency_bound > duration{})
     row->latency_bound = x.latency_bound;
   if (!x.success)
     streams_.erase(x.stream);
-  told_.emplace_back([x](auto& y) { y.openRemoteDone(x.stream, x.name, status_of(x.success)); });
+  pending_events_.emplace_back(
+      [x](auto& y) { y.openRemoteDone(x.stream, x.name, status_of(x.success)); });
 }
 
 void remote_process::apply(const remote::record_read& x) {
@@ -114,7 +116,8 @@ void remote_process::apply(const remote::record_read& x) {
     return;
   row->is_reading = false;
   row->has_ended = row->has_ended || !x.success;
-  told_.emplace_back([x](auto& y) { y.readDone(x.stream, x.record.view(), status_of(x.success)); });
+  pending_events_.emplace_back(
+      [x](auto& y) { y.readDone(x.stream, x.record.view(), status_of(x.success)); });
 }
 
 void remote_process::apply(const remote::stream_ended& x) {

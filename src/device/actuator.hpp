@@ -37,13 +37,13 @@ public:
   [[nodiscard]] const actuator_config& config() const { return config_; }
 
 private:
-  /// How far along the way from 0 it is, as the time it takes to come there.
-  [[nodiscard]] duration way(instant now) const;
-  [[nodiscard]] duration way_to(std::uint8_t state) const;
+  /// The time that it takes from 0 to where it is.
+  [[nodiscard]] duration travel_at(instant now) const;
+  [[nodiscard]] duration travel_of(std::uint8_t state) const;
 
   actuator_config config_;
   std::uint8_t target_ = 0;
-  duration from_{}; ///< along the way, when it last began to move
+  duration from_{}; ///< travel_at() when it last began to move
   instant begin_;   ///< of that movement
   std::optional<instant> arrival_;
 };

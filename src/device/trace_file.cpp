@@ -339,14 +339,14 @@ private:
   }
 
   void keep_last_of_each_time(time_series& series) {
-    std::size_t kept = 0;
+    std::size_t last = 0;
     for (std::size_t i = 1; i < series.size(); ++i) {
-      if (series[i].first != series[kept].first)
-        ++kept;
-      series[kept] = series[i];
+      if (series[i].first != series[last].first)
+        ++last;
+      series[last] = series[i];
     }
-    table_.repeated += series.size() - (kept + 1);
-    series.resize(kept + 1);
+    table_.repeated += series.size() - (last + 1);
+    series.resize(last + 1);
   }
 
   line_reader lines_;

@@ -16,7 +16,7 @@
 
 namespace rubicon::device {
 
-/// A time as a trace tells it.
+/// A time as a trace gives it.
 struct trace_time {
   bool is_date = false;
   duration since{};             ///< the beginning of 2000 for a date, 0 otherwise
@@ -31,11 +31,11 @@ struct trace_time {
 /// Which number of a date comes first, if the year does not. Between dots it is the day.
 enum class day_order : std::uint8_t { unset, day_first, month_first };
 
-/// How times are written, where that does not tell by itself.
+/// How times are written, where their text does not show it.
 struct time_form {
   day_order order = day_order::unset;
   double per_second =
-      0;              ///< of the unit of numbers, 1, 1e3, 1e6 or 1e9; 0: how large they are tells
+      0; ///< of the unit of numbers, 1, 1e3, 1e6 or 1e9; 0: inferred from how large they are
   bool comma = false; ///< numbers may have a decimal comma
 
   friend auto operator<=>(const time_form&, const time_form&) = default;
@@ -58,12 +58,13 @@ inline constexpr double trace_value_max = 1e15; ///< and its negative
 
 /// How a trace is written, and which column is wanted.
 struct trace_format {
-  std::optional<char> separator;    ///< a blank stands for any blanks and tabs; unset: line 1 tells
+  std::optional<char>
+      separator; ///< a blank stands for any blanks and tabs; unset: inferred from line 1
   std::vector<std::string> columns; ///< empty: line 1 names them
   std::string time_column = "time";
   std::string date_column; ///< stands before the time; empty: none
   std::string mote_column; ///< empty: none
-  std::string name_column; ///< tells what the value of a line is of; empty: lines have all values
+  std::string name_column; ///< names what the value of a line is of; empty: lines have all values
   std::string name;        ///< which of these is wanted
   std::string value_column;
   time_form times;

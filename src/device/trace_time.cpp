@@ -260,7 +260,7 @@ std::optional<double> parse_trace_number(std::string_view x, bool comma) {
   std::string text;
   if (const auto at = comma ? x.find(',') : std::string_view::npos; at != std::string_view::npos) {
     if (x.find('.') != std::string_view::npos)
-      return std::nullopt; // thousands in one of two ways
+      return std::nullopt; // a separator of thousands, in one convention or the other
     text = x;
     text[at] = '.';
     x = text;

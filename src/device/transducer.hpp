@@ -23,7 +23,7 @@ struct reader {
 [[nodiscard]] double value_of(const transducer_config& config, instant now, random_stream& rng,
                               const reader& who = {});
 
-/// The reading a mote sends: round(value / resolution), kept within a signed 16-bit count.
+/// The reading a mote sends: round(value / resolution), clamped to a signed 16-bit count.
 [[nodiscard]] std::int16_t sample(const transducer_config& config, instant now, random_stream& rng,
                                   const reader& who = {});
 

@@ -1,4 +1,4 @@
-// The way of a mote that moves, in steps.
+// The walk of a mote that moves, in steps.
 #pragma once
 
 #include <optional>

@@ -36,7 +36,7 @@ void directory::on_announcement(peer_id source, byte_view octets, instant now) {
 
 bool directory::on_time(instant now) {
   std::erase_if(known_, [&](const auto& x) {
-    return x.second.heard + config_.missed_max * config_.period <= now;
+    return x.second.last_received + config_.missed_max * config_.period <= now;
   });
   if (!due_ || *due_ > now)
     return false;
@@ -73,7 +73,7 @@ peer_id directory::gateway_for(island_id called) const {
     return primary;
   const known_gateway* newest = nullptr;
   for (const auto& [peer, x] : known_) {
-    if (x.said.island == island && (newest == nullptr || x.heard > newest->heard))
+    if (x.said.island == island && (newest == nullptr || x.last_received > newest->last_received))
       newest = &x;
   }
   return newest == nullptr ? primary : newest->peer;

@@ -18,8 +18,8 @@ namespace rubicon::gateway {
 struct directory_config {
   duration first_gap = 1s; ///< between our first announcements; each further gap is twice as long,
   duration period = 10s;   ///< up to this
-  duration answer_max = 500ms;     ///< a gateway not heard before gets an answer within this
-  unsigned missed_max = 3;         ///< a gateway not heard for so many periods is gone
+  duration answer_max = 500ms;     ///< a new gateway gets an answer within this
+  unsigned missed_max = 3;         ///< a gateway silent for so many periods is gone
   std::size_t gateways_max = 4096; ///< further ones are not noted
 };
 
@@ -33,7 +33,7 @@ RUBICON_FIELDS(directory_counters, heard, foreign, refused);
 struct known_gateway {
   peer_id peer;
   announcement said;
-  instant heard;
+  instant last_received;
   instant claimed = {}; ///< when it first said that it leads, if it does
 };
 
@@ -56,16 +56,16 @@ public:
   [[nodiscard]] bool on_time(instant now);
   [[nodiscard]] std::optional<instant> deadline() const;
 
-  /// The role of ours has changed: others are told soon.
+  /// Our role has changed: it is announced soon.
   void announce_soon(instant now) {
     gap_ = config_.first_gap;
     due_ = now;
   }
 
   /// The gateway that messages for an island go to: the one that leads it; without such, that with
-  /// the island's id while it is heard, or was never heard at all; else the one heard last of those
-  /// that serve it too. An island may be called by the id of any gateway that it was ever heard to
-  /// have.
+  /// the island's id while it announces itself, or if it never has; else the last received one of
+  /// those that serve it too. An island may be called by the id of any gateway that was ever
+  /// announced for it.
   [[nodiscard]] peer_id gateway_for(island_id island) const;
 
   /// The one that says it leads, the last to say so; nothing: nobody does.
@@ -87,7 +87,7 @@ private:
   directory_config config_;
   random_stream rng_;
   std::map<peer_id, known_gateway> known_;
-  std::map<peer_id, island_id> aliases_; ///< ever heard, also of gateways that have gone
+  std::map<peer_id, island_id> aliases_; ///< ever announced, also of gateways that have gone
   duration gap_{};
   std::optional<instant> due_; ///< our next announcement
   directory_counters counters_;

@@ -38,7 +38,7 @@ gateway::gateway(gateway_config config, random_stream rng)
       messages_(std::make_unique<device_messages>()), fragments_({.packets_max = assemblies_max}),
       others_(config_.others, random_stream(rng.next())) {
   rng_ = random_stream(rng.next());
-  pc_.set_line(false); // until the sink is heard
+  pc_.set_line(false); // until the sink has sent
   messages_->layer = pc_.attach_for_rest(*messages_);
 }
 
@@ -49,7 +49,7 @@ void gateway::observe(std::function<void(const communication::program_note&)> ob
 
 outputs gateway::start(instant now) {
   now_ = now;
-  clock_settled_ = config_.incarnation > 0 ? now + config_.clock_settling : now;
+  clock_valid_from_ = config_.incarnation > 0 ? now + config_.clock_wait : now;
   outputs out{device_list(), text_tuple(std::string(device_line_key), line_text("silent", now)),
               ask_about(broadcast_mote)}; // the sink may have run for long
   others_.start(now);
@@ -70,7 +70,7 @@ communication::interface gateway::attach(communication::communication_events& ev
 outputs gateway::on_packet(mote_id source, std::uint8_t am_type, byte_view payload, instant now) {
   now_ = now;
   outputs out;
-  on_line_heard(out);
+  on_line_input(out);
   refresh(source, out);
   std::ranges::move(dispatch(source, am_type, payload, now), std::back_inserter(out));
   return out;
@@ -99,8 +99,8 @@ outputs gateway::dispatch(mote_id source, std::uint8_t am_type, byte_view payloa
   return more;
 }
 
-void gateway::on_line_heard(outputs& out) {
-  const auto before = std::exchange(line_heard_, now_);
+void gateway::on_line_input(outputs& out) {
+  const auto before = std::exchange(last_line_input_, now_);
   if (std::exchange(line_up_, true))
     return;
   pc_.set_line(true);
@@ -108,7 +108,7 @@ void gateway::on_line_heard(outputs& out) {
   out.emplace_back(line_changed{true, before ? now_ - *before : duration{}});
 }
 
-/// A mote was heard.
+/// A mote has sent: it is not stale.
 void gateway::refresh(mote_id mote, outputs& out) {
   const auto listed = devices_.find(mote);
   if (listed != devices_.end() && std::exchange(listed->second.stale, false))
@@ -228,7 +228,7 @@ outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets,
   const auto listed = devices_.find(mote);
   if (listed == devices_.end()) {
     ++counters_.undeliverable;
-    tell_outcome(what, input_outcome::unreachable, out);
+    report_outcome(what, input_outcome::unreachable, out);
     return out;
   }
   listed->second.input_channels.insert(channel);
@@ -249,11 +249,11 @@ void gateway::submit(const pending_input& x, byte_view octets, outputs& out) {
                           : messages_->layer->send_numbered({config_.island, x.mote}, octets, true,
                                                             static_cast<std::uint8_t>(x.channel));
   if (!number) {
-    tell_outcome(x, input_outcome::failed, out);
+    report_outcome(x, input_outcome::failed, out);
     return;
   }
   pending_[*number] = x;
-  for (auto& each : settle())
+  for (auto& each : flush())
     out.push_back(std::move(each));
 }
 
@@ -272,10 +272,11 @@ outputs gateway::on_time(instant now) {
   if (lead_.leads())
     std::ranges::move(take(pc_.on_time(now)), std::back_inserter(out));
   fail_waiting(now, out);
-  if (line_up_ && *line_heard_ + silence_max() <= now) {
+  if (line_up_ && *last_line_input_ + silence_max() <= now) {
     line_up_ = false;
     pc_.set_line(false);
-    out.emplace_back(text_tuple(std::string(device_line_key), line_text("silent", *line_heard_)));
+    out.emplace_back(
+        text_tuple(std::string(device_line_key), line_text("silent", *last_line_input_)));
     out.emplace_back(line_changed{});
     make_stale(out);
   }
@@ -293,7 +294,7 @@ std::optional<instant> gateway::deadline() const {
   if (lead_.leads())
     due = earliest(due, earliest(pc_.deadline(), requests_.deadline()));
   if (line_up_)
-    due = earliest(due, *line_heard_ + silence_max());
+    due = earliest(due, *last_line_input_ + silence_max());
   for (const auto& [number, x] : waiting_)
     due = earliest(due, x.expires);
   return due;
@@ -312,7 +313,7 @@ void gateway::ask_for_outputs(outputs& out, instant now) {
       requests_.on_outcome(mote, false, now);
     }
   }
-  for (auto& x : settle())
+  for (auto& x : flush())
     out.push_back(std::move(x));
 }
 
@@ -356,7 +357,8 @@ void gateway::publish_outcome(const transport::outcome& x, outputs& out) {
   const auto found = pending_.extract(x.id);
   if (found.empty())
     return;
-  tell_outcome(found.mapped(), x.acked ? input_outcome::acknowledged : input_outcome::failed, out);
+  report_outcome(found.mapped(), x.acked ? input_outcome::acknowledged : input_outcome::failed,
+                 out);
 }
 
 outputs gateway::remove(mote_id mote, network::leave_cause cause) {

@@ -104,7 +104,7 @@ struct member_changed {
 /// Nothing has come from the sink for a while, or something again (GW-15).
 struct line_changed {
   bool up = false;
-  duration silence{}; ///< how long it was not heard, when it is up again
+  duration silence{}; ///< for how long nothing came, when it is up again
 };
 
 using output = std::variant<publish, erase, to_sink, answer_sink, to_plain, to_gateway, relay_to,
@@ -123,8 +123,8 @@ struct gateway_config {
   duration lead_lease = 1500ms;     ///< leadership_config::lease
   duration line_silence_max = 25s;  ///< more than two rosters of its sink without a word
   duration shared_silence_max = 5s; ///< the same of one among several, which its sink polls
-  duration clock_settling =
-      10s;                    ///< a restarted kernel's clock is not told before: it hears others'
+  duration clock_wait =
+      10s; ///< a restarted kernel's clock is not sent before: it first learns others'
   duration rejoin_wait = 60s; ///< a sink that was started again may find its motes until then
   directory_config others{};
   output_requests_config requests{};
@@ -173,9 +173,9 @@ inline constexpr std::uint16_t announcement_port = 20;
 ///   devices.$ID.{status,type,descriptor,output.$CH,input.$CH.status}     written here
 ///   devices.$ID.input.$CH, devices.$ID.output.$CH.period                 written by others
 /// and, of one among several gateways of the island, devices.role and devices.gateways.
-/// It tells motes which output channels somebody subscribes to (GW-10), and publishes all that
-/// comes. Programs on the same PC have the same address; what they do not provide becomes
-/// tuples.
+/// It requests of motes the output channels that somebody subscribes to (GW-10), and publishes all
+/// that comes. Programs on the same PC have the same address; what they do not provide
+/// becomes tuples.
 ///
 /// Of several gateways of an island one leads (gateway::leadership): it is the PC of the island.
 /// The others know the same motes, publish no outputs, and pass on to it what they are asked for.
@@ -193,13 +193,13 @@ public:
   /// As communication::layer::observe().
   void observe(std::function<void(const communication::program_note&)> observer);
 
-  /// A program, as in communication::pc. It hears of motes that join (MCK-15).
+  /// A program, as in communication::pc. It is notified of motes that join (MCK-15).
   [[nodiscard]] communication::interface attach(communication::communication_events& events);
   void begin(instant now) {
     now_ = now;
     pc_.begin(now);
   }
-  [[nodiscard]] outputs settle() { return take(pc_.settle()); }
+  [[nodiscard]] outputs flush() { return take(pc_.flush()); }
 
   /// The serial line has delivered a packet from the sink.
   /// @param source mote that it comes from, as the packet says
@@ -210,10 +210,10 @@ public:
   [[nodiscard]] outputs on_plain_packet(const sink_packet& x, instant now);
 
   /// The base station has acknowledged a to_plain, or it is lost: what the mote has of it, nobody
-  /// knows. Each is told so once.
+  /// knows. Called once for each.
   [[nodiscard]] outputs on_plain_done(std::uint64_t number, bool acked, instant now);
 
-  /// The line to them is gone: they are stale until they are heard.
+  /// The line to them is gone: they are stale until they send.
   [[nodiscard]] outputs on_plain_line_lost(instant now);
 
   /// Somebody has written a message for a mote (`devices.$ID.input.$CH`). Its status tuple says
@@ -267,7 +267,7 @@ private:
   struct device {
     std::uint32_t incarnation = 0;
     std::uint64_t said = 0; ///< hash of its type and descriptor
-    bool stale = false;     ///< not heard since the line was lost, or the sink started again
+    bool stale = false;     ///< nothing received since the line was lost, or the sink started again
     bool plain = false;     ///< it understands nothing that a gateway says
     std::set<std::uint16_t> output_channels; ///< those with a tuple, erased when the mote leaves
     std::set<std::uint16_t> input_channels;
@@ -309,7 +309,7 @@ private:
   void change_lead(leadership::change x, outputs& out);
   void take_lead(outputs& out);
   void end_work(outputs& out);
-  void tell_outcome(const pending_input& x, input_outcome outcome, outputs& out) const;
+  void report_outcome(const pending_input& x, input_outcome outcome, outputs& out) const;
   void submit(const pending_input& x, byte_view octets, outputs& out);
   void pass_on(const pending_input& x, byte_view octets, outputs& out);
   [[nodiscard]] outputs pass_on(island_id source, network::gateway_packet x);
@@ -317,7 +317,7 @@ private:
   [[nodiscard]] outputs accept(island_id source, network::gateway_packet x);
   [[nodiscard]] bool is_here(island_id x) const;
   [[nodiscard]] duration silence_max() const;
-  void on_line_heard(outputs& out);
+  void on_line_input(outputs& out);
   void refresh(mote_id mote, outputs& out);
   void make_stale(outputs& out);
   void make_stale(device& x, mote_id mote, outputs& out);
@@ -351,16 +351,16 @@ private:
   std::map<transport::ticket, pending_input> pending_;
   std::map<std::uint64_t, pending_input> plain_pending_; ///< by the number given
   std::uint64_t plain_number_ = 0;
-  std::optional<instant> plain_heard_; ///< a plain mote
-  duration plain_pause_{};             ///< the longest between two of their packets
-  bool is_plain_said_ = false;         ///< while what on_plain_packet() was given is handled
+  std::optional<instant> last_plain_input_; ///< a plain mote
+  duration plain_pause_{};                  ///< the longest between two of their packets
+  bool is_plain_said_ = false;              ///< while what on_plain_packet() was given is handled
   directory others_;
   std::uint16_t strict_counter_ = 0; ///< of what came in the strict form
   output_requests requests_;
   std::map<transport::ticket, mote_id> asked_; ///< requests in flight
   std::optional<duration> clock_offset_;
-  instant clock_settled_;
-  std::optional<instant> line_heard_; ///< nothing: never
+  instant clock_valid_from_;
+  std::optional<instant> last_line_input_; ///< nothing: never
   bool line_up_ = false;
   bool has_own_sink_ = false;
   instant rejoin_until_; ///< before this the sink, started again, may not know all its motes

@@ -1,4 +1,4 @@
-// What the sink tells its gateway.
+// The events that the sink sends its gateway.
 #include <utility>
 
 #include "core/hash.hpp"
@@ -90,7 +90,7 @@ outputs gateway::on_clock(duration offset, instant now) {
 /// Without an answer a sink goes on with what it knows, which is better than a time that others are
 /// about to correct.
 outputs gateway::on_event(const network::time_request& x, instant now) {
-  if (!clock_offset_ || now < clock_settled_)
+  if (!clock_offset_ || now < clock_valid_from_)
     return {};
   const auto time =
       std::chrono::floor<std::chrono::microseconds>(now.time_since_epoch() + *clock_offset_);

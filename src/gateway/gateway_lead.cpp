@@ -95,16 +95,16 @@ void gateway::take_lead(outputs& out) {
   pc_.observe(observer_);
   pc_.set_line(line_up_);
   messages_->layer = pc_.attach_for_rest(*messages_);
-  requests_.forget_told(now_);
+  requests_.forget_confirmed(now_);
   std::ranges::move(take(pc_.start(now_)), std::back_inserter(out));
 }
 
 /// Whoever leads next may have the answers to what was in flight, and does not know the questions.
 void gateway::end_work(outputs& out) {
   for (const auto& [number, x] : std::exchange(pending_, {}))
-    tell_outcome(x, input_outcome::failed, out);
+    report_outcome(x, input_outcome::failed, out);
   for (const auto& [number, x] : std::exchange(waiting_, {}))
-    tell_outcome(x.what, input_outcome::failed, out);
+    report_outcome(x.what, input_outcome::failed, out);
   asked_.clear();
   messages_->received.clear();
   messages_->outcomes.clear();
@@ -114,7 +114,7 @@ void gateway::end_work(outputs& out) {
   }
 }
 
-void gateway::tell_outcome(const pending_input& x, input_outcome outcome, outputs& out) const {
+void gateway::report_outcome(const pending_input& x, input_outcome outcome, outputs& out) const {
   if (x.asker)
     out.emplace_back(relay_to{
         *x.asker, encode(relay(relayed_outcome{static_cast<std::uint32_t>(x.sequence), outcome}))});
@@ -125,11 +125,11 @@ void gateway::tell_outcome(const pending_input& x, input_outcome outcome, output
 void gateway::pass_on(const pending_input& x, byte_view octets, outputs& out) {
   const auto leader = others_.leader_of(config_.island);
   if (!leader) {
-    tell_outcome(x, input_outcome::unreachable, out);
+    report_outcome(x, input_outcome::unreachable, out);
     return;
   }
   if (octets.size() > network::body_max || waiting_.size() >= config_.inputs_outstanding_max) {
-    tell_outcome(x, input_outcome::failed, out);
+    report_outcome(x, input_outcome::failed, out);
     return;
   }
   ++counters_.relayed_out;
@@ -157,7 +157,7 @@ void gateway::fail_waiting(instant now, outputs& out) {
       ++x;
       continue;
     }
-    tell_outcome(x->second.what, input_outcome::failed, out);
+    report_outcome(x->second.what, input_outcome::failed, out);
     x = waiting_.erase(x);
   }
 }
@@ -189,7 +189,7 @@ outputs gateway::on_relayed(peer_id source, relayed_input x) {
   const pending_input what{x.mote, x.channel, x.number, source};
   if (!lead_.leads() || !devices_.contains(x.mote)) {
     ++counters_.undeliverable;
-    tell_outcome(what, input_outcome::unreachable, out);
+    report_outcome(what, input_outcome::unreachable, out);
     return out;
   }
   ++counters_.relayed_in;
@@ -200,7 +200,7 @@ outputs gateway::on_relayed(peer_id source, relayed_input x) {
 outputs gateway::on_relayed(peer_id, const relayed_outcome& x) {
   outputs out;
   if (const auto found = waiting_.extract(x.number); !found.empty())
-    tell_outcome(found.mapped().what, x.outcome, out);
+    report_outcome(found.mapped().what, x.outcome, out);
   return out;
 }
 

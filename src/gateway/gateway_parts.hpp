@@ -44,7 +44,7 @@ inline communication::pc_config pc_of(const gateway_config& config, std::uint32_
   return x;
 }
 
-/// The program that exchanges messages between motes and tuples: keeps what it is told until the
+/// The program that exchanges messages between motes and tuples: queues what it receives until the
 /// gateway takes it.
 class device_messages final : public communication::communication_events {
 public:

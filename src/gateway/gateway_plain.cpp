@@ -10,9 +10,9 @@ outputs gateway::on_plain_packet(const sink_packet& x, instant now) {
   now_ = now;
   outputs out;
   if (!config_.has_real_line)
-    on_line_heard(out);
-  plain_pause_ = std::max(plain_pause_, plain_heard_ ? now - *plain_heard_ : duration{});
-  plain_heard_ = now;
+    on_line_input(out);
+  plain_pause_ = std::max(plain_pause_, last_plain_input_ ? now - *last_plain_input_ : duration{});
+  last_plain_input_ = now;
   refresh(x.source, out);
   is_plain_said_ = true;
   std::ranges::move(dispatch(x.source, x.am_type, x.payload, now), std::back_inserter(out));
@@ -25,14 +25,14 @@ outputs gateway::on_plain_done(std::uint64_t number, bool acked, instant now) {
   outputs out;
   const bool is_sent = acked && !(config_.is_forwarded && is_plain_silent());
   if (const auto found = plain_pending_.extract(number); !found.empty())
-    tell_outcome(found.mapped(), is_sent ? input_outcome::sent : input_outcome::failed, out);
+    report_outcome(found.mapped(), is_sent ? input_outcome::sent : input_outcome::failed, out);
   return out;
 }
 
 /// Whether nothing has come from plain motes for so long that their forwarder may hang.
 bool gateway::is_plain_silent() const {
-  return !plain_heard_ ||
-         now_ - *plain_heard_ >= std::max(config_.line_silence_max, 2 * plain_pause_);
+  return !last_plain_input_ ||
+         now_ - *last_plain_input_ >= std::max(config_.line_silence_max, 2 * plain_pause_);
 }
 
 outputs gateway::on_plain_line_lost(instant now) {

@@ -5,7 +5,7 @@
 namespace rubicon::gateway {
 
 leadership::change leadership::on_poll(const network::gateway_poll& x, instant now) {
-  heard_term_ = std::max(heard_term_, x.term);
+  newest_term_ = std::max(newest_term_, x.term);
   const bool led = lease_until_.has_value();
   if (!x.leads || x.life != config_.life) {
     if (led)

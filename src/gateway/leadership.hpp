@@ -34,7 +34,7 @@ public:
   [[nodiscard]] change on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] std::optional<instant> deadline() const { return lease_until_; }
 
-  [[nodiscard]] network::gateway_answer answer() const { return {config_.life, heard_term_}; }
+  [[nodiscard]] network::gateway_answer answer() const { return {config_.life, newest_term_}; }
   [[nodiscard]] bool alone() const { return config_.alone; }
   [[nodiscard]] bool leads() const { return config_.alone || lease_until_.has_value(); }
   [[nodiscard]] std::uint32_t term() const { return term_; } ///< in which it leads or led last
@@ -47,7 +47,7 @@ private:
 
   leadership_config config_;
   std::uint32_t term_ = 0;
-  std::uint32_t heard_term_ = 0;
+  std::uint32_t newest_term_ = 0;
   std::optional<instant> lease_until_; ///< set while it leads
   instant since_;
   std::uint64_t led_ = 0;

@@ -21,7 +21,8 @@ void shorten(output_requests::wanted& all) {
 } // namespace
 
 output_requests::output_requests(output_requests_config config, bool restarted, instant now)
-    : config_(config), restarted_(restarted), settled_(restarted ? now + config.settling : now) {}
+    : config_(config), restarted_(restarted),
+      withheld_until_(restarted ? now + config.restart_pause : now) {}
 
 void output_requests::on_subscribers(std::span<const std::string> keys, instant now) {
   channels_.clear();
@@ -52,7 +53,7 @@ void output_requests::on_listed(mote_id mote, std::uint32_t incarnation, instant
   auto& x = at->second;
   x.listed = true;
   if (x.incarnation != incarnation || (is_new && !restarted_))
-    x.told = wanted{};
+    x.confirmed = wanted{};
   x.incarnation = incarnation;
   review(mote, x, now + config_.hesitation);
 }
@@ -65,10 +66,10 @@ void output_requests::on_unlisted(mote_id mote) {
   schedule(mote, found->second, std::nullopt);
 }
 
-void output_requests::forget_told(instant now) {
+void output_requests::forget_confirmed(instant now) {
   in_flight_ = 0;
   for (auto& [mote, x] : motes_) {
-    x.told.reset();
+    x.confirmed.reset();
     x.in_flight.reset();
   }
   review_all(now);
@@ -96,9 +97,9 @@ void output_requests::on_outcome(mote_id mote, bool acked, instant now) {
   --in_flight_;
   auto sent = std::exchange(x.in_flight, std::nullopt);
   if (acked && x.asked == x.incarnation)
-    x.told = std::move(sent);
+    x.confirmed = std::move(sent);
   else if (!acked)
-    x.told.reset();
+    x.confirmed.reset();
   review(mote, x, acked ? now : now + config_.retry);
 }
 
@@ -132,10 +133,10 @@ output_requests::wanted output_requests::wanted_of(mote_id mote) const {
 void output_requests::review(mote_id mote, entry& x, instant at) {
   if (!x.listed || x.in_flight)
     return;
-  if (x.told && *x.told == wanted_of(mote))
+  if (x.confirmed && *x.confirmed == wanted_of(mote))
     schedule(mote, x, std::nullopt);
   else if (!x.due)
-    schedule(mote, x, std::max(at, settled_));
+    schedule(mote, x, std::max(at, withheld_until_));
 }
 
 void output_requests::schedule(mote_id mote, entry& x, std::optional<instant> at) {

@@ -22,11 +22,12 @@ struct output_requests_config {
   duration hesitation = 100ms;    ///< after a change: subscriptions come in groups
   duration retry = 10s;           ///< after a request that failed
   std::size_t in_flight_max = 16; ///< motes asked at the same time
-  duration settling = 5s; ///< after a restart: subscribers come back before anybody is told to stop
+  duration restart_pause =
+      5s; ///< after a restart: subscribers come back before any mote is asked to stop
 };
 
-/// Asks each listed mote for all that is wanted of it whenever that differs from what it was told
-/// last. One request is in flight for each mote.
+/// Sends each listed mote all that is wanted of it whenever that differs from what it last
+/// acknowledged. One request is in flight for each mote.
 class output_requests {
 public:
   using wanted = std::vector<communication::output_wanted>;
@@ -51,9 +52,9 @@ public:
   void on_unlisted(mote_id mote);
 
   /// Motes may have been asked by another gateway since, and those asked by us will not answer.
-  void forget_told(instant now);
+  void forget_confirmed(instant now);
 
-  /// Requests to be sent now; the end of each is told by on_outcome().
+  /// Requests to be sent now; the outcome of each is passed to on_outcome().
   [[nodiscard]] std::vector<request> due(instant now);
   void on_outcome(mote_id mote, bool acked, instant now);
 
@@ -66,7 +67,7 @@ private:
   struct entry {
     bool listed = false;
     std::uint32_t incarnation = 0;
-    std::optional<wanted> told; ///< nothing: it may know anything
+    std::optional<wanted> confirmed; ///< last acknowledged; nothing: not known
     std::optional<wanted> in_flight;
     std::uint32_t asked = 0;    ///< incarnation that the request in flight is for
     std::optional<instant> due; ///< as in due_
@@ -78,7 +79,7 @@ private:
 
   output_requests_config config_;
   bool restarted_ = false;
-  instant settled_;
+  instant withheld_until_;
   std::map<mote_id, entry> motes_;
   std::set<std::pair<instant, mote_id>> due_;
   std::map<mote_id, std::set<std::uint16_t>> channels_; ///< subscribed to

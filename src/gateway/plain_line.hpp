@@ -40,7 +40,7 @@ struct plain_line_counters {
 RUBICON_FIELDS(plain_line_counters, packets, taken, dropped, inputs, inputs_sent, inputs_failed);
 
 /// Packets are serial active messages, or raw frames of 802.15.4 from a base station that says
-/// those; it is then spoken to in the same way.
+/// those; packets to it then have the same form.
 class plain_line {
 public:
   plain_line() = default;

@@ -63,7 +63,7 @@ std::optional<std::vector<sink_packet>> plain_motes::on_packet(mote_id source, s
   if (members_.size() == motes_max && !members_.contains(mote))
     return out;
   auto& x = members_[mote];
-  x.heard = now;
+  x.last_received = now;
   if (has_settings(rule->input_form))
     x.version = std::max(x.version, byte_reader(payload).big<std::uint16_t>());
   if (!x.listed) {
@@ -110,12 +110,12 @@ std::optional<plain_packet> plain_motes::on_input(mote_id mote, std::uint16_t ch
   return out;
 }
 
-/// Whoever was there when the line was lost has its time anew.
+/// Motes that were listed when the line was lost get their whole keep-alive time again.
 void plain_motes::on_line(bool there, instant now) {
   if (std::exchange(there_, there) == there || !there)
     return;
   for (auto& [mote, x] : members_)
-    x.heard = now;
+    x.last_received = now;
 }
 
 std::vector<sink_packet> plain_motes::on_time(instant now) {
@@ -123,7 +123,7 @@ std::vector<sink_packet> plain_motes::on_time(instant now) {
   if (!there_)
     return out;
   for (auto& [mote, x] : members_) {
-    if (!x.listed || x.heard + config_.keep_alive > now)
+    if (!x.listed || x.last_received + config_.keep_alive > now)
       continue;
     x.listed = false;
     out.push_back(event_of(mote, network::mote_left{mote, network::leave_cause::silence}));
@@ -137,20 +137,20 @@ std::optional<instant> plain_motes::deadline() const {
     return due;
   for (const auto& [mote, x] : members_)
     if (x.listed)
-      due = earliest(due, std::optional(x.heard + config_.keep_alive));
+      due = earliest(due, std::optional(x.last_received + config_.keep_alive));
   return due;
 }
 
 plain_motes::sender plain_motes::sender_of(mote_id source, std::uint8_t am_type,
                                            byte_view payload) const {
-  std::optional<mote_id> stranger;
+  std::optional<mote_id> unknown_sender;
   for (const auto& rule : config_.rules) {
     const auto mote = rule.am_type == am_type ? address_by(rule, source, payload) : std::nullopt;
     if (mote && rule.first <= mote->value && mote->value <= rule.last)
       return {*mote, &rule};
-    stranger = stranger ? stranger : mote;
+    unknown_sender = unknown_sender ? unknown_sender : mote;
   }
-  return {stranger.value_or(source), nullptr};
+  return {unknown_sender.value_or(source), nullptr};
 }
 
 const plain_rule* plain_motes::input_rule_for(mote_id mote, std::uint16_t channel) const {

@@ -35,7 +35,7 @@ struct plain_packet {
 /// Each address that a rule knows is a device from its first packet on, until it is silent.
 class plain_motes {
 public:
-  static constexpr std::size_t motes_max = 1000; ///< more are not heard
+  static constexpr std::size_t motes_max = 1000; ///< packets of more are dropped
 
   plain_motes() = default;
   explicit plain_motes(plain_config config) : config_(std::move(config)) {}
@@ -52,7 +52,7 @@ public:
   [[nodiscard]] std::optional<std::vector<sink_packet>>
   on_packet(mote_id source, std::uint8_t am_type, byte_view payload, instant now);
 
-  /// What a mote is to be told when this is written to that input of it. @returns nothing if no
+  /// The packet for a mote when this is written to that input of it. @returns nothing if no
   /// rule of its has the input, or the octets are not what the rule's form takes
   [[nodiscard]] std::optional<plain_packet> on_input(mote_id mote, std::uint16_t channel,
                                                      byte_view octets);
@@ -68,10 +68,10 @@ public:
 
 private:
   struct member {
-    instant heard;
+    instant last_received;
     bool listed = false;
     std::uint32_t lives = 0;
-    std::uint16_t version = 0; ///< of Oscilloscope's settings: the newest heard, or said
+    std::uint16_t version = 0; ///< of Oscilloscope's settings: the newest received, or sent
   };
 
   [[nodiscard]] const plain_rule* input_rule_for(mote_id mote, std::uint16_t channel) const;

@@ -1,4 +1,4 @@
-// What gateways of one island tell each other, so that any of their ids addresses it (GW-14): PEIS
+// The messages between gateways of one island, by which any of their ids addresses it (GW-14): PEIS
 // port 22. One octet of kind first, network byte order.
 #pragma once
 

@@ -22,14 +22,14 @@ struct converter {
   components::output operator()(const declare& x) const {
     return components::declare{x.key, x.reference, x.target};
   }
-  components::output operator()(const begun& x) const { return tell("goal: " + x.goal); }
+  components::output operator()(const begun& x) const { return notice("goal: " + x.goal); }
   components::output operator()(const ended& x) const {
     const auto cause =
         x.cause == goal_cause::none ? std::string() : ": " + std::string(to_string(x.cause));
-    return tell(x.goal + ' ' + std::string(to_string(x.outcome)) + cause);
+    return notice(x.goal + ' ' + std::string(to_string(x.outcome)) + cause);
   }
 
-  [[nodiscard]] components::output tell(std::string what) const {
+  [[nodiscard]] components::output notice(std::string what) const {
     return components::tell{std::move(what), core.config().name};
   }
 };

@@ -90,7 +90,7 @@ outputs pursuer::start(instant now) {
   outputs out;
   for (auto& x : outputs_)
     x.due = now;
-  tell_outputs(now, out);
+  publish_outputs(now, out);
   for (const auto& x : config_.inputs) {
     say(x.name, std::string(no_goal), out);
     out.emplace_back(declare{key_of("mi-" + x.name), x.reference, key_of(x.name)});
@@ -115,7 +115,7 @@ outputs pursuer::on_goal(std::string_view text, instant now) {
   const auto found = std::ranges::find(config_.goals, text, &goal_config::text);
   if (found == config_.goals.end()) {
     ++counters_.unknown;
-    tell_end(shown(text), goal_outcome::failed, goal_cause::unknown, out);
+    publish_end(shown(text), goal_outcome::failed, goal_cause::unknown, out);
     return out;
   }
   if (goal_)
@@ -155,7 +155,7 @@ outputs pursuer::on_time(instant now) {
     rest(out);
     end(goal_outcome::failed, goal_cause::timeout, out);
   }
-  tell_outputs(now, out);
+  publish_outputs(now, out);
   return out;
 }
 
@@ -182,10 +182,10 @@ void pursuer::say(std::string_view name, std::string text, outputs& out) const {
 }
 
 void pursuer::say_state(std::string_view name, outputs& out) {
-  if (told_state_ == name)
+  if (published_state_ == name)
     return;
-  told_state_ = name;
-  say("state", told_state_, out);
+  published_state_ = name;
+  say("state", published_state_, out);
 }
 
 void pursuer::begin(std::size_t goal, instant now, outputs& out) {
@@ -233,12 +233,12 @@ void pursuer::set_outputs(const state_config& x, outputs& out) {
   }
 }
 
-void pursuer::tell_outputs(instant now, outputs& out) {
+void pursuer::publish_outputs(instant now, outputs& out) {
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     const auto& how = config_.outputs[i];
     auto& x = outputs_[i];
-    for (bool told = false; x.due <= now; x.due += how.every) {
-      if (!std::exchange(told, true)) { // periods that were missed are not made up for
+    for (bool is_published = false; x.due <= now; x.due += how.every) {
+      if (!std::exchange(is_published, true)) { // periods that were missed are not made up for
         say(how.name, x.text, out);
         x.text = stepped(how, x.text);
       }
@@ -256,10 +256,10 @@ void pursuer::rest(outputs& out) {
 void pursuer::end(goal_outcome outcome, goal_cause cause, outputs& out) {
   auto goal = pursued().text;
   goal_.reset();
-  tell_end(std::move(goal), outcome, cause, out);
+  publish_end(std::move(goal), outcome, cause, out);
 }
 
-void pursuer::tell_end(std::string goal, goal_outcome outcome, goal_cause cause, outputs& out) {
+void pursuer::publish_end(std::string goal, goal_outcome outcome, goal_cause cause, outputs& out) {
   switch (outcome) {
   case goal_outcome::succeeded:
     ++counters_.succeeded;

@@ -87,7 +87,7 @@ RUBICON_FIELDS(pursuer_counters, goals, succeeded, failed, preempted, timeouts, 
 ///   preempted
 ///
 /// A state that needs nothing, or whose needs hold, is not waited for. A goal that it does not know
-/// fails at once, and the one under way goes on.
+/// fails at once, and the one in progress goes on.
 ///
 /// Own tuples, below its name:
 ///   goal            others write a goal here, again too; `none`: no goal. `none` at the start
@@ -97,7 +97,7 @@ RUBICON_FIELDS(pursuer_counters, goals, succeeded, failed, preempted, timeouts, 
 ///   outcome.cause   why not, in one word; `none` if it succeeded
 ///   INPUT, mi-INPUT `none`, which others may write over; and the meta tuple that says which tuple
 ///                   the input is (META-04)
-///   OUTPUT          told at the start, then every period, and when a state sets it
+///   OUTPUT          published at the start, then every period, and when a state sets it
 class pursuer {
 public:
   enum class phase : std::uint8_t { idle, waiting, busy };
@@ -153,17 +153,17 @@ private:
   void enter_state(instant now, outputs& out);
   void leave_state(instant now, outputs& out);
   void set_outputs(const state_config& x, outputs& out);
-  void tell_outputs(instant now, outputs& out);
+  void publish_outputs(instant now, outputs& out);
   void rest(outputs& out);
   void end(goal_outcome outcome, goal_cause cause, outputs& out);
-  void tell_end(std::string goal, goal_outcome outcome, goal_cause cause, outputs& out);
+  void publish_end(std::string goal, goal_outcome outcome, goal_cause cause, outputs& out);
 
   pursuer_config config_;
   random_stream rng_;
   std::vector<std::optional<input_value>> inputs_; ///< as in config_
   std::vector<output_value> outputs_;              ///< as in config_
   phase phase_ = phase::idle;
-  std::string told_state_;
+  std::string published_state_;
   std::optional<std::size_t> goal_; ///< in config_; set unless idle
   std::size_t state_ = 0;           ///< of the goal
   instant timeout_{};               ///< of the goal

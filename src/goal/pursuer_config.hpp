@@ -17,12 +17,12 @@ struct input_config {
                          ///< tuple of its name (META-04)
 };
 
-/// Something a pursuer tells again and again.
+/// A tuple that a pursuer publishes periodically.
 struct output_config {
   std::string name;
   std::string value;           ///< at first
   duration every = 1s;         ///< more than 0
-  double step = 0;             ///< added after each telling; @pre 0 unless `value` is a number
+  double step = 0;             ///< added after each publication; @pre 0 unless `value` is a number
   std::optional<double> until; ///< no step leads beyond this
 };
 
@@ -34,7 +34,7 @@ struct condition {
   std::optional<double> below;     ///< and below this
 };
 
-/// One step on the way to a goal.
+/// One step towards a goal.
 struct state_config {
   std::string name;
   duration length{};              ///< more than 0

@@ -1,4 +1,4 @@
-// A component of a host, as its peisinit is told of it (SVC-02).
+// A component of a host, as configured for its peisinit (SVC-02).
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace rubicon::peisinit {
 /// Either a peer of this process, or a command that becomes a process of its own.
 struct component {
   std::string name;         ///< a part of tuple keys; no other component of the host has it
-  peer_id id;               ///< under which its kernel is, or is told to be, in the PEIS network
+  peer_id id;               ///< under which its kernel is, or is asked to be, in the PEIS network
   std::string peer;         ///< name of the peer; empty: it is a command
   std::string command = {}; ///< for /bin/sh
   bool on = true;           ///< when its peisinit starts

@@ -64,7 +64,7 @@ void supervisor::become(std::size_t component, phase next) {
 
 void supervisor::refuse(std::size_t component, std::string why) {
   ++counters_.refused;
-  out_.emplace_back(tell{components_[component].name + " refuses " + std::move(why)});
+  out_.emplace_back(notice{components_[component].name + " refuses " + std::move(why)});
 }
 
 outputs supervisor::begin(instant /*now*/) {
@@ -102,7 +102,7 @@ void supervisor::begin_start(std::size_t component) {
 }
 
 void supervisor::begin_stop(std::size_t component, stop_step step, instant now) {
-  out_.emplace_back(tell{components_[component].name + " is to end"});
+  out_.emplace_back(notice{components_[component].name + " is to end"});
   become(component, phase::stopping);
   take_step(component, step, now);
 }
@@ -111,7 +111,7 @@ void supervisor::take_step(std::size_t component, stop_step step, instant now) {
   auto& x = states_[component];
   if (step == stop_step::kill && x.step != stop_step::kill) {
     ++counters_.kills;
-    out_.emplace_back(tell{components_[component].name + " is killed"});
+    out_.emplace_back(notice{components_[component].name + " is killed"});
   }
   x.step = step;
   x.due = now + stop_step_time;
@@ -138,7 +138,7 @@ outputs supervisor::on_request(std::size_t component, std::string_view word, ins
   }
   if (x.at == phase::waiting) {
     become(component, phase::off);
-    out_.emplace_back(tell{components_[component].name + " off"});
+    out_.emplace_back(notice{components_[component].name + " off"});
   } else if (x.at == phase::starting || x.at == phase::on) {
     x.step = stop_step::do_quit;
     begin_stop(component, abort ? stop_step::kill : stop_step::do_quit, now);
@@ -179,7 +179,7 @@ outputs supervisor::on_started(std::size_t component, std::uint64_t life, std::i
   if (x.at == phase::stopping)
     return finish();
   become(component, phase::on);
-  out_.emplace_back(tell{components_[component].name + " on"});
+  out_.emplace_back(notice{components_[component].name + " on"});
   return finish();
 }
 
@@ -195,13 +195,13 @@ outputs supervisor::on_ended(std::size_t component, std::uint64_t life, std::str
     ++counters_.ends;
     x.due = now + what.delay;
     become(component, phase::waiting);
-    out_.emplace_back(tell{what.name + " has ended" +
-                           (how.empty() ? std::string() : ", " + std::string(how)) + ", again in " +
-                           to_text(what.delay)});
+    out_.emplace_back(notice{what.name + " has ended" +
+                             (how.empty() ? std::string() : ", " + std::string(how)) +
+                             ", again in " + to_text(what.delay)});
     return finish();
   }
   become(component, phase::off);
-  out_.emplace_back(tell{what.name + " off"});
+  out_.emplace_back(notice{what.name + " off"});
   if (x.wanted)
     begin_start(component);
   check_all_off();
@@ -254,7 +254,7 @@ void supervisor::check_all_off() {
   const auto is_off = [](const state& x) { return x.at == phase::off; };
   if (!shutting_down_ || !std::ranges::all_of(states_, is_off))
     return;
-  out_.emplace_back(tell{"all components are off"});
+  out_.emplace_back(notice{"all components are off"});
   out_.emplace_back(all_off{});
 }
 

@@ -18,7 +18,7 @@
 
 namespace rubicon::peisinit {
 
-/// How a component is asked to end, from the politest way on.
+/// How a component is asked to end, from the gentlest step on.
 enum class stop_step : std::uint8_t {
   do_quit,     ///< the tuple `do-quit` at its kernel
   kernel_quit, ///< the tuple `kernel.do-quit`
@@ -73,11 +73,11 @@ struct feed {
   friend bool operator==(const feed&, const feed&) = default;
 };
 
-/// Worth telling to people: `camera on`.
-struct tell {
+/// A line for the event log: `camera on`.
+struct notice {
   std::string what;
 
-  friend bool operator==(const tell&, const tell&) = default;
+  friend bool operator==(const notice&, const notice&) = default;
 };
 
 /// After shut_down(): no component runs any more.
@@ -85,7 +85,7 @@ struct all_off {
   friend bool operator==(const all_off&, const all_off&) = default;
 };
 
-using output = std::variant<publish, start, stop, feed, tell, all_off>;
+using output = std::variant<publish, start, stop, feed, notice, all_off>;
 using outputs = std::vector<output>;
 
 struct counters {
@@ -101,8 +101,9 @@ struct counters {
 ///   starting, on --off--> stopping --ended--> off, or starting if it is wanted again
 ///   waiting --off--> off
 ///
-/// A stop begins with the politest way and takes the next one each stop_step_time until the end of
-/// the component is told; SIGKILL is repeated. Of a component there is never more than one life.
+/// A stop begins with the gentlest step and takes the next one each stop_step_time until the end of
+/// the component is reported; SIGKILL is repeated. Of a component there is never more than one
+/// life.
 class supervisor {
 public:
   supervisor() = default;

@@ -8,8 +8,8 @@
 
 namespace rubicon::proxy {
 
-std::vector<gateway_choice::heard> gateway_choice::on_tuple(peer_id from, std::string_view key,
-                                                            byte_view value) {
+std::vector<gateway_choice::tuple_change>
+gateway_choice::on_tuple(peer_id from, std::string_view key, byte_view value) {
   if (gateways_.size() == 1)
     return {{std::string(key), to_bytes(value), false}};
   const auto found = std::ranges::find(gateways_, from);
@@ -18,7 +18,8 @@ std::vector<gateway_choice::heard> gateway_choice::on_tuple(peer_id from, std::s
   const auto gateway = static_cast<std::size_t>(found - gateways_.begin());
   if (key == device_role_key) {
     const auto leads = parse_device_role(tuple_text(value));
-    return leads && *leads && gateway != current_ ? take_lead(gateway) : std::vector<heard>{};
+    return leads && *leads && gateway != current_ ? take_lead(gateway)
+                                                  : std::vector<tuple_change>{};
   }
   auto& all = known_[from];
   if (all.contains(key) || all.size() < tuples_max)
@@ -31,7 +32,7 @@ std::vector<gateway_choice::heard> gateway_choice::on_tuple(peer_id from, std::s
 }
 
 /// Until somebody takes the lead it is as if nothing had happened, if somebody can.
-std::vector<gateway_choice::heard> gateway_choice::on_list_deleted(peer_id from) {
+std::vector<gateway_choice::tuple_change> gateway_choice::on_list_deleted(peer_id from) {
   known_.erase(from);
   const bool others = std::ranges::any_of(
       known_, [](const auto& each) { return each.second.contains(devices_key); });
@@ -41,9 +42,9 @@ std::vector<gateway_choice::heard> gateway_choice::on_list_deleted(peer_id from)
 }
 
 /// Motes before their list, so that those listed are known with all that is said of them.
-std::vector<gateway_choice::heard> gateway_choice::take_lead(std::size_t gateway) {
+std::vector<gateway_choice::tuple_change> gateway_choice::take_lead(std::size_t gateway) {
   current_ = gateway;
-  std::vector<heard> out;
+  std::vector<tuple_change> out;
   const auto& all = known_[current()];
   for (const auto& [key, value] : all) {
     if (key != devices_key)

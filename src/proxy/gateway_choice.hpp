@@ -14,13 +14,13 @@
 namespace rubicon::proxy {
 
 /// Follows the tuples of all gateways of one island, and hands on those of the one that leads, as
-/// if there were no other. When another one takes the lead, what it knows is told anew; the manager
-/// finds its motes there as they were, and their proxies live on.
+/// if there were no other. When another one takes the lead, what it knows is handed on again; the
+/// manager finds its motes there as they were, and their proxies live on.
 ///
 /// With one gateway every tuple is handed on.
 class gateway_choice {
 public:
-  struct heard {
+  struct tuple_change {
     std::string key;
     bytes value;
     bool deleted = false; ///< the gateway has gone, and no other is there; `value` is empty
@@ -30,11 +30,12 @@ public:
   /// @pre at least one, the one that is listened to at first in front
   explicit gateway_choice(std::vector<peer_id> gateways) : gateways_(std::move(gateways)) {}
 
-  /// A tuple of one of the gateways has a new value. @returns what the manager is to be told
-  [[nodiscard]] std::vector<heard> on_tuple(peer_id from, std::string_view key, byte_view value);
+  /// A tuple of one of the gateways has a new value. @returns what is handed on to the manager
+  [[nodiscard]] std::vector<tuple_change> on_tuple(peer_id from, std::string_view key,
+                                                   byte_view value);
 
   /// The list of motes of one of the gateways is there no more.
-  [[nodiscard]] std::vector<heard> on_list_deleted(peer_id from);
+  [[nodiscard]] std::vector<tuple_change> on_list_deleted(peer_id from);
 
   [[nodiscard]] const std::vector<peer_id>& gateways() const { return gateways_; }
   [[nodiscard]] peer_id current() const { return gateways_.at(current_); }
@@ -45,7 +46,7 @@ public:
 private:
   using tuples = std::map<std::string, bytes, std::less<>>;
 
-  [[nodiscard]] std::vector<heard> take_lead(std::size_t gateway);
+  [[nodiscard]] std::vector<tuple_change> take_lead(std::size_t gateway);
 
   std::vector<peer_id> gateways_;
   std::size_t current_ = 0;

@@ -52,15 +52,15 @@ input_channel::outputs input_channel::add(request x, instant now) {
   const auto older = std::find_if(waiting_.begin(), waiting_.end(),
                                   [&](const auto& w) { return w.input == x.input; });
   if (older != waiting_.end()) {
-    out.emplace_back(settled{older->input, std::move(older->word), request_outcome::superseded,
-                             now - older->asked});
+    out.emplace_back(finished{older->input, std::move(older->word), request_outcome::superseded,
+                              now - older->asked});
     waiting_.erase(older);
   }
   x.asked = now;
   const bool replaces = current_ && current_->again && current_->what.input == x.input;
   waiting_.push_back(std::move(x));
   if (replaces)
-    settle(request_outcome::superseded, now, out);
+    finish(request_outcome::superseded, now, out);
   else if (!current_)
     send_next(now, out);
   return out;
@@ -73,7 +73,7 @@ input_channel::outputs input_channel::on_status(const input_status& x, instant n
     return out;
   if (current_->again) { // a late answer to a write that was given up
     if (current_->sequence == x.sequence && x.outcome == input_outcome::acknowledged)
-      settle(request_outcome::acknowledged, now, out);
+      finish(request_outcome::acknowledged, now, out);
     return out;
   }
   if (!current_->sequence && fresh)
@@ -103,17 +103,17 @@ input_channel::outputs input_channel::drop_waiting(instant now) {
   outputs out;
   for (auto& x : waiting_)
     out.emplace_back(
-        settled{x.input, std::move(x.word), request_outcome::unreachable, now - x.asked});
+        finished{x.input, std::move(x.word), request_outcome::unreachable, now - x.asked});
   waiting_.clear();
   if (current_ && current_->again)
-    settle(request_outcome::unreachable, now, out);
+    finish(request_outcome::unreachable, now, out);
   return out;
 }
 
 input_channel::outputs input_channel::on_gateway_changed(instant now) {
   outputs out;
   if (current_)
-    settle(request_outcome::failed, now, out);
+    finish(request_outcome::failed, now, out);
   return out;
 }
 
@@ -144,14 +144,14 @@ void input_channel::conclude(request_outcome outcome, instant now, outputs& out)
   const auto again = now + retry_pause;
   if (outcome == request_outcome::acknowledged || outcome == request_outcome::sent ||
       again > current_->first + retry_for_)
-    settle(outcome, now, out);
+    finish(outcome, now, out);
   else
     current_->again = again;
 }
 
-void input_channel::settle(request_outcome outcome, instant now, outputs& out) {
+void input_channel::finish(request_outcome outcome, instant now, outputs& out) {
   auto& x = current_->what;
-  out.emplace_back(settled{x.input, std::move(x.word), outcome, now - x.asked});
+  out.emplace_back(finished{x.input, std::move(x.word), outcome, now - x.asked});
   current_.reset();
   if (!waiting_.empty())
     send_next(now, out);

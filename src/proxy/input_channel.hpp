@@ -1,4 +1,4 @@
-// Actuation through one input channel of a gateway: each request ends in exactly one way (PXY-12).
+// Actuation through one input channel of a gateway: each request has exactly one outcome (PXY-12).
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ enum class request_outcome : std::uint8_t {
   unreachable,  ///< the mote is not there
   refused,      ///< the input does not know the word
   superseded,   ///< a newer request took its place before it was sent
-  timeout,      ///< the gateway told no outcome in time
+  timeout,      ///< the gateway reported no outcome in time
   sent,         ///< towards a mote that acknowledges nothing
 };
 
@@ -49,7 +49,7 @@ struct submit {
 };
 
 /// A request has ended.
-struct settled {
+struct finished {
   std::size_t input = 0;
   std::string word;
   request_outcome outcome = request_outcome::failed;
@@ -59,9 +59,9 @@ struct settled {
 /// The requests on one channel of one mote. One is with the gateway at a time; behind it waits the
 /// newest of each input, in order of arrival, so the queue is as long as the inputs are many.
 ///
-///   idle --add--> unnumbered --status N--> numbered --N final--> settled, next request
+///   idle --add--> unnumbered --status N--> numbered --N final--> finished, next request
 ///                     |                       |
-///                     +--------timeout--------+-------------> settled, next request
+///                     +--------timeout--------+-------------> finished, next request
 ///
 /// With `retry_for`, what has failed, is unreachable or got no answer is written again after
 /// retry_pause, as long as that is not later than so long after the first time; a newer request of
@@ -72,11 +72,11 @@ struct settled {
 /// - a number above all seen before, or
 /// - a `pending` with a number not above them: the gateway has started to count anew.
 /// Before any status was seen, only a `pending` counts: an outcome may be a predecessor's. Somebody
-/// else's write on the same channel at the same moment cannot be told from ours, nor can the first
-/// answer to a request that timed out unnumbered once its successor has been written.
+/// else's write on the same channel at the same moment cannot be distinguished from ours, nor can
+/// the first answer to a request that timed out unnumbered once its successor has been written.
 class input_channel {
 public:
-  using output = std::variant<submit, settled>;
+  using output = std::variant<submit, finished>;
   using outputs = std::vector<output>;
 
   static constexpr duration retry_pause = 1s;
@@ -125,7 +125,7 @@ private:
 
   [[nodiscard]] bool note(const input_status& x);
   void conclude(request_outcome outcome, instant now, outputs& out);
-  void settle(request_outcome outcome, instant now, outputs& out);
+  void finish(request_outcome outcome, instant now, outputs& out);
   void send_next(instant now, outputs& out);
 
   duration answer_timeout_;

@@ -53,7 +53,7 @@ using field_counts = std::vector<std::pair<const field*, std::int64_t>>;
 /// `decimals` digits, or the count's word; a count for which no word is given stays a plain decimal
 /// count. Octets that no field covers are ignored.
 /// @returns errc::truncated if one of the channel's fields is not wholly in the payload: a message
-/// that does not fit its class has no meaning, so none of its fields is told
+/// that does not fit its class has no meaning, so none of its fields is read
 [[nodiscard]] result<std::vector<reading>> decode(const proxy_class& what, std::uint16_t channel,
                                                   byte_view payload);
 

@@ -78,7 +78,7 @@ manager::outputs manager::on_status(island_id island, mote_id mote, std::string_
   x->left_cause = std::move(status->cause);
   if (!x->listed && x->cause == not_listed && !x->left_cause.empty())
     x->cause = x->left_cause;
-  tell(address, *x, out);
+  report_presence(address, *x, out);
   return out;
 }
 
@@ -134,29 +134,29 @@ void manager::unlist(const mote_address& mote, known_mote& x, std::string cause,
   if (x.listed)
     x.cause = cause == not_listed && !x.left_cause.empty() ? x.left_cause : std::move(cause);
   x.listed = false;
-  tell(mote, x, out);
+  report_presence(mote, x, out);
 }
 
 void manager::update(const mote_address& mote, known_mote& x, outputs& out) {
   if (!x.listed)
     return;
   follow_type(mote, x, out);
-  tell(mote, x, out);
+  report_presence(mote, x, out);
 }
 
-/// What has changed since the proxy was told last.
-void manager::tell(const mote_address& mote, known_mote& x, outputs& out) {
+/// Reports the mote's presence to its proxy, if it has changed since the last report.
+void manager::report_presence(const mote_address& mote, known_mote& x, outputs& out) {
   if (!x.class_name)
     return;
   const auto presence = !x.listed ? device_presence::left
                         : x.stale ? device_presence::stale
                                   : device_presence::listed;
   const auto& cause = x.listed ? std::string() : x.cause;
-  if (x.told == presence && x.told_cause == cause)
+  if (x.reported_presence == presence && x.reported_cause == cause)
     return;
-  x.told = presence;
-  x.told_cause = cause;
-  out.emplace_back(tell_presence{mote, presence, cause});
+  x.reported_presence = presence;
+  x.reported_cause = cause;
+  out.emplace_back(set_presence{mote, presence, cause});
 }
 
 /// Gives a listed mote the proxy that its type asks for.
@@ -174,8 +174,8 @@ void manager::follow_type(const mote_address& mote, known_mote& x, outputs& out)
   }
   if (wanted != nullptr) {
     x.class_name = wanted->name;
-    x.told = device_presence::listed; // it assumes so
-    x.told_cause.clear();
+    x.reported_presence = device_presence::listed; // it assumes so
+    x.reported_cause.clear();
     ++counters_.started;
     out.emplace_back(start_proxy{mote, wanted->name});
   } else if (x.reported != x.type) {

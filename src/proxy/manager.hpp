@@ -32,15 +32,15 @@ struct stop_proxy {
   mote_address mote;
 };
 
-/// Tell the running proxy whether its mote is there (PXY-16).
-struct tell_presence {
+/// Notify the running proxy whether its mote is there (PXY-16).
+struct set_presence {
   mote_address mote;
   device_presence presence = device_presence::listed;
   std::string cause; ///< one word, of its having left: of the gateway's status tuple, or
                      ///< `not_listed`, `gateway_gone`
 };
 
-/// No class claims that type of mote (PXY-10); told once per mote and type.
+/// No class claims that type of mote (PXY-10); reported once per mote and type.
 struct unknown_type {
   mote_address mote;
   std::uint32_t type = 0;
@@ -58,7 +58,7 @@ struct manager_counters {
 RUBICON_FIELDS(manager_counters, started, stopped, bad_lists, bad_types, bad_statuses,
                foreign_tuples, motes_refused);
 
-/// Starts one proxy for every listed mote whose type a class claims, and tells proxies whether
+/// Starts one proxy for every listed mote whose type a class claims, and notifies proxies whether
 /// their motes are there (PXY-09, 10, 15, 16). A percept consumed by a running proxy starts none:
 /// proxies map one-to-one to motes, so the mote's address decides.
 ///
@@ -67,7 +67,7 @@ RUBICON_FIELDS(manager_counters, started, stopped, bad_lists, bad_types, bad_sta
 /// type of another class.
 class manager {
 public:
-  using output = std::variant<start_proxy, stop_proxy, tell_presence, unknown_type>;
+  using output = std::variant<start_proxy, stop_proxy, set_presence, unknown_type>;
   using outputs = std::vector<output>;
 
   explicit manager(class_table classes = {}, std::size_t motes_max = 65536)
@@ -107,20 +107,20 @@ private:
   struct known_mote {
     bool listed = false;
     std::optional<std::uint32_t> type;
-    std::optional<std::uint32_t> reported; ///< newest type told as unknown
+    std::optional<std::uint32_t> reported; ///< newest type reported as unknown
     std::optional<std::string> class_name; ///< of its proxy, while it runs
     std::uint32_t class_type = 0;          ///< type for which the class was chosen
     bool stale = false;
     std::string left_cause; ///< as its gateway says, before or after it is no longer listed
     std::string cause;      ///< why it is not listed
-    device_presence told = device_presence::left; ///< what its proxy believes,
-    std::string told_cause;                       ///< and why
+    device_presence reported_presence = device_presence::left; ///< the last one sent to its proxy,
+    std::string reported_cause;                                ///< and its cause
   };
 
   [[nodiscard]] known_mote* know(const mote_address& mote);
   void unlist(const mote_address& mote, known_mote& x, std::string cause, outputs& out);
   void update(const mote_address& mote, known_mote& x, outputs& out);
-  void tell(const mote_address& mote, known_mote& x, outputs& out);
+  void report_presence(const mote_address& mote, known_mote& x, outputs& out);
   void follow_type(const mote_address& mote, known_mote& x, outputs& out);
 
   class_table classes_;

@@ -26,7 +26,7 @@ struct start_object_proxy {
   std::string class_name;
 };
 
-/// No class claims the object (PXY-10); told once until the classes change.
+/// No class claims the object (PXY-10); reported once until the classes change.
 struct unknown_object {
   signature percept;
 };
@@ -77,7 +77,7 @@ private:
   std::size_t objects_max_;
   std::map<interface_id, interface> interfaces_;
   std::set<object> running_;
-  std::set<object> unknown_; ///< told
+  std::set<object> unknown_; ///< those reported as unknown
   object_manager_counters counters_;
 };
 

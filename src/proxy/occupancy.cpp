@@ -20,7 +20,7 @@ public:
     return {"occupied", "occupied.by"};
   }
 
-  [[nodiscard]] readings start(instant /*now*/) override { return told(); }
+  [[nodiscard]] readings start(instant /*now*/) override { return current_state(); }
 
   [[nodiscard]] readings on_readings(const readings& x, instant now) override {
     for (const auto& each : x) {
@@ -32,7 +32,7 @@ public:
       if (!by_.empty())
         return {};
       by_ = each.name;
-      return told();
+      return current_state();
     }
     return {};
   }
@@ -42,13 +42,13 @@ public:
       return {};
     until_.reset();
     by_.clear();
-    return told();
+    return current_state();
   }
 
   [[nodiscard]] std::optional<instant> deadline() const override { return until_; }
 
 private:
-  [[nodiscard]] readings told() const {
+  [[nodiscard]] readings current_state() const {
     return {{"occupied.by", by_.empty() ? "none" : by_, ""},
             {"occupied", by_.empty() ? "no" : "yes", ""}};
   }

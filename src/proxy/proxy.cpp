@@ -207,9 +207,9 @@ proxy::outputs proxy::on_input(std::string_view name, std::string_view text, ins
     return out;
   ++counters_.requested;
   if (!octets)
-    tell(index, text, request_outcome::refused, out);
+    publish_outcome(index, text, request_outcome::refused, out);
   else if (state_ == state::lost)
-    tell(index, text, request_outcome::unreachable, out);
+    publish_outcome(index, text, request_outcome::unreachable, out);
   else
     apply(found->channel,
           channels_.at(found->channel).add({index, std::string(text), *std::move(octets)}, now),
@@ -254,7 +254,7 @@ proxy::outputs proxy::on_time(instant now) {
     apply(channel, requests.on_time(now), out);
   mark_stale(now, out);
   if (program_)
-    tell_program_the_time(now, out);
+    update_program_time(now, out);
   const auto due = presence_deadline();
   if (due && now >= *due) {
     if (state_ == state::lost) {
@@ -408,8 +408,8 @@ void proxy::apply(std::uint16_t channel, input_channel::outputs todo, outputs& o
   for (auto& x : todo) {
     if (auto* const work = std::get_if<submit>(&x))
       out.emplace_back(write_device{who_.mote, channel, std::move(work->octets)});
-    else if (const auto* const end = std::get_if<settled>(&x)) {
-      tell(end->input, end->word, end->outcome, out);
+    else if (const auto* const end = std::get_if<finished>(&x)) {
+      publish_outcome(end->input, end->word, end->outcome, out);
       if (end->outcome != request_outcome::acknowledged)
         continue;
       counters_.slowest = std::max(counters_.slowest, end->after);
@@ -419,7 +419,8 @@ void proxy::apply(std::uint16_t channel, input_channel::outputs todo, outputs& o
   }
 }
 
-void proxy::tell(std::size_t input, std::string_view word, request_outcome outcome, outputs& out) {
+void proxy::publish_outcome(std::size_t input, std::string_view word, request_outcome outcome,
+                            outputs& out) {
   const std::string text(to_string(outcome));
   if (outcome == request_outcome::acknowledged)
     ++counters_.acknowledged;

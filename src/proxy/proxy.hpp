@@ -61,7 +61,7 @@ struct declare {
 /// The mote has been gone for so long that the proxy should end (PXY-20).
 struct retire {};
 
-/// A tuple the proxy wants to hear of.
+/// A tuple that the proxy subscribes to.
 struct watch {
   enum class source : std::uint8_t {
     own,     ///< own tuple that others write: hand its tuple_text() to on_input()
@@ -126,7 +126,7 @@ RUBICON_FIELDS(proxy_counters, requested, acknowledged, sent, slowest, latency, 
 ///                            reading
 ///   what its program says    beside the fields
 ///   INPUT                    others write a word here; `none` at the start, so that it exists and
-///                            tells everybody who owns it; not set by the proxy afterwards
+///                            shows everybody who owns it; not set by the proxy afterwards
 ///   mi-INPUT                 of an input with `meta`: which tuple the input is, at first INPUT;
 ///                            who rewrites it decides what the actuator follows (META-05)
 ///   INPUT.deadline           in seconds: a request has its outcome by then
@@ -139,8 +139,8 @@ RUBICON_FIELDS(proxy_counters, requested, acknowledged, sent, slowest, latency, 
 ///                            request; `?` for a refused word that is long or not plain
 ///
 ///   active <--sensed-- inactive     active --not sensed for inactive_after--> inactive
-///   any --listed--> active          any --stale--> stale (its gateway does not hear its sink)
-///   any --left--> lost              lost --retire_after--> lost, with retire
+///   any --listed--> active          any --stale--> stale (its gateway receives nothing from its
+///   sink) any --left--> lost              lost --retire_after--> lost, with retire
 class proxy {
 public:
   using output = std::variant<publish, declare, write_device, write_period, retire>;
@@ -167,7 +167,7 @@ public:
   /// A tuple of the gateway has a new value: on_output() or on_input_status(), by its key.
   [[nodiscard]] outputs on_gateway_tuple(std::string_view key, byte_view value, instant now);
 
-  /// The time that peers share is so much ahead of `now`, since 1970: stamps are told by it.
+  /// The time that peers share is so much ahead of `now`, since 1970: stamps are converted by it.
   void on_clock(duration ahead) { network_ahead_ = ahead; }
   /// Whether anything that it reads holds a time.
   [[nodiscard]] bool wants_clock() const;
@@ -182,7 +182,7 @@ public:
   [[nodiscard]] outputs on_record(std::uint16_t stream, std::int16_t value, std::uint32_t time_ms,
                                   instant now);
 
-  /// The gateway tells what became of a write on an input channel.
+  /// The gateway reports the outcome of a write on an input channel.
   [[nodiscard]] outputs on_input_status(std::uint16_t channel, std::string_view text, instant now);
 
   /// Somebody wants `text` of the input called `name`. An empty text and the marker `none` ask for
@@ -223,7 +223,7 @@ private:
   void say_state(instant now, outputs& out);
   void say_readings(std::vector<reading> all, outputs& out);
   void say_of_program(std::vector<reading> all, outputs& out);
-  void tell_program_the_time(instant now, outputs& out);
+  void update_program_time(instant now, outputs& out);
   void ask_for_period(outputs& out) const;
   [[nodiscard]] std::int64_t whole_stamp(std::int64_t count, instant now) const;
   void say_counts(reading_source from, const field_counts& counts, instant now, outputs& out);
@@ -238,7 +238,8 @@ private:
   [[nodiscard]] duration answer_timeout() const;
   [[nodiscard]] duration deadline_of(std::uint16_t channel) const;
   void note_latency(std::uint16_t channel, duration taken, outputs& out);
-  void tell(std::size_t input, std::string_view word, request_outcome outcome, outputs& out);
+  void publish_outcome(std::size_t input, std::string_view word, request_outcome outcome,
+                       outputs& out);
   [[nodiscard]] std::optional<instant> presence_deadline() const;
 
   proxy_class class_;
@@ -247,7 +248,7 @@ private:
   std::string prefix_;
   tuple_templates templates_;
   std::unique_ptr<program> program_;           ///< nullptr: none
-  std::map<std::string, bool> program_names_;  ///< and whether its unit was told
+  std::map<std::string, bool> program_names_;  ///< and whether its unit was published
   std::map<std::string, running_mean> means_;  ///< of fields that are computed here
   std::map<reading_source, instant> stale_at_; ///< of those whose values are fresh
   state state_ = state::active;

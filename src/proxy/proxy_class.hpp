@@ -145,7 +145,7 @@ struct proxy_class {
   instant known_from; ///< when proxy managers learn of it (PXY-10)
   std::vector<tuple_template> tuples;
   proxy_settings settings;
-  bool indirect = false; ///< of motes: tell interface and position; tagged objects always do
+  bool indirect = false; ///< of motes: publish interface and position; tagged objects always do
   std::string program;   ///< name of the program whose code completes this table; empty: none
   std::function<std::unique_ptr<proxy::program>()> make_program; ///< empty if there is none
 };

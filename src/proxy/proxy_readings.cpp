@@ -1,5 +1,5 @@
-// The part of a proxy that tells what its mote says: readings, what is made of them, and how old
-// they are.
+// The part of a proxy that publishes what its mote sends: readings, what is made of them, and how
+// old they are.
 #include <algorithm>
 #include <cassert>
 #include <utility>
@@ -104,7 +104,7 @@ void proxy::say_of_program(std::vector<reading> all, outputs& out) {
   say_readings(std::move(all), out);
 }
 
-void proxy::tell_program_the_time(instant now, outputs& out) {
+void proxy::update_program_time(instant now, outputs& out) {
   say_of_program(program_->on_time(now), out);
   assert(program_->deadline().value_or(instant::max()) > now);
 }

@@ -94,7 +94,7 @@ void rules::make_up(state& x, instant previous, instant now) {
   x.is_late = x.what.retry && retry_ > 0s && now - previous <= lateness_max;
   if (!x.is_late)
     ++counters_.missed;
-  tell(late + (x.is_late ? "" : ": nothing is written"));
+  notify(late + (x.is_late ? "" : ": nothing is written"));
 }
 
 std::vector<write_tuple> rules::on_value(std::string_view key, std::string_view text, instant now) {
@@ -159,7 +159,7 @@ void rules::take_outcome(const std::string& key, standing& x, std::string_view o
     --ended.accepted;
     ++(outcome == "refused" ? ended.refused : ended.replaced);
     x.is = stage::done;
-    tell(key + " = " + x.word + ": " + std::string(outcome) + " by its proxy");
+    notify(key + " = " + x.word + ": " + std::string(outcome) + " by its proxy");
   }
 }
 
@@ -179,7 +179,7 @@ rules::level rules::judge(const rule& x, std::string_view text) {
   const auto value = number_in(text);
   if (!value) {
     ++counters_.bad_values;
-    tell_unread(x, text);
+    report_unread(x, text);
     return level::unknown;
   }
   ++counters_.values;
@@ -190,14 +190,14 @@ rules::level rules::judge(const rule& x, std::string_view text) {
   return *value < *x.below ? level::low : level::unknown;
 }
 
-/// Once for each tuple: it may be told every second.
-void rules::tell_unread(const rule& x, std::string_view text) {
+/// Once for each tuple: it may be published every second.
+void rules::report_unread(const rule& x, std::string_view text) {
   constexpr std::size_t shown_max = 40;
   const auto key =
       *std::ranges::find_if(watched_, [&x](const auto& y) { return same_key(y, x.when); });
   if (unread_.insert(key).second)
-    tell("cannot read " + key + " = \"" + printable(text.substr(0, shown_max)) +
-         (text.size() > shown_max ? "…" : "") + "\": that is no number");
+    notify("cannot read " + key + " = \"" + printable(text.substr(0, shown_max)) +
+           (text.size() > shown_max ? "…" : "") + "\": that is no number");
 }
 
 void rules::on_gone(std::string_view key) {
@@ -224,10 +224,10 @@ std::vector<write_tuple> rules::on_time(instant now) {
 
 void rules::on_time_of(const std::string& key, standing& x, instant now,
                        std::vector<write_tuple>& out) {
-  if (x.tell_due && *x.tell_due <= now) {
-    x.tell_due.reset();
-    x.is_told = true;
-    tell(key + " = " + x.word + " waits: no peer has that tuple");
+  if (x.report_due && *x.report_due <= now) {
+    x.report_due.reset();
+    x.is_reported = true;
+    notify(key + " = " + x.word + " waits: no peer has that tuple");
   }
   if (!x.due || *x.due > now)
     return;
@@ -263,7 +263,7 @@ std::optional<instant> rules::deadline() const {
   for (const auto& x : rules_)
     next = earliest(earliest(next, x.due), x.then_due);
   for (const auto& [key, x] : standing_)
-    next = earliest(earliest(next, x.due), x.tell_due);
+    next = earliest(earliest(next, x.due), x.report_due);
   return next;
 }
 
@@ -278,18 +278,18 @@ std::vector<write_tuple> rules::on_owner(std::string_view key, instant, bool is_
   auto* const x = standing_at(key);
   if (x == nullptr)
     return {};
-  const bool is_settled = x->is == stage::accepted || x->is == stage::done;
+  const bool is_delivered = x->is == stage::accepted || x->is == stage::done;
   // A reference is where it was by default, and is pointed again; a word may be a command.
-  const bool repeats = is_back ? !is_settled || is_meta(key) : !is_settled || !x->rule_ended;
+  const bool repeats = is_back ? !is_delivered || is_meta(key) : !is_delivered || !x->rule_ended;
   if (!repeats)
     return {};
-  x->is = is_settled ? x->is : stage::asked;
-  x->tell_due.reset();
+  x->is = is_delivered ? x->is : stage::asked;
+  x->report_due.reset();
   x->due.reset();
   ++counters_.writes;
   const auto& target =
       *std::ranges::find_if(written_, [key](const auto& k) { return same_key(k, key); });
-  return {{target, x->word, is_back || x->is_told, is_meta(target)}};
+  return {{target, x->word, is_back || x->is_reported, is_meta(target)}};
 }
 
 void rules::on_owner_gone(std::string_view key, instant now) {
@@ -308,8 +308,8 @@ void rules::on_unowned(std::string_view key, instant now) {
   if (x == nullptr || x->is != standing::stage::asked)
     return;
   x->is = standing::stage::waiting;
-  if (!x->is_told && !x->tell_due)
-    x->tell_due = now + patience;
+  if (!x->is_reported && !x->report_due)
+    x->report_due = now + patience;
 }
 
 void rules::on_written(std::string_view key, write_end end, std::string_view cause, instant now) {
@@ -330,12 +330,12 @@ void rules::on_written(std::string_view key, write_end end, std::string_view cau
     x->is = stage::accepted;
     x->accepted_at = now;
     x->pause = retry_;
-    if (std::exchange(x->is_told, false))
-      tell(what + " has arrived, " + rubicon::to_text(now - x->since) + " late");
+    if (std::exchange(x->is_reported, false))
+      notify(what + " has arrived, " + rubicon::to_text(now - x->since) + " late");
   } else if (end == write_end::refused) {
     ++ended_[x->rule].refused;
     x->is = stage::done;
-    tell(what + " is refused: " + std::string(cause));
+    notify(what + " is refused: " + std::string(cause));
   } else {
     lose(std::string(key), *x, "its owner is away (" + std::string(cause) + ')');
     if (x->is == stage::waiting)
@@ -349,8 +349,8 @@ void rules::lose(const std::string& key, standing& x, std::string_view why) {
   x.due.reset();
   if (!x.retry)
     ++ended_[x.rule].lost;
-  if (!std::exchange(x.is_told, true))
-    tell(key + " = " + x.word + (x.retry ? " waits: " : " is lost: ") + std::string(why));
+  if (!std::exchange(x.is_reported, true))
+    notify(key + " = " + x.word + (x.retry ? " waits: " : " is lost: ") + std::string(why));
 }
 
 void rules::enter(state& x, level next, instant now, std::vector<write_tuple>& out) {
@@ -412,14 +412,14 @@ void rules::replace(const std::string& key, const std::string& word) {
     return;
   ++ended_[x->rule].replaced;
   if (x->word != word)
-    tell(key + " = " + x->word + " is replaced by " + word + " before its owner had it");
+    notify(key + " = " + x->word + " is replaced by " + word + " before its owner had it");
 }
 
-/// Stories that nobody takes do not pile up.
-void rules::tell(std::string what) {
-  constexpr std::size_t stories_max = 1000;
-  if (stories_.size() < stories_max)
-    stories_.push_back(std::move(what));
+/// The queue of notices is bounded, in case nobody takes them.
+void rules::notify(std::string what) {
+  constexpr std::size_t notices_max = 1000;
+  if (notices_.size() < notices_max)
+    notices_.push_back(std::move(what));
 }
 
 } // namespace rubicon::proxy

@@ -26,7 +26,7 @@ struct write_tuple {
   friend bool operator==(const write_tuple&, const write_tuple&) = default;
 };
 
-/// What has become of what one rule has written. Each write ends in one way: writes = accepted +
+/// The outcomes of what one rule has written. Each write has one outcome: writes = accepted +
 /// refused + replaced + lost + those that wait.
 struct write_counters {
   std::uint64_t writes = 0;
@@ -78,13 +78,13 @@ enum class write_end : std::uint8_t {
 ///      +--------------------------+--------------------------------+
 ///
 /// One that waits is written when its owner is there (again). Where nobody could be reached, or a
-/// proxy tells by `KEY.outcome` that the word has failed, is unreachable or timed out, it is
+/// proxy reports by `KEY.outcome` that the word has failed, is unreachable or timed out, it is
 /// written again after `retry`, then after twice that, up to retry_max.
 class rules {
 public:
   static constexpr duration retry_max = 1min;
   static constexpr duration unsure = 30s;      ///< an owner that is gone so soon may not have acted
-  static constexpr duration patience = 10s;    ///< then people are told that a word waits
+  static constexpr duration patience = 10s;    ///< then it is reported that a word waits
   static constexpr duration lateness_max = 1h; ///< of a time of day
 
   /// @param retry 0: nothing is written again
@@ -130,8 +130,8 @@ public:
   /// What has become of the newest write to `key`. @param cause of what was not accepted
   void on_written(std::string_view key, write_end end, std::string_view cause, instant now);
 
-  /// What people would want to hear, since the last call.
-  [[nodiscard]] std::vector<std::string> take_stories() { return std::exchange(stories_, {}); }
+  /// Lines for the event log, since the last call.
+  [[nodiscard]] std::vector<std::string> take_notices() { return std::exchange(notices_, {}); }
 
   [[nodiscard]] const rules_counters& counters() const { return counters_; }
   /// In the order of the rules.
@@ -159,15 +159,15 @@ private:
     stage is = stage::asked;
     instant since; ///< when it was first written
     instant accepted_at;
-    bool rule_ended = false;         ///< the condition for it holds no more
-    bool is_told = false;            ///< that it waits
-    duration pause{};                ///< before it is written again,
-    std::optional<instant> due;      ///< which is then
-    std::optional<instant> tell_due; ///< when it is told that it waits
+    bool rule_ended = false;           ///< the condition for it holds no more
+    bool is_reported = false;          ///< that it waits
+    duration pause{};                  ///< before it is written again,
+    std::optional<instant> due;        ///< which is then
+    std::optional<instant> report_due; ///< when it is reported that it waits
   };
 
   [[nodiscard]] level judge(const rule& x, std::string_view text);
-  void tell_unread(const rule& x, std::string_view text);
+  void report_unread(const rule& x, std::string_view text);
   void follow(state& x, std::string_view text, instant now);
   void make_up(state& x, instant previous, instant now);
   void on_time_of(state& x, instant now, std::vector<write_tuple>& out);
@@ -184,7 +184,7 @@ private:
   void take_outcome(const std::string& key, standing& x, std::string_view outcome, instant now);
   void lose(const std::string& key, standing& x, std::string_view why);
   void again_later(standing& x, instant now);
-  void tell(std::string what);
+  void notify(std::string what);
 
   std::vector<state> rules_;
   duration retry_{};
@@ -194,8 +194,8 @@ private:
   std::vector<std::string> meta_;            ///< of them those of meta tuples
   std::map<std::string, standing> standing_; ///< by key, as in written_
   std::vector<write_counters> ended_;
-  std::set<std::string> unread_; ///< keys of which it was told that they tell no number
-  std::vector<std::string> stories_;
+  std::set<std::string> unread_; ///< keys reported because their texts are no numbers
+  std::vector<std::string> notices_;
   std::vector<std::pair<std::string, std::string>> read_; ///< keys read `from`, newest texts
   rules_counters counters_;
 };

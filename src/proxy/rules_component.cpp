@@ -128,7 +128,7 @@ components::outputs rules_component::outputs_of(const std::vector<write_tuple>& 
         components::tell{"writes " + x.key + " = " + x.word + (x.again ? " again" : "")});
     out.emplace_back(components::write{of.id, x.key, x.word, x.meta, of.asked});
   }
-  for (auto& what : rules_.take_stories())
+  for (auto& what : rules_.take_notices())
     out.emplace_back(components::tell{std::move(what)});
   return out;
 }

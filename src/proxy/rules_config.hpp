@@ -15,7 +15,8 @@ struct rule_write {
   std::string then;      ///< empty: nothing is written
   std::string otherwise; ///< empty: nothing is written
   bool meta = false;     ///< a meta tuple, and both texts are `(META <owner> <key>)` (META-05)
-  std::string from = {}; ///< instead of `then`: what this tuple, of any owner, tells at that moment
+  std::string from =
+      {}; ///< instead of `then`: the value that this tuple, of any owner, has at that moment
 };
 
 /// When a tuple meets a condition, and has done so for long enough, writes others. The condition is

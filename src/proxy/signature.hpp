@@ -1,4 +1,4 @@
-// What tells one proxied object from another, and what kind of thing it is (D1.1 3.2.2, 4.2.5).
+// What identifies a proxied object, and what kind of thing it is (D1.1 3.2.2, 4.2.5).
 #pragma once
 
 #include <cstdint>

@@ -156,7 +156,7 @@ outputs channel::set_noise(radio_index from, bool on, instant now) {
     return out;
   }
   if (sure_) { // it may find the channel busy now
-    queue_.tell(*sure_);
+    queue_.expect_output(*sure_);
     sure_.reset();
   }
   medium_.start_noise(from, topology_.around(from), now);
@@ -240,7 +240,7 @@ outputs channel::on_time(instant now) {
 }
 
 std::optional<instant> channel::deadline() {
-  return queue_.next_told(ran_until_, [this](const event& x) { return is_current(x); });
+  return queue_.next_output(ran_until_, [this](const event& x) { return is_current(x); });
 }
 
 // ------------------------------------------------------------------------------------------ events
@@ -352,7 +352,7 @@ void channel::watch_battery(radio_index radio, instant now) {
   const auto lasts = meter.lasts_until(now, reserve_mah);
   if (lasts != instant::max())
     schedule({.at = std::max(lasts, now + battery_check),
-              .told_at = std::max(lasts, now + battery_check),
+              .output_at = std::max(lasts, now + battery_check),
               .stamp = 0,
               .subject = radio.value,
               .kind = event_kind::battery_low});
@@ -383,7 +383,7 @@ void channel::follow(radio_index radio, const mac_action& todo, instant now, out
 void channel::schedule_mac(radio_index radio, instant due) {
   auto& x = at(radio);
   const event cautious{.at = due,
-                       .told_at = x.sender.told_at(),
+                       .output_at = x.sender.earliest_output(),
                        .stamp = x.mac_stamp,
                        .subject = radio.value,
                        .kind = event_kind::mac_timer};
@@ -392,7 +392,7 @@ void channel::schedule_mac(radio_index radio, instant due) {
       is_next && x.sender.assesses() && x.guarded_until <= due && medium_.stays_clear(radio, due);
   auto hopeful = cautious;
   if (is_sure)
-    hopeful.told_at = x.sender.told_at_if_clear();
+    hopeful.output_at = x.sender.earliest_output_if_clear();
   schedule(hopeful);
   if (is_sure)
     sure_ = cautious;
@@ -400,7 +400,7 @@ void channel::schedule_mac(radio_index radio, instant due) {
 
 void channel::schedule(const event& x) {
   if (sure_ && x.at <= sure_->at) {
-    queue_.tell(*sure_);
+    queue_.expect_output(*sure_);
     sure_.reset();
   }
   queue_.push(x);

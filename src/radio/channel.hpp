@@ -43,7 +43,7 @@ struct radio_config {
   std::uint8_t channel = default_channel;
 };
 
-/// A wish to send one frame.
+/// A request to send one frame.
 struct request {
   std::uint64_t token = 0; ///< comes back in `done`; the channel attaches no meaning
   mote_id destination = broadcast_mote;
@@ -160,7 +160,7 @@ public:
   /// to the noise of a radio is seeded from it
   channel(const channel_config& config, random_stream rng);
 
-  /// Makes room for so many radios; gives back what is kept for more than have been added.
+  /// Makes room for so many radios; releases memory reserved for more than have been added.
   void reserve(std::size_t radios);
   void shrink() { topology_.shrink(); }
 
@@ -175,7 +175,7 @@ public:
   /// @pre on_time() has been called for this moment
   void move(radio_index radio, position place);
 
-  /// The chance that a copy is lost on the way from one radio to another, instead of
+  /// The chance that a copy from one radio to another is lost, instead of
   /// channel_config::loss. Directed; 0..1 (GEN-03, NET-15). Survives move().
   void set_loss(radio_index from, radio_index to, double loss);
 
@@ -207,7 +207,7 @@ public:
 
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
 
-  /// When on_time() is due: nothing can be told to anybody before. What happens on the air until
+  /// When on_time() is due: there is no output before. What happens on the air until
   /// then happens at its own time when on_time() comes. Nothing while nobody sends and no battery
   /// can end.
   [[nodiscard]] std::optional<instant> deadline();
@@ -328,7 +328,7 @@ private:
   std::vector<station> stations_;
   event_queue queue_;
   /// An assessment that must find the channel clear, unless an event is put before it; with the
-  /// moment from which it can tell something if it does not.
+  /// moment from which it may have an output if it does not.
   std::optional<event> sure_;
   instant ran_until_ = instant::min();
   std::uint64_t events_ = 0;

@@ -1,4 +1,4 @@
-// What a channel tells about itself.
+// The counters that a channel reports.
 #include "radio/channel.hpp"
 
 #include <algorithm>

@@ -69,7 +69,7 @@ void channel::put_on_air(transmission x, instant now) {
   ++at(from).counted.transmissions;
   const auto slot = medium_.start(std::move(x), topology_.around(from));
   schedule({.at = end,
-            .told_at = end,
+            .output_at = end,
             .stamp = medium_.stamp(slot),
             .subject = slot,
             .kind = event_kind::frame_end});
@@ -85,7 +85,7 @@ void channel::end_frame(slot_index slot, instant now, outputs& out) {
   overheard seen;
   if (watched_)
     seen = describe(frame);
-  // Nearly all copies of a busy place are filtered: that way is short.
+  // Nearly all copies of a busy place are filtered: that path is short.
   const auto judge = [&](const transmission& sent, const hearer& x, outcome end) {
     if (end != outcome::intact)
       return to_copy_outcome(end);
@@ -180,7 +180,7 @@ copy_outcome channel::on_data(const transmission& sent, const hearer& x, instant
     y.ack_dsn = sent.content.dsn;
     const auto begin = now + y.sender.rules().ack_delay;
     schedule({.at = begin,
-              .told_at = begin + air_time(ack_size),
+              .output_at = begin + air_time(ack_size),
               .stamp = ++y.ack_stamp,
               .subject = x.radio.value,
               .kind = event_kind::ack_due});

@@ -67,8 +67,8 @@ void channel::on_listening(radio_index radio, instant now) {
 void channel::schedule_listening(radio_index radio) {
   auto& x = *at(radio).listens;
   const auto due = x.ears->deadline();
-  queue_.push_untold({.at = due,
-                      .told_at = due,
+  queue_.push_silent({.at = due,
+                      .output_at = due,
                       .stamp = ++x.event_stamp,
                       .subject = radio.value,
                       .kind = event_kind::listening});

@@ -19,47 +19,48 @@ enum class event_kind : std::uint8_t {
   listening,   ///< subject: a radio
 };
 
-/// Nobody can cancel an event: `stamp` tells the owner whether it still means what it meant.
+/// Nobody can cancel an event: by `stamp` its owner recognises one that is out of date.
 struct event {
   instant at{};
-  instant told_at{}; ///< nothing that it leads to can be told to anybody before; not before `at`
+  instant output_at{}; ///< nothing that it leads to is output before; not before `at`
   std::uint64_t stamp = 0;
   std::uint32_t subject = 0;
   event_kind kind = event_kind::mac_timer;
 };
 
 /// A binary heap; events of the same instant come out in the order in which they went in. Its owner
-/// keeps it bounded: at most a few events a radio. Beside it a heap of when something can be told.
+/// keeps it bounded: at most a few events a radio. Beside it a heap of when events may have an
+/// output.
 class event_queue {
 public:
   void push(const event& x) {
-    push_untold(x);
-    tell(x);
+    push_silent(x);
+    expect_output(x);
   }
 
-  /// Of an event without any output: next_told() does not count it.
-  void push_untold(const event& x) {
+  /// Of an event without any output: next_output() does not count it.
+  void push_silent(const event& x) {
     entries_.push_back({x, pushed_++});
     std::push_heap(entries_.begin(), entries_.end(), later);
   }
 
-  /// An event in the queue can be told of earlier than was said.
-  void tell(const event& x) {
-    told_.push_back(x);
-    std::push_heap(told_.begin(), told_.end(), told_later);
+  /// An event in the queue may have an output earlier than it said.
+  void expect_output(const event& x) {
+    by_output_.push_back(x);
+    std::push_heap(by_output_.begin(), by_output_.end(), output_later);
   }
 
-  /// The earliest told_at among events that are still to come.
-  /// @param is_current whether an event still means what it meant
+  /// The earliest output_at among events that are still to come.
+  /// @param is_current whether an event is not out of date
   /// @param done events until here have been handled
   template <class IsCurrent>
-  [[nodiscard]] std::optional<instant> next_told(instant done, IsCurrent is_current) {
-    while (!told_.empty()) {
-      const auto& x = told_.front();
+  [[nodiscard]] std::optional<instant> next_output(instant done, IsCurrent is_current) {
+    while (!by_output_.empty()) {
+      const auto& x = by_output_.front();
       if (x.at > done && is_current(x))
-        return x.told_at;
-      std::pop_heap(told_.begin(), told_.end(), told_later);
-      told_.pop_back();
+        return x.output_at;
+      std::pop_heap(by_output_.begin(), by_output_.end(), output_later);
+      by_output_.pop_back();
     }
     return std::nullopt;
   }
@@ -86,10 +87,10 @@ private:
     return a.content.at != b.content.at ? a.content.at > b.content.at : a.order > b.order;
   }
 
-  static bool told_later(const event& a, const event& b) { return a.told_at > b.told_at; }
+  static bool output_later(const event& a, const event& b) { return a.output_at > b.output_at; }
 
   std::vector<entry> entries_;
-  std::vector<event> told_;
+  std::vector<event> by_output_;
   std::uint64_t pushed_ = 0;
 };
 

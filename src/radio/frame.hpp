@@ -51,7 +51,7 @@ inline constexpr std::size_t ack_size = 5; ///< PSDU of an ack
 [[nodiscard]] result<frame> decode(byte_view psdu);
 
 /// From the begin of a frame on the air to the end of its start-of-frame delimiter: the moment that
-/// sender and receivers can all tell (tinyos.md 4.1).
+/// sender and receivers all observe (tinyos.md 4.1).
 inline constexpr duration sfd_delay = 32us * 5;
 
 /// How long a frame occupies the air: 32 us an octet, 6 octets of preamble, SFD and length before

@@ -103,30 +103,30 @@ mac_action mac::on_ack(instant now, random_stream& rng) {
   return finish(send_status::sent, now, rng);
 }
 
-instant mac::told_at() const {
+instant mac::earliest_output() const {
   if (state_ == state::turning)
     return *deadline_ + air_time(open_.front().psdu.size());
   if (repeats())
-    return told_of_train_at();
+    return earliest_output_of_train();
   if (!assesses() || open_.front().in_slot)
     return *deadline_;
   if (rules_->assessments_max == 0)
-    return told_at_if_clear();
+    return earliest_output_if_clear();
   const auto further = rules_->assessments_max * (rules_->rounds_max - rounds_) - busy_ - 1;
   const auto shortest = rules_->backoffs.back().first + rules_->assessment;
-  return std::min(told_at_if_clear(), *deadline_ + further * shortest);
+  return std::min(earliest_output_if_clear(), *deadline_ + further * shortest);
 }
 
 /// A copy that ends, or the end of the train: whichever can come first.
-instant mac::told_of_train_at() const {
+instant mac::earliest_output_of_train() const {
   if (assesses())
-    return std::min(told_at_if_clear(), std::max(*deadline_, train_end_));
+    return std::min(earliest_output_if_clear(), std::max(*deadline_, train_end_));
   const auto assessed = *deadline_ + copy_backoff.first + rules_->assessment;
   const auto copied = assessed + rules_->turnaround + air_time(open_.front().psdu.size());
   return train_is_over(*deadline_) ? *deadline_ : std::min(copied, std::max(assessed, train_end_));
 }
 
-instant mac::told_at_if_clear() const {
+instant mac::earliest_output_if_clear() const {
   if (train_is_over(*deadline_))
     return *deadline_;
   return *deadline_ + rules_->turnaround + air_time(open_.front().psdu.size());

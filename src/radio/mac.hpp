@@ -58,7 +58,7 @@ struct finished {
 /// What the owner has to do.
 struct mac_action {
   bool transmit = false;         ///< put current() on the air now
-  std::optional<finished> ended; ///< tell the requester
+  std::optional<finished> ended; ///< report it to the requester
 };
 
 /// Sans-I/O; the medium is its owner's.
@@ -118,10 +118,10 @@ public:
 
   /// The earliest moment at which deadline() can lead to the end of a request or of a frame. @pre
   /// there is a deadline
-  [[nodiscard]] instant told_at() const;
+  [[nodiscard]] instant earliest_output() const;
 
   /// The same if the next assessment finds the channel clear. @pre assesses()
-  [[nodiscard]] instant told_at_if_clear() const;
+  [[nodiscard]] instant earliest_output_if_clear() const;
 
   [[nodiscard]] bool awaits(std::uint8_t dsn) {
     return state_ == state::ack_wait && open_.front().content.dsn == dsn;
@@ -142,7 +142,7 @@ public:
   [[nodiscard]] std::size_t open() const { return open_.size(); }
 
 private:
-  [[nodiscard]] instant told_of_train_at() const;
+  [[nodiscard]] instant earliest_output_of_train() const;
   void leave_space(instant now);
   void take_up(instant now, random_stream& rng);
   void begin(instant now, random_stream& rng);

@@ -63,7 +63,7 @@ struct mac_rules {
   duration guard;           ///< the channel counts as busy so long after a frame that wants an ack
   bool spaces;              ///< SIFS and LIFS between frames
   bool dsn_from_address;    ///< DSNs begin at 16 times the address instead of anywhere
-  bool weak_source_key;     ///< duplicates: sources are told apart by the sum of their octets
+  bool weak_source_key;     ///< duplicates: sources are distinguished by the sum of their octets
   std::size_t sources_max;  ///< duplicates: sources remembered; 0: all
   unsigned retries_max;     ///< unless the file says otherwise
 

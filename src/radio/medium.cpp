@@ -107,7 +107,7 @@ void medium::start_noise(radio_index from, std::shared_ptr<const hearers> heard_
     if (at.locked != nothing) {
       if (strict_)
         spoil_locked(x.radio, outcome::collision);
-      settle(x.radio, now);
+      count_damage(x.radio, now);
       at.flags |= interfered;
     }
     at.power += units_of(x);
@@ -121,7 +121,7 @@ void medium::end_noise(radio_index from, instant now) {
   for (const auto& x : *ended->second) {
     auto& at = heads_[x.radio.value];
     if (at.locked != nothing)
-      settle(x.radio, now);
+      count_damage(x.radio, now);
     if (sense_energy_ && static_cast<float>(at.power) >= at.cca_floor)
       at.busy_until = now;
     at.power -= units_of(x);
@@ -173,7 +173,7 @@ bool medium::senses(radio_index radio, instant now) {
   auto power = static_cast<double>(x.power);
   if (tails_[radio.value].traced_noise != nullptr) {
     if (is_locked)
-      settle(radio, now); // readings are taken in order of time
+      count_damage(radio, now); // readings are taken in order of time
     power += static_cast<double>(reading_at(radio, now));
   }
   return power >= static_cast<double>(x.cca_floor);
@@ -257,7 +257,7 @@ outcome medium::meet_others(const hearer& x, slot_index slot, std::uint32_t plac
   if (strict_ && !alone)
     return overlap(x, slot, place, now);
   if (at.locked != nothing)
-    settle(x.radio, now); // readings are taken in order of time
+    count_damage(x.radio, now); // readings are taken in order of time
   const auto noise = static_cast<double>(noise_at(x.radio, now));
   const auto power = static_cast<double>(x.power);
   const bool audible_alone = x.power >= rest.sensitivity && power >= lock_ratio_ * noise;
@@ -277,7 +277,7 @@ outcome medium::meet_others(const hearer& x, slot_index slot, std::uint32_t plac
   }
   lock(at, slot, place, now);
   at.flags |= interfered; // it is not alone, or its noise changes
-  rest.settled_to = now;
+  rest.counted_to = now;
   rest.damage = 0;
   rest.noise_damage = 0;
   return outcome::intact;
@@ -294,7 +294,7 @@ outcome medium::overlap(const hearer& x, slot_index slot, std::uint32_t place, i
     if (at.locked != nothing)
       unlock(at, now);
     lock(at, slot, place, now);
-    tails_[x.radio.value].settled_to = now;
+    tails_[x.radio.value].counted_to = now;
   }
   return outcome::collision;
 }
@@ -314,7 +314,7 @@ void medium::spoil_locked(radio_index radio, outcome cause) {
 }
 
 /// Counts the damage to the locked frame since the last time. Call before `power` changes.
-void medium::settle(radio_index radio, instant now) {
+void medium::count_damage(radio_index radio, instant now) {
   auto& at = heads_[radio.value];
   auto& rest = tails_[radio.value];
   const auto& locked = on_air_[at.locked];
@@ -322,7 +322,7 @@ void medium::settle(radio_index radio, instant now) {
   const bool is_ack = locked.what.content.type == frame_type::ack;
   const auto frame_bits = bits(locked.what.length);
   if ((at.flags & interfered) == 0) { // it was alone until now
-    rest.settled_to = now;
+    rest.counted_to = now;
     rest.noise_damage = static_cast<double>(copy.clean_damage) *
                         errors_.weight(bits(now - at.locked_since), frame_bits, is_ack);
     rest.damage = rest.noise_damage;
@@ -330,8 +330,8 @@ void medium::settle(radio_index radio, instant now) {
   }
   const auto signal = static_cast<double>(copy.power);
   const auto interference = static_cast<double>(at.power - units_of(copy));
-  while (rest.settled_to < now) {
-    const auto from = rest.settled_to;
+  while (rest.counted_to < now) {
+    const auto from = rest.counted_to;
     const auto to = rest.traced_noise == nullptr ? now : std::min(now, next_reading(from));
     const auto noise = static_cast<double>(noise_at(radio, from));
     const auto weight = errors_.weight(bits(to - from), frame_bits, is_ack);
@@ -339,7 +339,7 @@ void medium::settle(radio_index radio, instant now) {
     rest.noise_damage += alone;
     rest.damage +=
         interference > 0 ? weight * errors_.damage(signal / (noise + interference)) : alone;
-    rest.settled_to = to;
+    rest.counted_to = to;
   }
 }
 
@@ -347,7 +347,7 @@ void medium::settle(radio_index radio, instant now) {
 
 /// What becomes of the locked frame at its end, if nothing has spoiled it.
 outcome medium::survive(radio_index radio, instant now, random_stream& rng) {
-  settle(radio, now);
+  count_damage(radio, now);
   const auto& rest = tails_[radio.value];
   if (rest.damage < harmless)
     return outcome::intact;
@@ -362,7 +362,7 @@ power_units medium::noise_at(radio_index radio, instant now) {
   return std::max(reading_at(radio, now), tails_[radio.value].own_noise);
 }
 
-/// What a chip's energy detection would tell.
+/// What a chip's energy detection would report.
 power_units medium::reading_at(radio_index radio, instant now) {
   auto& x = tails_[radio.value];
   return x.traced_noise == nullptr ? x.noise : reading_in_units(x.traced_noise->at(now));

@@ -141,7 +141,7 @@ public:
     return t.pan == x.pan && t.address == x.destination;
   }
 
-  /// A radio that waits for an ack is told of acks; for others they are filtered.
+  /// A radio that waits for an ack is given acks; for others they are filtered.
   void await_ack(radio_index radio, bool waits) {
     auto& flags = heads_[radio.value].flags;
     flags = static_cast<std::uint8_t>(waits ? flags | waiting : flags & ~waiting);
@@ -172,7 +172,7 @@ public:
     return tails_[radio.value].meter;
   }
 
-  /// With the time in reception told apart.
+  /// With the time in reception as a time of its own.
   [[nodiscard]] energy_times times(radio_index radio, instant now) const;
 
 private:
@@ -210,7 +210,7 @@ private:
     float sensitivity = 0; ///< as a power
     slot_index sending = nothing;
     instant sent_until = instant::min();
-    instant settled_to;      ///< until when damage to the locked frame has been counted
+    instant counted_to;      ///< until when damage to the locked frame has been counted
     double damage = 0;       ///< to it so far, by noise and interference
     double noise_damage = 0; ///< what noise alone would have done
   };
@@ -245,7 +245,7 @@ private:
         static_cast<std::int64_t>(x.power)); // signed is one instruction
   }
   void spoil_locked(radio_index radio, outcome cause);
-  void settle(radio_index radio, instant now);
+  void count_damage(radio_index radio, instant now);
   [[nodiscard]] outcome leave(const hearer& x, slot_index slot, outcome so_far, instant now,
                               random_stream& rng);
   [[nodiscard]] outcome survive(radio_index radio, instant now, random_stream& rng);
@@ -280,7 +280,7 @@ inline outcome medium::leave(const hearer& x, slot_index slot, outcome so_far, i
       so_far = survive(x.radio, now, rng);
     unlock(at, now);
   } else if (at.locked != nothing) {
-    settle(x.radio, now);
+    count_damage(x.radio, now);
   }
   if ((sense_energy_ && static_cast<float>(at.power) >= at.cca_floor) ||
       (sense_carrier_ && was_locked))

@@ -34,7 +34,7 @@ private:
   [[nodiscard]] std::uint32_t next_place(std::uint32_t place, random_stream& rng) const;
 
   std::vector<std::int8_t> readings_;
-  // A pattern is met at each place that it precedes. So the place of the last reading tells the
+  // A pattern is met at each place that it precedes. So the place of the last reading gives the
   // whole history: whichever follower of a pattern is drawn, what stands before it is that pattern.
   std::vector<std::uint32_t> places_; ///< places with the same pattern before them side by side
   std::vector<std::uint32_t> starts_; ///< by pattern: its first in places_; places_.size() last

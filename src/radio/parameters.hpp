@@ -22,8 +22,9 @@ class noise_trace; // radio/noise.hpp
 
 // ------------------------------------------------------------------------------------- propagation
 
-/// Everybody within range hears, nobody else does (NET-15). How strongly is told by log_distance
-/// with its defaults, but decides nothing unless noise or collisions by SINR are asked for.
+/// Everybody within range hears, nobody else does (NET-15). The received power is that of
+/// log_distance with its defaults, but decides nothing unless noise or collisions by SINR are asked
+/// for.
 struct unit_disk {
   double range_m = 30;
 };
@@ -101,7 +102,7 @@ enum class sensing_window : std::uint8_t {
   end,   ///< at their last moment
 };
 
-/// The transmission is lost on the way from one mote to another with this chance instead of
+/// The transmission from one mote to another is lost with this chance instead of
 /// channel_config::loss; or arrives with this gain, whatever the propagation says.
 struct link_override {
   mote_address from;

@@ -27,7 +27,7 @@ std::uint16_t receiver::key_of(mote_id source) const {
 
 bool receiver::repeated(const frame& x, instant now) {
   const auto key = key_of(x.source);
-  auto entry = std::ranges::lower_bound(last_, key, {}, &heard::source);
+  auto entry = std::ranges::lower_bound(last_, key, {}, &reception::source);
   if (entry != last_.end() && entry->source == key) {
     const bool repeat = entry->dsn == x.dsn && now - entry->at <= memory_;
     if (!repeat)
@@ -35,8 +35,8 @@ bool receiver::repeated(const frame& x, instant now) {
     return repeat;
   }
   if (rules_->sources_max != 0 && last_.size() >= rules_->sources_max) {
-    last_.erase(std::ranges::min_element(last_, {}, &heard::at));
-    entry = std::ranges::lower_bound(last_, key, {}, &heard::source);
+    last_.erase(std::ranges::min_element(last_, {}, &reception::at));
+    entry = std::ranges::lower_bound(last_, key, {}, &reception::source);
   }
   last_.insert(entry, {key, x.dsn, now});
   return false;

@@ -43,11 +43,11 @@ public:
   /// At least so long from now on.
   void remember_for(duration memory) { memory_ = std::max(memory_, memory); }
 
-  /// Forgets what is in the slots and what has been heard, as a restart does.
+  /// Forgets what is in the slots and what has been received, as a restart does.
   void reset();
 
 private:
-  struct heard {
+  struct reception {
     std::uint16_t source = 0; ///< key_of() it
     std::uint8_t dsn = 0;
     instant at;
@@ -60,7 +60,7 @@ private:
   std::size_t slots_ = 0;
   duration memory_{};
   std::vector<instant> served_at_; ///< of the frames in the slots, ascending
-  std::vector<heard> last_;        ///< ascending by source
+  std::vector<reception> last_;    ///< ascending by source
 };
 
 } // namespace rubicon::radio

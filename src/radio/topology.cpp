@@ -179,7 +179,7 @@ void topology::change(const link_override& x) {
   }
   for (const auto from : senders)
     for (const auto to : receivers)
-      put(from, to, heard(from, to, path_db(sites_[from], sites_[to])));
+      put(from, to, link_between(from, to, path_db(sites_[from], sites_[to])));
 }
 
 radio_index topology::add(const site& x) {
@@ -284,9 +284,9 @@ void topology::renew(std::uint32_t radio, const std::vector<std::uint32_t>& othe
     if (other == radio)
       continue;
     const auto path = path_db(sites_[radio], sites_[other]);
-    if (const auto link = heard(radio, other, path))
+    if (const auto link = link_between(radio, other, path))
       own->push_back(*link);
-    if (const auto link = heard(other, radio, path); link || !is_new)
+    if (const auto link = link_between(other, radio, path); link || !is_new)
       put(other, radio, link);
   }
   sort_out(*own);
@@ -347,8 +347,8 @@ std::optional<double> topology::arriving_dbm(const site& from, const site& to,
   return dbm;
 }
 
-std::optional<hearer> topology::heard(std::uint32_t from, std::uint32_t to,
-                                      std::optional<double> path) const {
+std::optional<hearer> topology::link_between(std::uint32_t from, std::uint32_t to,
+                                             std::optional<double> path) const {
   if (!share_channel(sites_[from], sites_[to]))
     return std::nullopt;
   const auto dbm = arriving_dbm(sites_[from], sites_[to], path);

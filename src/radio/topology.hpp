@@ -1,4 +1,4 @@
-// Who hears whom, how strongly, and how often a copy is lost on the way.
+// Who hears whom, how strongly, and how often a copy is lost.
 #pragma once
 
 #include <cstddef>
@@ -75,7 +75,7 @@ public:
   /// As if the link had been among channel_config::links, after all others. Costs O(radios).
   void change(const link_override& x);
 
-  /// Gives back memory that lists have kept for growing.
+  /// Releases memory that lists have reserved for growing.
   void shrink();
 
   /// Who hears `radio`; never nullptr.
@@ -105,8 +105,8 @@ private:
                                                    std::optional<double> path) const;
   [[nodiscard]] std::optional<double> by_law_dbm(const site& from, const site& to,
                                                  std::optional<double> path) const;
-  [[nodiscard]] std::optional<hearer> heard(std::uint32_t from, std::uint32_t to,
-                                            std::optional<double> path) const;
+  [[nodiscard]] std::optional<hearer> link_between(std::uint32_t from, std::uint32_t to,
+                                                   std::optional<double> path) const;
   [[nodiscard]] std::uint16_t loss_between(std::uint32_t from, std::uint32_t to) const;
   [[nodiscard]] power_units noise_at(const site& x) const;
   [[nodiscard]] std::optional<std::uint16_t> node_of(const site& x) const;

@@ -54,8 +54,8 @@ inline constexpr std::size_t tossim_file_octets_max = 256U << 20U;
 [[nodiscard]] std::variant<gain_table, file_problem> read_topology(std::string_view text);
 
 /// One number a line, -128..127 dBm; fractions are rounded down. Lines are left out and mistakes
-/// told as in a topology. Fewer than noise_trace::readings_min readings or more than readings_max
-/// are refused.
+/// reported as in a topology. Fewer than noise_trace::readings_min readings or more than
+/// readings_max are refused.
 [[nodiscard]] std::variant<std::shared_ptr<const noise_trace>, file_problem>
 read_noise_trace(std::string_view text);
 

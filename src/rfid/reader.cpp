@@ -72,7 +72,7 @@ outputs reader::on_time(instant now) {
 
 /// How strongly this inventory perceives a tag; nothing: it does not.
 std::optional<double> reader::strength(const tag& x, instant now) {
-  const auto there = x.way.at(now);
+  const auto there = x.walk.at(now);
   const auto distance_m = math::length(there.x_m - config_.place.x_m, there.y_m - config_.place.y_m,
                                        there.z_m - config_.place.z_m);
   if (distance_m > config_.range_m || rng_.chance(config_.miss_rate))

@@ -22,9 +22,9 @@ namespace rubicon::rfid {
 
 /// A passive tag, and the thing that it sticks to.
 struct tag {
-  std::string id;   ///< its hardware id: 1 to 32 lower-case letters, digits, - and _
-  bytes memory;     ///< its user memory, which readers read
-  device::walk way; ///< where it is, and is carried. @pre not empty
+  std::string id;    ///< its hardware id: 1 to 32 lower-case letters, digits, - and _
+  bytes memory;      ///< its user memory, which readers read
+  device::walk walk; ///< where it is, and is carried. @pre not empty
 };
 
 using tags = std::vector<tag>;

@@ -56,8 +56,9 @@ private:
 };
 
 /// What stands in a cable's place when the sink is behind a forwarder: the frames of the PC's end
-/// become packets for it, its packets become frames. What an ack says of a cable, that the packet
-/// has come to the mote, nobody tells here: the PC's end is given one for what the forwarder gets.
+/// become packets for it, its packets become frames. An ack does not
+/// say, as at a cable, that the packet has come to the mote: the PC's end is given one for what the
+/// forwarder gets.
 class forwarder_line {
 public:
   struct todo {

@@ -58,7 +58,7 @@ struct host_port_config {
   /// for the attempt, for a frame that the mote has begun to write, and for the ack.
   duration ack_wait = 100ms;
   std::uint32_t baud = 57600; ///< of the line, > 0
-  duration latency = 1ms;     ///< of the line, each way
+  duration latency = 1ms;     ///< of the line, in each direction
   /// Packets in flight: 1, as TinyOS's own programs do, or 2, for which a mote has buffers. Two
   /// keep a slow line in use while an ack waits for what the mote is writing; the second may
   /// overtake a first one that has to be repeated.
@@ -85,9 +85,9 @@ struct host_port_counters {
 RUBICON_FIELDS(host_port_counters, accepted, sent, no_ack, queue_full, refused, attempts,
                acks_written, urgent, received, empty, stray_acks, unknown_answers);
 
-/// Framing, acks both ways, a packet or two at a time. Every send ends in exactly one sent or lost.
-/// Each attempt has a sequence number of its own, so that an ack tells which attempt it answers;
-/// motes do not suppress duplicates and neither does this side (tinyos.md 1.3).
+/// Framing, acks in both directions, a packet or two at a time. Every send ends in exactly one sent
+/// or lost. Each attempt has a sequence number of its own, so that an ack identifies the attempt
+/// that it answers; motes do not suppress duplicates and neither does this side (tinyos.md 1.3).
 ///
 ///   idle --send--> waiting --ack of any attempt--> sent, next packet
 ///                   |   ^

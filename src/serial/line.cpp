@@ -31,14 +31,14 @@ void line::send(direction towards, payload octets, instant now) {
     note_loss(loss::line_failed);
     return;
   }
-  const auto kept = std::min(size, room(lane, now));
-  lane.counters.overflow += size - kept;
-  if (kept < size)
+  const auto accepted = std::min(size, room(lane, now));
+  lane.counters.overflow += size - accepted;
+  if (accepted < size)
     note_loss(loss::line_failed);
-  if (kept == 0)
+  if (accepted == 0)
     return;
-  lane.free_at = std::max(lane.free_at, now) + transmission_time(kept, config_.baud);
-  lane.chunks.push_back({carry(std::move(octets), kept, lane.counters), lane.free_at});
+  lane.free_at = std::max(lane.free_at, now) + transmission_time(accepted, config_.baud);
+  lane.chunks.push_back({carry(std::move(octets), accepted, lane.counters), lane.free_at});
 }
 
 line_outputs line::on_time(instant now) {
@@ -92,11 +92,11 @@ const line_counters& line::counters(direction towards) const {
   return lanes_[static_cast<std::size_t>(towards)].counters;
 }
 
-line::one_way& line::of(direction towards) {
+line::lane_state& line::of(direction towards) {
   return lanes_[static_cast<std::size_t>(towards)];
 }
 
-std::size_t line::room(const one_way& x, instant now) const {
+std::size_t line::room(const lane_state& x, instant now) const {
   constexpr std::int64_t per_octet = 10 * std::nano::den; // backlog in ns times baud
   const auto backlog = std::max(x.free_at - now, duration{});
   const auto waiting =
@@ -104,10 +104,10 @@ std::size_t line::room(const one_way& x, instant now) const {
   return config_.buffer - std::min(waiting, config_.buffer);
 }
 
-payload line::carry(payload octets, std::size_t kept, line_counters& counters) {
-  if (config_.octet_error <= 0 && kept == octets.size())
+payload line::carry(payload octets, std::size_t accepted, line_counters& counters) {
+  if (config_.octet_error <= 0 && accepted == octets.size())
     return octets;
-  auto copy = to_bytes(octets.view().first(kept));
+  auto copy = to_bytes(octets.view().first(accepted));
   for (auto& octet : copy) {
     if (!rng_.chance(config_.octet_error))
       continue;

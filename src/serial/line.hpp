@@ -35,7 +35,7 @@ using line_outputs = std::vector<arrived>;
 struct line_counters {
   std::uint64_t written = 0;
   std::uint64_t arrived = 0;   ///< corrupted ones included
-  std::uint64_t corrupted = 0; ///< changed on the way, whether or not they arrived
+  std::uint64_t corrupted = 0; ///< changed in transit, whether or not they arrived
   std::uint64_t overflow = 0;  ///< lost at a full buffer
   std::uint64_t unplugged = 0; ///< lost because no cable was there
 };
@@ -44,7 +44,7 @@ RUBICON_FIELDS(line_counters, written, arrived, corrupted, overflow, unplugged);
 /// Two independent directions. Each sends its octets one after the other at the line's baud rate,
 /// with 10 bit times an octet, and changes each with the configured chance. What a writer wrote at
 /// once arrives at once, when its last octet does. The latency of the PC's adapter is not the
-/// line's: whoever is at that end waits for it, each way.
+/// line's: whoever is at that end waits for it, in each direction.
 class line {
 public:
   line() = default;
@@ -74,19 +74,19 @@ private:
     provenance from = {};
   };
 
-  struct one_way {
+  struct lane_state {
     std::deque<written_chunk> chunks; ///< in order of arrival; bounded by the buffer
     instant free_at{};                ///< when the last octet written so far has left
     line_counters counters;
   };
 
-  [[nodiscard]] one_way& of(direction towards);
-  [[nodiscard]] std::size_t room(const one_way& x, instant now) const;
-  [[nodiscard]] payload carry(payload octets, std::size_t kept, line_counters& counters);
+  [[nodiscard]] lane_state& of(direction towards);
+  [[nodiscard]] std::size_t room(const lane_state& x, instant now) const;
+  [[nodiscard]] payload carry(payload octets, std::size_t accepted, line_counters& counters);
 
   line_config config_;
   random_stream rng_;
-  std::array<one_way, 2> lanes_;
+  std::array<lane_state, 2> lanes_;
   bool plugged_ = true;
 };
 

@@ -16,15 +16,16 @@ namespace rubicon::serial {
 /// A serial cable with 10 bit times an octet (tinyos.md 1.1).
 struct line_config {
   std::uint32_t baud = 57600;
-  duration latency = 1ms;    ///< of the PC's USB adapter and driver, each way
-  double octet_error = 0;    ///< chance that one octet is corrupted, 0..1
-  std::size_t buffer = 4096; ///< octets waiting to be sent, each way; more are lost and counted
+  duration latency = 1ms; ///< of the PC's USB adapter and driver, in each direction
+  double octet_error = 0; ///< chance that one octet is corrupted, 0..1
+  std::size_t buffer =
+      4096; ///< octets waiting to be sent in one direction; more are lost and counted
 };
 
 struct recorded_frame;
 
 /// AM payload that TinyOS's programs are compiled for unless somebody says otherwise. A longer one
-/// blocks a BaseStation's way to the radio for good (tinyos.md 3).
+/// blocks a BaseStation's path to the radio for good (tinyos.md 3).
 inline constexpr std::size_t base_station_payload = 28;
 
 /// What is at one end of an island's cable in place of what the ecology has there itself. At most

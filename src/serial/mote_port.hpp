@@ -84,7 +84,7 @@ public:
   /// When the UART is free for what waits; nothing if nothing waits.
   [[nodiscard]] std::optional<instant> deadline() const;
 
-  void stop();  ///< the mote is off: forgets what waits, hears nothing
+  void stop();  ///< the mote is off: forgets what waits, receives nothing
   void start(); ///< after stop(); a new port is started
 
   /// How long an urgent packet sent now waits for the frame that the UART is writing.

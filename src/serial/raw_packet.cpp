@@ -21,7 +21,7 @@ constexpr unsigned destination_shift = 10;
 constexpr unsigned source_shift = 14;
 constexpr std::uint16_t tinyos_data = 0x8841; // short addresses in one PAN
 
-// Ways to name an end.
+// Addressing modes.
 constexpr unsigned mode_mask = 3;
 constexpr unsigned mode_none = 0;
 constexpr unsigned mode_reserved = 1;

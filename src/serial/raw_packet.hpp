@@ -45,8 +45,8 @@ struct raw_frame {
 };
 
 /// Errors: truncated (no complete header, or fewer octets than the length octet says), too_long
-/// (more than that, or a length above raw_length_max), bad_value (a reserved type or way to name an
-/// end, or a length below 5), unsupported (not dispatch 2).
+/// (more than that, or a length above raw_length_max), bad_value (a reserved type or addressing
+/// mode of an end, or a length below 5), unsupported (not dispatch 2).
 [[nodiscard]] result<raw_frame> decode_raw_packet(byte_view packet);
 
 /// What TinyOS carries in it: nothing unless it is data between short addresses, not secured, and

@@ -1,5 +1,5 @@
-// What the parts of SMEPP Light ask of their owner, the peer, and what they tell the application
-// with the names of D1.1 table 1.
+// What the parts of SMEPP Light request of their owner, the peer, and the signals that they send to
+// the application, with the names of D1.1 table 1.
 #pragma once
 
 #include <cstdint>
@@ -68,7 +68,7 @@ struct subscribed {
   friend bool operator==(const subscribed&, const subscribed&) = default;
 };
 
-/// It was withdrawn, has expired, or its subscriber has not been heard of for long.
+/// It was withdrawn, has expired, or its subscriber has sent no refresh for long.
 struct unsubscribed {
   group_id group;
   subscription_id id;
@@ -111,7 +111,7 @@ struct to_send {
   std::optional<session_id> under = std::nullopt; ///< nothing: the group's keys for sending
   unsigned copies = 1;                            ///< of a broadcast, spread
   duration delay = {};                            ///< at least
-  std::uint64_t token = 0;                        ///< not 0: who sends it hears how it ended
+  std::uint64_t token = 0;                        ///< not 0: its sender receives the outcome
   provenance from = {};                           ///< of what is sent
   std::optional<key> bound_under = std::nullopt;  ///< of a join_accept, whose MAC is made last
 };

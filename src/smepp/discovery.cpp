@@ -28,12 +28,12 @@ void discovery::ask(const group_filter& x, security& security, instant now) {
 
 std::optional<found_member> discovery::read(mote_id from, const answer& x, instant now) const {
   const auto& master = search_->filter.master;
-  found_member told{from, {}, false, x.time, now};
-  told.is_proven =
+  found_member candidate{from, {}, false, x.time, now};
+  candidate.is_proven =
       master && x.proof && is_same(*x.proof, answer_tag(*master, config_.self, from, x));
-  if (x.is_private && !told.is_proven)
+  if (x.is_private && !candidate.is_proven)
     return std::nullopt;
-  auto& description = told.description;
+  auto& description = candidate.description;
   description.name =
       rubicon::to_string(x.is_private ? hidden_name(*master, config_.self, from, x) : x.name);
   description.is_closed = x.is_closed;
@@ -44,7 +44,7 @@ std::optional<found_member> discovery::read(mote_id from, const answer& x, insta
   if (!is_name(description.name, group_description::name_max) ||
       !search_->filter.matches(description))
     return std::nullopt;
-  return told;
+  return candidate;
 }
 
 /// Nothing: there is no room.
@@ -65,22 +65,22 @@ found_group* discovery::place_for(group_id group, bool proven) {
 void discovery::on_answer(mote_id from, const answer& x, instant now) {
   if (!search_ || x.nonce != search_->nonce)
     return;
-  const auto told = read(from, x, now);
-  if (!told)
+  const auto candidate = read(from, x, now);
+  if (!candidate)
     return;
-  auto* const place = place_for(x.group, told->is_proven);
+  auto* const place = place_for(x.group, candidate->is_proven);
   if (place == nullptr)
     return;
   auto& members = place->members;
-  if (!told->is_proven && std::ranges::any_of(members, [&](const found_member& each) {
+  if (!candidate->is_proven && std::ranges::any_of(members, [&](const found_member& each) {
         return each.who == from && each.is_proven;
       }))
     return; // somebody else in its name
-  // What is said in one name in two ways is two things to try.
+  // Two different descriptions in one name are two candidates.
   std::erase_if(members, [&](const found_member& each) {
-    return each.who == from && (told->is_proven || each.description == told->description);
+    return each.who == from && (candidate->is_proven || each.description == candidate->description);
   });
-  members.insert(std::ranges::upper_bound(members, *told, is_before), *told);
+  members.insert(std::ranges::upper_bound(members, *candidate, is_before), *candidate);
   if (members.size() > config_.members_max)
     members.pop_back();
 }

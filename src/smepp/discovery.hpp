@@ -21,13 +21,14 @@ struct discovery_config {
   std::size_t members_max = 4; ///< who answered, of each group
 };
 
-/// Who has told of a group, and may admit us to it; and what it has said, which need not be true.
+/// A member that has announced a group, and may admit us to it; and what it has sent, which need
+/// not be true.
 struct found_member {
   mote_id who;
   group_description description; ///< with the master key that it was looked for with, if any
   bool is_proven = false;        ///< it has that key as well
   group_time time;               ///< what it was
-  instant told_at;               ///< then
+  instant received_at;           ///< when that was received
 };
 
 struct found_group {

@@ -85,7 +85,7 @@ std::optional<failure> event_management::subscribe(const group& g, const std::st
   if (expiration)
     x.expires = std::min(group_time_max, x.made_at + std::chrono::ceil<microseconds>(*expiration));
   x.interval = interval;
-  x.heard = c.now;
+  x.refreshed_at = c.now;
   subscriptions_.push_back(x);
   spread(x, false, c);
   return std::nullopt;
@@ -196,7 +196,7 @@ void event_management::on_message(mote_id from, const smepp::subscribe& x, const
     added.round = x.round;
     added.depth = depth;
     added.parent = from;
-    added.heard = c.now;
+    added.refreshed_at = c.now;
     subscriptions_.push_back(added);
     c.out.push_back(signal{subscribed{g.id, info(added, g)}});
     return spread(added, x.is_refresh, c);
@@ -209,7 +209,7 @@ void event_management::on_message(mote_id from, const smepp::subscribe& x, const
     known->round = x.round;
     known->depth = depth;
     known->parent = from;
-    known->heard = c.now;
+    known->refreshed_at = c.now;
     return spread(*known, x.is_refresh, c);
   }
   if (depth == known->depth && from != known->parent)
@@ -223,8 +223,8 @@ void event_management::on_message(mote_id /*from*/, const smepp::unsubscribe& x,
     remove(static_cast<std::size_t>(known - subscriptions_.data()), true, c);
 }
 
-/// @param tell others, so that they remove it too
-void event_management::remove(std::size_t at, bool tell, context c) {
+/// @param is_announced to the group, so that others remove it too
+void event_management::remove(std::size_t at, bool is_announced, context c) {
   const auto gone = subscriptions_[at];
   subscriptions_.erase(subscriptions_.begin() + static_cast<std::ptrdiff_t>(at));
   forget([&](const waiting& x) {
@@ -232,7 +232,7 @@ void event_management::remove(std::size_t at, bool tell, context c) {
   });
   if (gone.depth > 0)
     c.out.push_back(signal{unsubscribed{gone.group, gone.id, gone.name}});
-  if (!tell)
+  if (!is_announced)
     return;
   if (removed_.size() >= config_.removed_max)
     removed_.erase(removed_.begin());
@@ -258,9 +258,9 @@ void event_management::introduce(const newcomer& x, context c) const {
   for (const auto& each : subscriptions_) {
     if (each.group != x.group || each.id.subscriber == x.peer)
       continue;
-    to_send told{x.peer, x.group, message_of(each, true), slot::at_once};
-    told.under = x.session;
-    c.out.push_back(told);
+    to_send copy{x.peer, x.group, message_of(each, true), slot::at_once};
+    copy.under = x.session;
+    c.out.push_back(copy);
   }
 }
 
@@ -273,14 +273,14 @@ void event_management::on_time(const group_management& groups, context c) {
     if (g == nullptr || !g->sync.is_known())
       continue;
     const bool is_dead =
-        x.depth > 0 && c.now - x.heard > config_.refresh * config_.refreshes_missed;
+        x.depth > 0 && c.now - x.refreshed_at > config_.refresh * config_.refreshes_missed;
     if (is_dead || x.expires <= g->sync.at(c.now)) {
       remove(i, false, c);
       continue;
     }
-    if (x.depth == 0 && c.now - x.heard >= config_.refresh) {
+    if (x.depth == 0 && c.now - x.refreshed_at >= config_.refresh) {
       ++x.round;
-      x.heard = c.now;
+      x.refreshed_at = c.now;
       spread(x, true, c);
     }
   }
@@ -294,7 +294,7 @@ std::optional<instant> event_management::deadline(const group_management& groups
     if (g == nullptr || !g->sync.is_known())
       continue;
     const auto patience = config_.refresh * (x.depth == 0 ? 1 : config_.refreshes_missed);
-    first = earliest(first, x.heard + patience + (x.depth == 0 ? 0ns : 1ns));
+    first = earliest(first, x.refreshed_at + patience + (x.depth == 0 ? 0ns : 1ns));
     if (x.expires != group_time_max)
       first = earliest(first, g->sync.when(x.expires) + 1us);
   }

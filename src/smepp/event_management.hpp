@@ -57,8 +57,8 @@ struct subscription {
   std::uint16_t round = 0;
   std::uint8_t depth = 0; ///< hops to the subscriber; 0: we are it
   mote_id parent = no_mote;
-  mote_id other_parent = no_mote;        ///< as near to the subscriber, if one was heard this round
-  instant heard;                         ///< the last round
+  mote_id other_parent = no_mote;        ///< as near to the subscriber, if one sent this round
+  instant refreshed_at;                  ///< when the last round was received, or sent by us
   std::optional<std::int64_t> last_slot; ///< of our own events
   bool is_received = false;              ///< ours: smepp_receive was called
   std::uint32_t every = 1;               ///< ours: our radio wakes for each so many windows (A-64)
@@ -130,8 +130,8 @@ private:
     subscription_id id;
     mote_id producer;
     std::uint16_t sequence = 0;
-    /// Of proof and value: what somebody says in the producer's name is another event. Nothing else
-    /// tells them apart on the way to who can check the proof.
+    /// Of proof and value: what is forged in the producer's name is another event. Nothing else
+    /// distinguishes them on the route to a member that can check the proof.
     std::uint16_t content = 0;
 
     friend bool operator==(const mark&, const mark&) = default;
@@ -145,7 +145,7 @@ private:
   [[nodiscard]] subscription* find(group_id group, subscription_id id);
   [[nodiscard]] bool is_removed(group_id group, const smepp::subscribe& x) const;
   void spread(const subscription& x, bool is_refresh, context c) const;
-  void remove(std::size_t at, bool tell, context c);
+  void remove(std::size_t at, bool is_announced, context c);
   void take(const smepp::event& x, const subscription& to, bool is_own, context c);
   void enqueue(group_id group, smepp::event x, context c);
   void pump(context c);

@@ -46,11 +46,11 @@ struct group {
   /// Nothing is sent after this.
   std::optional<instant> leaving_at;
   /// Somebody has left: new session keys are made then, unless we have fetched some that others
-  /// have made. What is sent to all (key_refresh) is no such pair: who has left hears it, too.
+  /// have made. What is sent to all (key_refresh) is no such pair: who has left receives it, too.
   std::optional<instant> refresh_at;
   /// Our best pair went from hand to hand: who had those before may be one who has left.
   bool is_best_fetched = false;
-  /// Neighbours were heard under keys ahead of ours: these are fetched then, if we have not been
+  /// Neighbours have sent under keys ahead of ours: these are fetched then, if we have not been
   /// sent them. It need not be true. One place for each neighbour, so nobody takes another's.
   struct rumour {
     mote_id from;
@@ -70,22 +70,22 @@ struct group {
   static constexpr std::size_t refusers_max = 8;
   /// Those that have shown that they are there, now or in a former life, the last first.
   std::vector<mote_id> neighbours;
-  /// Of all others one is asked at a time, and after a while, longer each time that it was in vain.
+  /// Of all others one is asked at a time, and after a while, longer after each failure.
   instant guess_from;
   duration guess_pause = refuser_pause_min;
   instant fetch_from; ///< no catch-up before, what is said by a member included
-  /// Who goes by another time is told ours no sooner.
+  /// Our time is not sent before this to a part of the group that goes by another time.
   instant out_of_step_from;
-  /// When neighbours were last sent all members, the longest ago first.
-  std::vector<std::pair<mote_id, instant>> told;
+  /// When all members were last sent to each neighbour, the longest ago first.
+  std::vector<std::pair<mote_id, instant>> members_sent;
 
   /// Joined, but members and subscriptions may still come.
-  struct settling {
+  struct incomplete_join {
     instant until;
     std::size_t members = 0;
     std::size_t subscriptions = 0;
   };
-  std::optional<settling> settling_in;
+  std::optional<incomplete_join> incomplete;
 };
 
 } // namespace rubicon::smepp

@@ -9,7 +9,7 @@ namespace rubicon::smepp {
 
 namespace {
 
-constexpr duration answer_spread = 30ms; ///< members that hear the same question
+constexpr duration answer_spread = 30ms; ///< between members that receive the same question
 
 std::uint16_t in_ms(duration x) {
   return static_cast<std::uint16_t>(x / 1ms);
@@ -62,19 +62,19 @@ void group_management::on(mote_id from, const discover& x, const opened_frame& /
     if (!c.keys.may_answer(from, c.now))
       return drop("too_many_questions");
     const auto& cycle = g.description.management;
-    answer told{x.nonce,
-                id,
-                g.description.is_closed,
-                g.description.is_private,
-                static_cast<std::uint8_t>(std::min<std::size_t>(g.members.present(), 255)),
-                in_ms(cycle.period),
-                cycle.period > 0s ? in_ms(cycle.length) : std::uint16_t{0},
-                {}, // time, and the proof over it, are filled in when it is sent
-                has_key ? std::optional(tag{}) : std::nullopt,
-                to_bytes(g.description.name)};
+    answer content{x.nonce,
+                   id,
+                   g.description.is_closed,
+                   g.description.is_private,
+                   static_cast<std::uint8_t>(std::min<std::size_t>(g.members.present(), 255)),
+                   in_ms(cycle.period),
+                   cycle.period > 0s ? in_ms(cycle.length) : std::uint16_t{0},
+                   {}, // time, and the proof over it, are filled in when it is sent
+                   has_key ? std::optional(tag{}) : std::nullopt,
+                   to_bytes(g.description.name)};
     if (g.description.is_private)
-      told.name = hidden_name(*master, from, config_.self, told);
-    to_send reply{from, id, told, slot::at_once};
+      content.name = hidden_name(*master, from, config_.self, content);
+    to_send reply{from, id, content, slot::at_once};
     reply.delay = rng_.between(duration{}, answer_spread);
     c.out.push_back(reply);
   }
@@ -191,7 +191,7 @@ void group_management::send_step(attempt& x, context c) {
   message step = smepp::join{x.proof.group, x.proof.nonce};
   if (x.is_proving)
     step = x.proof;
-  // A member that we have heard just now is awake; it need not be when we try again.
+  // A member that has sent just now is awake; it need not be when we try again.
   const bool at_once = x.is_rumour || (x.tries == 1 && (x.is_member || x.is_proving));
   to_send sent{x.members.front().who, x.proof.group, step,
                at_once ? slot::at_once : slot::management};
@@ -201,7 +201,7 @@ void group_management::send_step(attempt& x, context c) {
 
 /// The present step once more, or the next member, or the end.
 void group_management::go_on(attempt& x, failure why, context c) {
-  constexpr unsigned advised_tries = 2; // who was told that it is in vain
+  constexpr unsigned advised_tries = 2; // after a refusal that need not be authentic
   const auto tries = x.advised ? advised_tries : config_.step_tries;
   if (x.tries < tries && why == failure::no_answer) {
     ++x.tries;
@@ -312,8 +312,8 @@ void group_management::enter(const attempt& x, const session_keys& session,
   auto& g = add(x.proof.group, description, c);
   g.ring.learn(session, c.now + std::chrono::milliseconds(accept.keys.send_in_ms), c.now);
   g.sync.adopt(accept.time, c.now);
-  g.settling_in = group::settling{c.now + 2 * step_timeout(description.management), accept.members,
-                                  accept.subscriptions};
+  g.incomplete = group::incomplete_join{c.now + 2 * step_timeout(description.management),
+                                        accept.members, accept.subscriptions};
   changed(g, c);
   c.keys.believe(x.members.front().who, g.id, session.id, counter);
 }
@@ -338,7 +338,7 @@ void group_management::caught_up(group& g, mote_id from, const session_keys& ses
   g.is_returning = false;
   changed(g, c);
   if (is_news)
-    g.sync.hurry(c.now); // our stamps tell others on our side that there is something to fetch
+    g.sync.hurry(c.now); // our stamps announce the new keys to others on our side
 }
 
 // ---- who lets in
@@ -411,7 +411,7 @@ void group_management::on(mote_id from, const join_proof& x, const opened_frame&
 }
 
 /// Who is a member already lacks keys, or the answer to its proof: neither is a reason for others.
-/// That it is the member its identity shows; of any other all are told.
+/// It has to be the member that its identity shows; any other is announced to all.
 void group_management::note_joiner(group& g, const handshake& with, context c) {
   const auto& x = with.proof;
   const auto identity = short_hash(x.identity);
@@ -419,8 +419,8 @@ void group_management::note_joiner(group& g, const handshake& with, context c) {
   const bool is_there = known != nullptr && !known->has_left && known->identity == identity;
   const bool is_repeat =
       is_there && known->who.transducers == x.transducers &&
-      std::ranges::any_of(g.told, [&](const auto& each) {
-        return each.first == with.joiner && each.second + config_.told_pause > c.now;
+      std::ranges::any_of(g.members_sent, [&](const auto& each) {
+        return each.first == with.joiner && each.second + config_.members_pause > c.now;
       });
   if ((is_there && x.is_member) || is_repeat)
     return;
@@ -458,14 +458,14 @@ void group_management::admit(group& g, const handshake& asked, std::uint64_t cou
     introduction.under = best;
     c.out.push_back(introduction);
   }
-  std::erase_if(g.told, [&](const auto& each) { return each.first == joiner; });
-  g.told.emplace_back(joiner, c.now);
+  std::erase_if(g.members_sent, [&](const auto& each) { return each.first == joiner; });
+  g.members_sent.emplace_back(joiner, c.now);
   g.sync.hurry(c.now);
   c.out.push_back(newcomer{g.id, joiner, best});
 }
 
 void group_management::welcome(group& g, admitted& x, context c) {
-  constexpr duration pause = 250ms; // who repeats its proof has not heard this
+  constexpr duration pause = 250ms; // who repeats its proof has not received this
   if (x.sent != instant{} && c.now < x.sent + pause)
     return;
   x.sent = c.now;
@@ -484,15 +484,15 @@ void group_management::welcome(group& g, admitted& x, context c) {
   c.out.push_back(sent);
 }
 
-bool group_management::settle(group_id id, std::size_t subscriptions, instant now) {
+bool group_management::complete_join(group_id id, std::size_t subscriptions, instant now) {
   auto* const g = find(id);
-  if (g == nullptr || !g->settling_in)
+  if (g == nullptr || !g->incomplete)
     return false;
-  const auto& x = *g->settling_in;
+  const auto& x = *g->incomplete;
   const bool is_complete = g->members.present() >= x.members && subscriptions >= x.subscriptions;
   if (!is_complete && now < x.until)
     return false;
-  g->settling_in.reset();
+  g->incomplete.reset();
   return true;
 }
 

@@ -9,7 +9,7 @@ namespace rubicon::smepp {
 
 namespace {
 
-constexpr std::size_t told_max = 8;
+constexpr std::size_t members_sent_max = 8;
 
 } // namespace
 
@@ -121,7 +121,7 @@ void group_management::make_keys(group& g, bool somebody_left, context c) {
     announce(g, pending, config_.flood_copies, c);
 }
 
-/// Tells those who have the pair `under` of the best one.
+/// Sends the best pair to those who have the pair `under`.
 void group_management::announce(const group& g, session_id under, unsigned copies, context c) {
   const auto* const old = g.ring.find(under);
   if (old == nullptr || under == g.ring.best().id)
@@ -199,7 +199,7 @@ void group_management::check_rumours(group& g, context c) {
     catch_up(x.from, g, true, c);
 }
 
-void group_management::on_heard(mote_id from, group_id group, bool is_proven, context c) {
+void group_management::on_member_frame(mote_id from, group_id group, bool is_proven, context c) {
   auto* const g = find(group);
   if (g == nullptr)
     return;
@@ -237,7 +237,7 @@ void group_management::learn(group& g, const member& x, bool spread, context c) 
   if (change == member_table::change::no_room)
     return drop("no_room");
   const bool is_other = change == member_table::change::replaced;
-  if ((change == member_table::change::joined || is_other) && !g.settling_in)
+  if ((change == member_table::change::joined || is_other) && !g.incomplete)
     c.out.push_back(signal{peerJoined{g.id, x.who}}); // else the list is the result
   if (change == member_table::change::left)
     c.out.push_back(signal{peerLeft{x.who.peer, g.id}});
@@ -282,13 +282,15 @@ void group_management::on(mote_id /*from*/, const member_list& x, const opened_f
       learn(*g, each, false, c);
 }
 
-/// All we know of the members, to one neighbour, unless it was told just now.
-void group_management::tell(mote_id to, group& g, context c) {
-  std::erase_if(g.told, [&](const auto& x) { return x.second + config_.told_pause <= c.now; });
-  const bool is_told = std::ranges::any_of(g.told, [&](const auto& x) { return x.first == to; });
-  if (is_told || g.told.size() >= told_max)
+/// All we know of the members, to one neighbour, unless they were sent to it just now.
+void group_management::send_members(mote_id to, group& g, context c) {
+  std::erase_if(g.members_sent,
+                [&](const auto& x) { return x.second + config_.members_pause <= c.now; });
+  const bool was_sent =
+      std::ranges::any_of(g.members_sent, [&](const auto& x) { return x.first == to; });
+  if (was_sent || g.members_sent.size() >= members_sent_max)
     return;
-  g.told.emplace_back(to, c.now);
+  g.members_sent.emplace_back(to, c.now);
   for (auto& list : g.members.lists())
     c.out.push_back(to_send{to, g.id, std::move(list)});
 }
@@ -304,7 +306,7 @@ void group_management::on_stamp(mote_id from, const sync_stamp& x, group_id grou
   if (is_better(x.best, g->ring.best().id))
     catch_up(from, *g, false, c);
   if (x.digest != g->members.digest())
-    tell(from, *g, c);
+    send_members(from, *g, c);
 }
 
 void group_management::on_time(context c) {
@@ -363,8 +365,8 @@ std::optional<instant> group_management::deadline() const {
     first = earliest(first, g.ring.deadline());
     first = earliest(first, next_keys(g));
     first = earliest(first, g.sync.deadline());
-    if (g.settling_in)
-      first = earliest(first, g.settling_in->until);
+    if (g.incomplete)
+      first = earliest(first, g.incomplete->until);
   }
   return first;
 }
@@ -405,15 +407,15 @@ std::optional<group_management::schedule> group_management::schedule_of(group_id
       return std::nullopt;
     return schedule{g->sync.at(now), g->description.management};
   }
-  const found_member* told = nullptr; // by whom we are asking, or would ask first
+  const found_member* best_offer = nullptr; // by whom we are asking, or would ask first
   if (const auto running = attempts_.find(x); running != attempts_.end())
-    told = &running->second.members.front();
+    best_offer = &running->second.members.front();
   else if (const auto* const found = discovery_.find(x))
-    told = &found->members.front();
-  if (told == nullptr)
+    best_offer = &found->members.front();
+  if (best_offer == nullptr)
     return std::nullopt;
-  const auto since = std::chrono::floor<std::chrono::microseconds>(now - told->told_at);
-  return schedule{told->time + since, told->description.management};
+  const auto since = std::chrono::floor<std::chrono::microseconds>(now - best_offer->received_at);
+  return schedule{best_offer->time + since, best_offer->description.management};
 }
 
 std::size_t group_management::footprint() const {
@@ -425,8 +427,8 @@ std::size_t group_management::footprint() const {
       own_handshake + admitted_max * of_others + group_description::name_max + 16 + 32 + key::size;
   for (const auto& [id, g] : groups_)
     sum += group_description::name_max + key::size + 12 + session_ring::footprint() +
-           g.members.footprint() + weak_sync::footprint() + told_max * 6 + group::rumours_max * 10 +
-           group::refusers_max * 8 + stored_group::neighbours_max * 2;
+           g.members.footprint() + weak_sync::footprint() + members_sent_max * 6 +
+           group::rumours_max * 10 + group::refusers_max * 8 + stored_group::neighbours_max * 2;
   return sum;
 }
 

@@ -39,7 +39,7 @@ struct group_config {
   duration rumour_pause_max = 5min; ///< between rumours that are followed, in the long run
   duration rumour_wait = 1s;        ///< besides two periods: what was sent to all has come by then
   duration fetch_pause = 2s;        ///< between handshakes of a member
-  duration told_pause = 10s;        ///< until the same neighbour is sent all members again
+  duration members_pause = 10s;     ///< until the same neighbour is sent all members again
   discovery_config discovery;
   weak_sync_config sync;
 };
@@ -91,8 +91,8 @@ public:
   void on_message(mote_id from, const message& x, const opened_frame& frame, context c);
   /// @param at as in weak_sync
   void on_stamp(mote_id from, const sync_stamp& x, group_id group, instant at, context c);
-  /// Somebody in the group was heard under keys that we know,
-  void on_heard(mote_id from, group_id group, bool is_proven, context c);
+  /// A member of the group has sent a frame under keys that we know,
+  void on_member_frame(mote_id from, group_id group, bool is_proven, context c);
   /// or under others.
   void on_foreign_keys(mote_id from, group_id group, context c);
   /// What was sent with a step_token has ended. @returns whether an answer is due
@@ -101,9 +101,9 @@ public:
   void on_time(context c);
   [[nodiscard]] std::optional<instant> deadline() const;
 
-  /// @returns the groups whose new member knows enough now: joinGroup_result is due
+  /// @returns whether our join of that group is complete now: joinGroup_result is due
   /// @param subscriptions so many are known
-  [[nodiscard]] bool settle(group_id id, std::size_t subscriptions, instant now);
+  [[nodiscard]] bool complete_join(group_id id, std::size_t subscriptions, instant now);
 
   // ---- what is known
 
@@ -140,7 +140,7 @@ private:
     std::optional<failure> advised; ///< why it failed, as somebody says who need not be right
     instant due;
   };
-  /// Somebody else was let in: it may not have heard it.
+  /// Another mote was admitted: it may not have received the join_accept.
   static constexpr std::size_t admitted_max = 2;
   struct admitted {
     mote_id joiner;
@@ -198,7 +198,7 @@ private:
   void announce(const group& g, session_id under, unsigned copies, context c);
   void changed(group& g, context c);
   void learn(group& g, const member& x, bool spread, context c);
-  void tell(mote_id to, group& g, context c);
+  void send_members(mote_id to, group& g, context c);
   [[nodiscard]] group& add(group_id id, const group_description& x, context c);
   [[nodiscard]] key credential(const group& g, const security& keys) const {
     return credential_of(g.description, keys.network_keys());
@@ -222,7 +222,7 @@ private:
   };
   [[nodiscard]] bool has_answered(mote_id asker, std::uint64_t nonce, instant now);
   std::vector<answered> answered_;
-  allowance agreements_{4, 500ms}; ///< of those who have the credential, or say so to us
+  rate_limiter agreements_{4, 500ms}; ///< of those who have the credential, or say so to us
   group_counters counters_;
 };
 

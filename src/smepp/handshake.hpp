@@ -16,8 +16,8 @@
 
 namespace rubicon::smepp {
 
-/// What who has computed nothing yet wants back from who asks: that it is there, and heard us
-/// lately.
+/// What who has computed nothing yet wants back from who asks: that it is there, and has received
+/// this lately.
 /// @param own of the member's life alone
 /// @param turn counts up with time
 [[nodiscard]] tag cookie_of(const key& own, mote_id joiner, const join& x, std::uint64_t turn);

@@ -30,7 +30,7 @@ public:
   /// The octets, for ciphers and for the store that outlasts a loss of power; for nobody else.
   [[nodiscard]] byte_view reveal() const { return octets_; }
 
-  /// Four hexadecimal digits that tell keys apart for people: 16 bits of a MAC under the key.
+  /// Four hexadecimal digits by which people distinguish keys: 16 bits of a MAC under the key.
   [[nodiscard]] std::string fingerprint() const;
 
   /// Takes the same time wherever they differ.

@@ -19,7 +19,7 @@ namespace rubicon::smepp {
 /// An event that a member subscribes to, and waits for.
 struct wanted_event {
   std::string event;
-  double rate = 0;                     ///< in 1/s; 0: as its producers like
+  double rate = 0;                     ///< in 1/s; 0: at the producers' own rate
   duration from{};                     ///< of the run, at the earliest: before, it may not be in
   std::optional<duration> expires;     ///< expirationTime; nothing: never
   std::optional<duration> until;       ///< of the run: it unsubscribes

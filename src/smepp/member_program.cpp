@@ -21,7 +21,7 @@ std::optional<key> credential(const group_description& x) {
 member_program::member_program(member_config config, group_description description, instant begin,
                                random_stream rng)
     : config_(std::move(config)), description_(std::move(description)), rng_(rng), begin_(begin),
-      pause_(pause_min), wishes_(config_.subscribes.size()) {}
+      pause_(pause_min), planned_(config_.subscribes.size()) {}
 
 void member_program::start(environment at) {
   if (config_.leaves) {
@@ -41,11 +41,11 @@ void member_program::start(environment at) {
   if (const auto* const id = std::get_if<group_id>(&made))
     return enter(*id, "has created", at);
   ++counters_.joins_failed;
-  at.host.tell("cannot create group " + config_.group + ": " +
-               std::string(to_string(std::get<failure>(made))));
+  at.host.notify("cannot create group " + config_.group + ": " +
+                 std::string(to_string(std::get<failure>(made))));
 }
 
-// ---- the way in
+// ---- to join
 
 void member_program::look(environment& at) {
   look_at_.reset();
@@ -94,8 +94,8 @@ void member_program::on(const joinGroup_result& x, environment& at) {
   if (!x.error)
     return enter(x.group, "has joined", at);
   if (counters_.joins_failed == 0)
-    at.host.tell("is not let into group " + config_.group + ": " +
-                 std::string(to_string(*x.error)));
+    at.host.notify("is not let into group " + config_.group + ": " +
+                   std::string(to_string(*x.error)));
   try_next(at);
 }
 
@@ -103,9 +103,9 @@ void member_program::enter(group_id group, const char* how, environment& at) {
   group_ = group;
   pause_ = pause_min;
   ++counters_.joins;
-  at.host.tell(how + (" group " + config_.group));
-  for (std::size_t i = 0; i < wishes_.size(); ++i)
-    wishes_[i] = {std::max(at.now, begin_ + config_.subscribes[i].from), false};
+  at.host.notify(how + (" group " + config_.group));
+  for (std::size_t i = 0; i < planned_.size(); ++i)
+    planned_[i] = {std::max(at.now, begin_ + config_.subscribes[i].from), false};
   const auto* const g = at.own.groups().find(group);
   for (const auto& x : at.own.events().all())
     if (x.group == group)
@@ -113,10 +113,10 @@ void member_program::enter(group_id group, const char* how, environment& at) {
 }
 
 void member_program::leave_behind(environment& at) {
-  at.host.tell("has left group " + config_.group);
+  at.host.notify("has left group " + config_.group);
   group_.reset();
   tasks_.clear();
-  std::ranges::fill(wishes_, wish{});
+  std::ranges::fill(planned_, planned_subscription{});
 }
 
 void member_program::on(const peerJoined& /*x*/, environment& /*at*/) {}
@@ -133,7 +133,7 @@ void member_program::on(const peerLeft& x, environment& at) {
 
 void member_program::subscribe(std::size_t number, environment& at) {
   constexpr duration again = 2s;
-  auto& own = wishes_[number];
+  auto& own = planned_[number];
   const auto& x = config_.subscribes[number];
   const auto until = x.until ? std::optional(begin_ + *x.until) : std::nullopt;
   own.due = until;
@@ -142,7 +142,7 @@ void member_program::subscribe(std::size_t number, environment& at) {
   if (const auto error =
           at.own.smepp_subscribe(x.event, *group_, x.expires, x.rate, at.now, at.out)) {
     if (counters_.refused++ == 0)
-      at.host.tell("cannot subscribe to " + x.event + ": " + std::string(to_string(*error)));
+      at.host.notify("cannot subscribe to " + x.event + ": " + std::string(to_string(*error)));
     own.due = at.now + again;
     return;
   }
@@ -155,7 +155,7 @@ void member_program::subscribe(std::size_t number, environment& at) {
 }
 
 void member_program::withdraw(std::size_t number, environment& at) {
-  auto& own = wishes_[number];
+  auto& own = planned_[number];
   own = {};
   const auto& event = config_.subscribes[number].event;
   static_cast<void>(at.own.smepp_unsubscribe(event, *group_, at.now, at.out));
@@ -251,10 +251,10 @@ void member_program::on_time(environment at) {
   }
   if (!group_)
     return;
-  for (std::size_t i = 0; i < wishes_.size(); ++i) {
-    if (!wishes_[i].due || *wishes_[i].due > at.now)
+  for (std::size_t i = 0; i < planned_.size(); ++i) {
+    if (!planned_[i].due || *planned_[i].due > at.now)
       continue;
-    if (wishes_[i].is_subscribed)
+    if (planned_[i].is_subscribed)
       withdraw(i, at);
     else
       subscribe(i, at);
@@ -276,7 +276,7 @@ std::optional<instant> member_program::deadline() const {
   auto first = earliest(look_at_, leave_at_);
   if (!group_)
     return first;
-  for (const auto& x : wishes_)
+  for (const auto& x : planned_)
     first = earliest(first, x.due);
   for (const auto& x : tasks_)
     first = earliest(first, x.due);

@@ -1,5 +1,5 @@
 // A program that is a member of one group: it creates or joins it, subscribes and raises events as
-// a file tells it (docs/smepp.md).
+// the configuration says (docs/smepp.md).
 #pragma once
 
 #include <cstdint>
@@ -40,8 +40,8 @@ public:
   [[nodiscard]] virtual std::optional<std::int16_t> read(device::quantity x) = 0;
   /// An event's value is to go to the gateway.
   virtual void forward(std::uint8_t channel, const bytes& value) = 0;
-  /// What people following the run would want to hear.
-  virtual void tell(std::string what) = 0;
+  /// Adds a line to the event log of the run.
+  virtual void notify(std::string what) = 0;
 
 protected:
   ~member_host() = default;
@@ -82,8 +82,8 @@ private:
     const raised_event* what;
     instant due;
   };
-  struct wish {
-    std::optional<instant> due; ///< to subscribe, or then to withdraw; nothing: settled
+  struct planned_subscription {
+    std::optional<instant> due; ///< to subscribe, or then to withdraw; nothing: none is due
     bool is_subscribed = false;
   };
 
@@ -118,7 +118,7 @@ private:
   duration pause_;                 ///< to the next look, growing
   std::optional<instant> leave_at_;
   bool has_left_ = false;
-  std::vector<wish> wishes_; ///< as config_.subscribes
+  std::vector<planned_subscription> planned_; ///< as config_.subscribes
   std::vector<task> tasks_;
   std::uint32_t number_ = 0; ///< of events without a transducer
   member_counters counters_;

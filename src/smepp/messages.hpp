@@ -186,7 +186,7 @@ struct member_list {
   friend bool operator==(const member_list&, const member_list&) = default;
 };
 
-/// Tells a subscription from all others of its group.
+/// Identifies a subscription within its group.
 struct subscription_id {
   mote_id subscriber;
   std::uint8_t number = 0; ///< from 1
@@ -196,7 +196,7 @@ struct subscription_id {
 
 /// 0x13, 0x14 (refresh: the same, again): uint16 subscriber, uint8 number, uint16 round, uint8
 /// hops, time made, time of expiry, uint32 interval in ms (0: no rate), name. Each member sends a
-/// round on once, and again if it hears it over fewer hops: the tree of the subscription.
+/// round on once, and again if it receives it over fewer hops: the tree of the subscription.
 struct subscribe {
   subscription_id id;
   std::uint16_t round = 0; ///< one more with each refresh; wraps (RFC 1982)

@@ -64,7 +64,7 @@ public:
   void forward(std::uint8_t channel, const bytes& value) override {
     out_.emplace_back(forward_event{channel, value});
   }
-  void tell(std::string what) override { out_.emplace_back(notable{std::move(what)}); }
+  void notify(std::string what) override { out_.emplace_back(notable{std::move(what)}); }
 
 private:
   const reader& reads_;
@@ -75,7 +75,8 @@ node::~node() = default;
 node::node(node&&) noexcept = default;
 node& node::operator=(node&&) noexcept = default;
 
-node::node(node_config config, random_stream rng, instant begin, instant now, kept before)
+node::node(node_config config, random_stream rng, instant begin, instant now,
+           persistent_state before)
     : peer_(peer_config_of(config), random_stream(rng.next()), now, std::move(before)),
       network_{config.settings.network_key.value_or(key()),
                config.settings.network_mac.value_or(key())} {
@@ -94,12 +95,12 @@ node::node(node_config config, random_stream rng, instant begin, instant now, ke
 
 template <class Turn>
 node_outputs node::give_turns(outputs from_peer, instant now, Turn turn) {
-  auto out = settle(std::move(from_peer), now);
+  auto out = dispatch(std::move(from_peer), now);
   host here(reader_, out);
   for (auto& x : members_) {
     outputs more;
     turn(x, {peer_, here, now, more});
-    std::ranges::move(settle(std::move(more), now), std::back_inserter(out));
+    std::ranges::move(dispatch(std::move(more), now), std::back_inserter(out));
   }
   return out;
 }
@@ -114,20 +115,20 @@ node_outputs node::start(instant now) {
 node_outputs node::on_frame(mote_id from, mote_id to, byte_view octets, instant at, instant now) {
   outputs from_peer;
   peer_.on_frame(from, to, octets, at, now, from_peer);
-  return settle(std::move(from_peer), now);
+  return dispatch(std::move(from_peer), now);
 }
 
 node_outputs node::on_sent(std::uint64_t id, bool acked, instant at, instant now) {
   outputs from_peer;
   peer_.on_sent(id, acked, at, now, from_peer);
-  return settle(std::move(from_peer), now);
+  return dispatch(std::move(from_peer), now);
 }
 
 node_outputs node::set_network_keys(const key_pair& x, instant now) {
   network_ = x;
   outputs from_peer;
   peer_.set_network_keys(x.confidentiality, x.integrity, now, from_peer);
-  return settle(std::move(from_peer), now);
+  return dispatch(std::move(from_peer), now);
 }
 
 node_outputs node::on_time(instant now) {
@@ -145,16 +146,16 @@ std::optional<instant> node::deadline() const {
 }
 
 /// Signals go to all members, whose commands may lead to more.
-node_outputs node::settle(outputs from_peer, instant now) {
+node_outputs node::dispatch(outputs from_peer, instant now) {
   node_outputs out;
   host here(reader_, out);
   while (!from_peer.empty()) {
     outputs more;
     for (auto& x : from_peer) {
-      if (const auto* const told = std::get_if<signal>(&x)) {
+      if (const auto* const raised = std::get_if<signal>(&x)) {
         for (auto& each : members_)
-          each.on_signal(*told, {peer_, here, now, more});
-      } else if (auto* const store = std::get_if<store_kept>(&x)) {
+          each.on_signal(*raised, {peer_, here, now, more});
+      } else if (auto* const store = std::get_if<store_state>(&x)) {
         out.emplace_back(std::move(*store));
       } else if (auto* const frame = std::get_if<send_frame>(&x)) {
         out.emplace_back(std::move(*frame));

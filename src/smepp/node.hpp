@@ -21,7 +21,7 @@ namespace rubicon::smepp {
 /// What a transducer of that kind is among transducer_names; 0: none of them.
 [[nodiscard]] transducer_mask mask_of(device::quantity x);
 
-/// What a mote is told of SMEPP Light. Holds keys: neither logged nor sent.
+/// Configuration of SMEPP Light on a mote. Holds keys: neither logged nor sent.
 struct node_config {
   mote_id self;
   transducer_mask transducers = 0;
@@ -42,13 +42,13 @@ struct computes {
   duration length{};
 };
 
-/// What people following the run would want to hear.
+/// A line for the event log of the run.
 struct notable {
   std::string what;
 };
 
 using node_output =
-    std::variant<store_kept, send_frame, set_radio, forward_event, computes, notable>;
+    std::variant<store_state, send_frame, set_radio, forward_event, computes, notable>;
 using node_outputs = std::vector<node_output>;
 
 /// The programs of a mote and their peer. Times are by the mote's own clock, which never goes back.
@@ -57,8 +57,9 @@ public:
   using reader = std::function<std::optional<std::int16_t>(device::quantity)>;
 
   /// @param begin of the run, by the same clock
-  /// @param before what store_kept gave last, in a former life
-  node(node_config config, random_stream rng, instant begin, instant now, kept before = {});
+  /// @param before what store_state gave last, in a former life
+  node(node_config config, random_stream rng, instant begin, instant now,
+       persistent_state before = {});
   ~node(); // these are large: compiled once
   node(node&&) noexcept;
   node& operator=(node&&) noexcept;
@@ -83,7 +84,7 @@ public:
 private:
   class host;
 
-  node_outputs settle(outputs from_peer, instant now);
+  node_outputs dispatch(outputs from_peer, instant now);
   /// Gives each member its turn, after what the peer wants.
   template <class Turn>
   node_outputs give_turns(outputs from_peer, instant now, Turn turn);

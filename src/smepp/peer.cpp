@@ -19,7 +19,7 @@ peer_config with_self(peer_config x, std::uint64_t end) {
   return x;
 }
 
-kept with_identity(kept x, randomness& secrets) {
+persistent_state with_identity(persistent_state x, randomness& secrets) {
   if (!x.identity)
     x.identity = agreement::make(secrets).reveal();
   return x;
@@ -31,13 +31,14 @@ peer::~peer() = default;
 peer::peer(peer&&) noexcept = default;
 peer& peer::operator=(peer&&) noexcept = default;
 
-peer::peer(peer_config config, random_stream rng, instant now, kept before)
+peer::peer(peer_config config, random_stream rng, instant now, persistent_state before)
     : config_(with_self(config, before.counter_end)), rng_(rng),
       secrets_(config_.has_system_randomness ? randomness()
                                              : randomness(random_stream(rng_.next()))),
-      kept_(with_identity(std::move(before), secrets_)),
-      security_(config_.security, kept_.counter_reserved),
-      groups_(config_.groups, random_stream(rng_.next()), secrets_, agreement(*kept_.identity)),
+      persistent_(with_identity(std::move(before), secrets_)),
+      security_(config_.security, persistent_.counter_reserved),
+      groups_(config_.groups, random_stream(rng_.next()), secrets_,
+              agreement(*persistent_.identity)),
       events_(config_.events, random_stream(rng_.next())), energy_(config_.energy),
       outbox_(config_.outbox_max, config_.send_spread, random_stream(rng_.next())),
       awake_until_(now), cycles_from_(now), last_(now) {}
@@ -47,7 +48,7 @@ peer::peer(peer_config config, random_stream rng, instant now, kept before)
 mote_id peer::smepp_newPeer(const key& network_key, const key& network_mac, instant now,
                             outputs& out) {
   security_.set_network_keys({network_key, network_mac}, now);
-  const auto before = kept_.groups;
+  const auto before = persistent_.groups;
   for (const auto& x : before)
     groups_.restore(x, with(now));
   go_on(now, out);
@@ -179,7 +180,7 @@ std::optional<instant> peer::deadline() const {
 void peer::go_on(instant now, outputs& out) {
   last_ = now;
   perform(now, out);
-  settle(now);
+  complete_joins(now);
   perform(now, out);
   pump(now, out);
   set_radio_state(now, out);
@@ -194,7 +195,7 @@ void peer::perform(instant now, outputs& out) {
 }
 
 void peer::perform(const to_send& x, instant now, outputs& /*out*/) {
-  // Who has joined just now has but the next keys: what all should hear is said under these, too.
+  // Who has joined just now has but the next keys: broadcasts are sent under these, too.
   const auto* const g = groups_.find(x.group);
   if (x.to == broadcast_mote && g != nullptr && !is_network_level(x.content) && !x.under &&
       g->ring.best().id != g->ring.sending(now)) {
@@ -210,7 +211,7 @@ void peer::perform(const to_send& x, instant now, outputs& /*out*/) {
   end_hop(x.token, false, now);
 }
 
-/// Whoever has given it a token hears how it ended.
+/// Passes the outcome to the part that has given the token.
 void peer::end_hop(std::uint64_t token, bool acked, instant now) {
   constexpr duration reply_wait = 300ms;
   if ((token & step_token) == 0) {
@@ -224,11 +225,11 @@ void peer::end_hop(std::uint64_t token, bool acked, instant now) {
 
 void peer::perform(const keys_changed& /*x*/, instant now, outputs& out) {
   set_cycles(now); // of a group that has come or gone
-  auto keep = to_keep();
-  if (keep.groups == kept_.groups)
+  auto fresh = to_store();
+  if (fresh.groups == persistent_.groups)
     return;
-  kept_ = std::move(keep);
-  out.emplace_back(store_kept{kept_});
+  persistent_ = std::move(fresh);
+  out.emplace_back(store_state{persistent_});
 }
 
 void peer::perform(const group_gone& x, instant now, outputs& /*out*/) {
@@ -248,10 +249,10 @@ void peer::perform(const signal& x, instant now, outputs& out) {
   out.emplace_back(x);
 }
 
-/// Tells the application of groups that we are in now, with all that belongs to it.
-void peer::settle(instant now) {
+/// Signals joinGroup_result for each group whose members and subscriptions are complete.
+void peer::complete_joins(instant now) {
   for (const auto& [id, g] : groups_.all()) {
-    if (!groups_.settle(id, events_.count(id), now))
+    if (!groups_.complete_join(id, events_.count(id), now))
       continue;
     joinGroup_result result{id, {}, std::nullopt};
     for (const auto& x : events_.all())
@@ -261,8 +262,8 @@ void peer::settle(instant now) {
   }
 }
 
-kept peer::to_keep() const {
-  auto x = kept_;
+persistent_state peer::to_store() const {
+  auto x = persistent_;
   x.groups.clear();
   for (const auto& [id, g] : groups_.all()) {
     const auto* const own = g.members.find(config_.self);

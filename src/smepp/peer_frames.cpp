@@ -79,7 +79,7 @@ void peer::on_unproven(mote_id from, const message& x, const opened_frame& frame
     return;
   }
   security_.count(refusal::unproven);
-  groups_.on_heard(from, frame.group, false, with(now));
+  groups_.on_member_frame(from, frame.group, false, with(now));
   if (const auto nonce = security_.challenge(from, frame.group, now)) {
     to_send question{from, frame.group, challenge{*nonce}, slot::at_once};
     question.under = frame.session;
@@ -102,7 +102,7 @@ void peer::on_group_frame(mote_id from, const message& x, const opened_frame& fr
   auto* const g = groups_.find(frame.group);
   if (g == nullptr || g->leaving_at)
     return drop("no_member");
-  groups_.on_heard(from, frame.group, true, with(now));
+  groups_.on_member_frame(from, frame.group, true, with(now));
   check_step(x, frame.group, now);
   const bool knows_time = g->sync.is_known();
   std::visit(
@@ -120,7 +120,7 @@ void peer::on_group_frame(mote_id from, const message& x, const opened_frame& fr
 }
 
 /// What is only sent in windows was sent outside of ours: a part of the group goes by another time.
-/// Its windows are now, so it is told ours; whichever is better holds.
+/// Its windows are now, so ours is sent to it; whichever is better holds.
 void peer::check_step(const message& x, group_id group, instant now) {
   constexpr duration pause = 10s;
   auto& g = *groups_.find(group);
@@ -139,8 +139,8 @@ void peer::check_step(const message& x, group_id group, instant now) {
   static_cast<void>(outbox_.push(stamps, now));
 }
 
-/// If the group's time turns out to be another one, our neighbours that go by the old one are told
-/// in a window that they are still awake in.
+/// If the group's time turns out to be another one, our neighbours that go by the old one are sent
+/// it in a window that they are still awake in.
 void peer::on_stamp(mote_id from, const sync_stamp& x, group_id group, instant at, instant now) {
   auto& g = *groups_.find(group);
   const auto cycle = g.description.management;
@@ -185,7 +185,7 @@ outbox::pause peer::wait(const to_send& x, instant now) const {
   const auto& cycle = schedule->cycle;
   const auto management = until_window(schedule->now.time_since_epoch(), cycle.period, cycle.length,
                                        config_.frame_time);
-  // Nobody repeats what others did not hear: such frames keep clear of each other, and of the
+  // Nobody repeats what others did not receive: such frames keep clear of each other, and of the
   // begin of windows, which events have as well.
   if (x.to == broadcast_mote)
     return {management, (cycle.length - config_.frame_time) * 2 / 3};
@@ -248,8 +248,8 @@ bool peer::hand_out(const to_send& x, instant now, outputs& out) {
   if (!frame)
     return false;
   if (const auto reserved = security_.take_store()) {
-    kept_.counter_reserved = *reserved;
-    out.emplace_back(store_kept{kept_});
+    persistent_.counter_reserved = *reserved;
+    out.emplace_back(store_state{persistent_});
   }
   ++counters_.frames_sent;
   counters_.octets_sent += frame->size();

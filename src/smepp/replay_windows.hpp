@@ -42,7 +42,7 @@ public:
   void accept(mote_id sender, group_id group, key_order under, std::uint64_t counter);
 
   /// It has proven that this is its counter now, whatever its window was. A full table gives up the
-  /// windows of who was heard longest ago.
+  /// windows of the sender that was received longest ago.
   /// @param newest of the keys that are known
   void begin(mote_id sender, group_id group, key_order under, key_order newest,
              std::uint64_t counter);
@@ -60,7 +60,7 @@ private:
     mote_id sender;
     group_id group;
     key_order under = 0;
-    key_order newest = 0; ///< when it began: its sender may have been heard under these before
+    key_order newest = 0; ///< when it began: its sender may have sent under these before
     std::uint64_t highest = 0;
     std::uint32_t seen = 0; ///< bit i: highest - i
   };

@@ -245,7 +245,7 @@ bool security::is_new_request(mote_id from, const opened_frame& frame, instant n
     count(refusal::replayed);
     return false;
   }
-  sources_.hear(from, frame.counter, now);
+  sources_.note(from, frame.counter, now);
   return true;
 }
 

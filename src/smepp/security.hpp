@@ -18,9 +18,9 @@
 #include "core/fields.hpp"
 #include "core/time.hpp"
 #include "network/wire.hpp"
-#include "smepp/allowance.hpp"
 #include "smepp/cipher.hpp"
 #include "smepp/group_id.hpp"
+#include "smepp/rate_limiter.hpp"
 #include "smepp/replay_windows.hpp"
 #include "smepp/session_keys.hpp"
 #include "smepp/source_table.hpp"
@@ -68,10 +68,11 @@ enum class refusal : std::uint8_t {
 struct security_counters {
   std::uint64_t sealed = 0;
   std::uint64_t opened = 0;
-  std::uint64_t macs = 0;       ///< computed for frames that came: the work strangers can cause
-  std::uint64_t challenges = 0; ///< sent
-  std::uint64_t proofs = 0;     ///< senders who have answered
-  std::uint64_t used_up = 0;    ///< not sent: no counter is left
+  std::uint64_t macs =
+      0; ///< computed for frames that came: the work that unknown senders can cause
+  std::uint64_t challenges = 0;                 ///< sent
+  std::uint64_t proofs = 0;                     ///< senders who have answered
+  std::uint64_t used_up = 0;                    ///< not sent: no counter is left
   std::map<std::string, std::uint64_t> refused; ///< by cause
 };
 RUBICON_FIELDS(security_counters, sealed, opened, macs, challenges, proofs, used_up, refused);
@@ -120,7 +121,7 @@ public:
 
   static constexpr unsigned macs_max = 4; ///< for one frame
 
-  /// Others who are still at the keys before are heard for one grace period.
+  /// Frames under the keys before are accepted for one grace period.
   void set_network_keys(const key_pair& x, instant now);
   [[nodiscard]] bool has_network_keys() const { return !network_.empty(); }
   [[nodiscard]] const key_pair& network_keys() const { return network_.front().keys; }
@@ -214,7 +215,7 @@ private:
   std::vector<asked> asked_;
   source_table sources_;
   source_table proofs_allowed_{6, 2};
-  allowance challenges_allowed_{8, 4s};
+  rate_limiter challenges_allowed_{8, 4s};
   security_counters counters_;
 };
 

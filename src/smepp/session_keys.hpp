@@ -12,7 +12,7 @@
 
 namespace rubicon::smepp {
 
-/// Tells one pair of session keys of a group from all others.
+/// Identifies a pair of session keys within a group.
 struct session_id {
   std::uint16_t generation = 0; ///< one more with each change; wraps (RFC 1982)
   mote_id maker;                ///< two motes may make the same generation at once
@@ -34,7 +34,7 @@ struct session_keys {
 /// have it, and then outlives the older ones, which are accepted for one grace period more.
 class session_ring {
 public:
-  static constexpr std::size_t capacity = 4; ///< the worst pair gives way, counted
+  static constexpr std::size_t capacity = 4; ///< the worst pair is dropped, counted
 
   session_ring() = default;
   explicit session_ring(duration grace) : grace_(grace) {}

@@ -1,6 +1,6 @@
 // SMEPP Light of one mote: the interface of D1.1 table 1, and what a mote's shell does for it.
 //
-//   application --smepp_*--> peer --send_frame, set_radio, store_kept--> the mote
+//   application --smepp_*--> peer --send_frame, set_radio, store_state--> the mote
 //   application <--signals-- peer <--on_frame, on_sent, on_time--------- the mote
 //
 // Group ids and names are those of D1.1 (SMP-01 to SMP-21). Nothing of full SMEPP's services is
@@ -49,7 +49,7 @@ struct peer_config {
 };
 
 /// All that outlasts a loss of power. Holds keys: neither logged nor sent.
-struct kept {
+struct persistent_state {
   std::uint64_t counter_reserved = 0; ///< counters below may have been used
   std::uint64_t counter_end =
       std::numeric_limits<std::uint64_t>::max(); ///< others are of later lives
@@ -58,11 +58,11 @@ struct kept {
 };
 
 /// The store is to hold this from now on. Comes before all that needs it.
-struct store_kept {
-  kept content;
+struct store_state {
+  persistent_state content;
 };
 
-/// Hand this frame to the radio, and tell on_sent() how it ended.
+/// Hand this frame to the radio, and call on_sent() with the outcome.
 struct send_frame {
   std::uint64_t id = 0;
   mote_id to; ///< a neighbour, which acknowledges, or broadcast_mote
@@ -75,7 +75,7 @@ struct set_radio {
   bool on = false;
 };
 
-using output = std::variant<store_kept, send_frame, set_radio, signal>;
+using output = std::variant<store_state, send_frame, set_radio, signal>;
 using outputs = std::vector<output>;
 
 struct peer_counters {
@@ -93,8 +93,8 @@ RUBICON_FIELDS(peer_counters, frames_sent, octets_sent, sent, dropped);
 /// fails changes nothing and says why. @pre smepp_newPeer comes first
 class peer {
 public:
-  /// @param before what store_kept gave last, in a former life
-  peer(peer_config config, random_stream rng, instant now, kept before = {});
+  /// @param before what store_state gave last, in a former life
+  peer(peer_config config, random_stream rng, instant now, persistent_state before = {});
   ~peer(); // these are large: compiled once
   peer(peer&&) noexcept;
   peer& operator=(peer&&) noexcept;
@@ -189,7 +189,7 @@ private:
   void perform(const group_gone& x, instant now, outputs& out);
   void perform(const newcomer& x, instant now, outputs& out);
   void perform(const signal& x, instant now, outputs& out);
-  void settle(instant now);
+  void complete_joins(instant now);
   void go_on(instant now, outputs& out);
   void pump(instant now, outputs& out);
   bool hand_out(const to_send& x, instant now, outputs& out);
@@ -198,13 +198,13 @@ private:
   [[nodiscard]] outbox::pause wait(const to_send& x, instant now) const;
   void set_cycles(instant now);
   void set_radio_state(instant now, outputs& out);
-  [[nodiscard]] kept to_keep() const;
+  [[nodiscard]] persistent_state to_store() const;
   void drop(std::string_view why) { ++counters_.dropped[std::string(why)]; }
 
   peer_config config_;
   random_stream rng_;
   randomness secrets_;
-  kept kept_;
+  persistent_state persistent_;
   security security_;
   group_management groups_;
   event_management events_;
@@ -215,7 +215,7 @@ private:
   std::optional<flight> flight_;
   std::uint64_t frame_ = 0;
   instant awake_until_;
-  instant cycles_from_; ///< when energy_ was told last
+  instant cycles_from_; ///< when energy_ was last updated
   instant last_;        ///< input
   bool is_radio_on_ = false;
   peer_counters counters_;

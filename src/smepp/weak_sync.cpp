@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::microseconds;
 
-constexpr std::uint8_t unsettled = 255; ///< hops of who needs the time
+constexpr std::uint8_t unsynchronised = 255; ///< hops of who needs the time
 constexpr std::uint8_t hops_max = 254;
 
 microseconds in_us(duration x) {
@@ -32,7 +32,7 @@ weak_sync::weak_sync(weak_sync_config config, random_stream rng, instant now)
 
 void weak_sync::begin(instant now) {
   points_ = {{now, group_time{}}};
-  is_timed_ = is_settled_ = true;
+  is_timed_ = has_rate_ = true;
   root_ = config_.self;
   newest_ = now;
 }
@@ -40,7 +40,7 @@ void weak_sync::begin(instant now) {
 void weak_sync::adopt(group_time x, instant now) {
   points_ = {{now, x}};
   rate_ = 0;
-  is_timed_ = is_settled_ = false;
+  is_timed_ = has_rate_ = false;
   root_ = no_mote;
   newest_ = now;
 }
@@ -61,7 +61,7 @@ instant weak_sync::when(group_time x) const {
 
 void weak_sync::stamp(sync_stamp& x, instant now) {
   x.of_last.reset();
-  if (sent_at_ && is_settled_)
+  if (sent_at_ && has_rate_)
     x.of_last = at(*sent_at_);
   sent_at_.reset();
   if (is_root())
@@ -70,7 +70,7 @@ void weak_sync::stamp(sync_stamp& x, instant now) {
   x.now = at(now);
   x.root = root_ == no_mote ? config_.self : root_;
   x.round = round_;
-  x.hops = is_settled_ ? hops_ : unsettled;
+  x.hops = has_rate_ ? hops_ : unsynchronised;
 }
 
 void weak_sync::on_stamp_sent(instant at) {
@@ -78,17 +78,17 @@ void weak_sync::on_stamp_sent(instant at) {
 }
 
 std::optional<instant> weak_sync::reception_of(mote_id from, std::uint16_t sequence) const {
-  const auto found = std::ranges::find(heard_, from, &heard::from);
-  if (found == heard_.end() || found->sequence != sequence)
+  const auto found = std::ranges::find(receptions_, from, &reception::from);
+  if (found == receptions_.end() || found->sequence != sequence)
     return std::nullopt;
   return found->at;
 }
 
 void weak_sync::note(mote_id from, std::uint16_t sequence, instant at) {
-  std::erase_if(heard_, [&](const heard& x) { return x.from == from; });
-  if (heard_.size() >= heard_max)
-    heard_.erase(heard_.begin());
-  heard_.push_back({from, sequence, at});
+  std::erase_if(receptions_, [&](const reception& x) { return x.from == from; });
+  if (receptions_.size() >= receptions_max)
+    receptions_.erase(receptions_.begin());
+  receptions_.push_back({from, sequence, at});
 }
 
 bool weak_sync::is_wanted(const sync_stamp& x) const {
@@ -96,7 +96,7 @@ bool weak_sync::is_wanted(const sync_stamp& x) const {
     return false;
   if (!is_timed_)
     return true;
-  if (x.root == root_ && !is_settled_) // what is older gives a rate as well, and is not from us
+  if (x.root == root_ && !has_rate_) // what is older gives a rate as well, and is not from us
     return !network::is_newer(round_, x.round);
   if (x.root == root_)
     return !is_root() && network::is_newer(x.round, round_);
@@ -125,9 +125,9 @@ weak_sync::news weak_sync::take(const point& x, bool is_same_root) {
     const auto slope =
         static_cast<double>((shared - span).count()) / static_cast<double>(span.count());
     rate_ = std::clamp(slope, -rate_max, rate_max);
-    if (!is_settled_)
+    if (!has_rate_)
       hurry(x.own); // others wait for us
-    is_settled_ = true;
+    has_rate_ = true;
   }
   is_timed_ = true;
   return jumped ? news::jumped : news::better;
@@ -138,9 +138,9 @@ weak_sync::news weak_sync::on_stamp(mote_id from, const sync_stamp& x, instant a
   note(from, x.sequence, at);
   if (x.root == root_)
     followed_at_ = at;
-  if (!is_settled_ && x.of_last) // there is one who will tell us
+  if (!has_rate_ && x.of_last) // its sender can give us the time
     newest_ = at;
-  if (x.hops == unsettled && is_settled_ && at - helped_at_ >= config_.help_pause) {
+  if (x.hops == unsynchronised && has_rate_ && at - helped_at_ >= config_.help_pause) {
     helped_at_ = at;
     hurry(at);
   }
@@ -175,13 +175,13 @@ void weak_sync::hurry(instant now) {
 bool weak_sync::on_time(instant now) {
   if (now < due_)
     return false;
-  const auto pause = hurried_ > 0  ? config_.hurry_pause
-                     : is_settled_ ? config_.period
-                                   : 4 * config_.hurry_pause;
+  const auto pause = hurried_ > 0 ? config_.hurry_pause
+                     : has_rate_  ? config_.period
+                                  : 4 * config_.hurry_pause;
   if (hurried_ > 0)
     --hurried_;
   due_ = now + rng_.between(pause * 9 / 10, pause * 11 / 10);
-  // Not all notice at once: whoever is first is heard by the others.
+  // Timeouts differ between members: the others receive the stamp of the first one.
   const auto limit = is_known() ? config_.root_timeout : config_.alone_timeout;
   const auto patience = limit + rng_.between(duration{}, limit / 2);
   if (!is_root() && now - newest_ > patience) {
@@ -191,7 +191,7 @@ bool weak_sync::on_time(instant now) {
       begin(now);
     root_ = config_.self;
     hops_ = 0;
-    is_timed_ = is_settled_ = true;
+    is_timed_ = has_rate_ = true;
     newest_ = now;
   }
   return is_known();

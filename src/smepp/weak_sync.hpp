@@ -29,7 +29,7 @@ struct weak_sync_config {
   duration span_min = 800ms; ///< between two points that give a rate
 };
 
-/// Each member tells all its neighbours the time every now and then. The time is that of one of
+/// Each member periodically sends the time to all its neighbours. The time is that of one of
 /// them, the root: its stamps are numbered in rounds, and the others take from a neighbour what is
 /// of a newer round than what they have. A root that has been silent for long is replaced by who
 /// first notices; of two roots that meet, the lower one stays. Parts of a group that are cut off
@@ -38,14 +38,14 @@ struct weak_sync_config {
 /// A stamp says when the one before it was on the air (two steps), so no octet is filled in while
 /// it is sent, and its error is that of two time stamps of one frame. A straight line through the
 /// newest points gives offset and rate. Who has no rate yet gives the time to nobody, so a line of
-/// members settles from the root outwards.
+/// members synchronises from the root outwards.
 ///
 /// All `instant`s are of the member's own clock, within 125 ppm of the true one.
 class weak_sync {
 public:
   static constexpr std::size_t points_max = 6;
-  static constexpr std::size_t heard_max = 12; ///< neighbours; the one silent longest gives way
-  static constexpr double rate_max = 250e-6;   ///< of one crystal against another
+  static constexpr std::size_t receptions_max = 12; ///< neighbours; the oldest is replaced
+  static constexpr double rate_max = 250e-6;        ///< of one crystal against another
 
   enum class news : std::uint8_t { none, better, jumped };
 
@@ -55,12 +55,12 @@ public:
   /// We create the group: its time begins with 0, and is ours.
   void begin(instant now);
 
-  /// What the time is, roughly, as a member has told it; ours until we hear better.
+  /// Takes the approximate time that a member has sent; it is ours until a better one is received.
   void adopt(group_time x, instant now);
 
   [[nodiscard]] bool is_known() const { return !points_.empty(); }
   /// Offset and rate are known by time stamps of frames, or the time is our own.
-  [[nodiscard]] bool is_fine() const { return is_known() && is_settled_; }
+  [[nodiscard]] bool is_fine() const { return is_known() && has_rate_; }
   /// No news for so long that our windows and others' may have come apart: to be listened for.
   [[nodiscard]] bool is_lost(instant now) const {
     if (now < chasing_until_)
@@ -101,7 +101,7 @@ public:
   [[nodiscard]] instant deadline() const { return due_; }
 
   [[nodiscard]] static std::size_t footprint() {
-    return points_max * 10 + heard_max * (2 + 2 + 4) + 20;
+    return points_max * 10 + receptions_max * (2 + 2 + 4) + 20;
   }
 
 private:
@@ -109,7 +109,7 @@ private:
     instant own;
     group_time shared;
   };
-  struct heard {
+  struct reception {
     mote_id from;
     std::uint16_t sequence = 0;
     instant at;
@@ -124,18 +124,18 @@ private:
   random_stream rng_;
   std::vector<point> points_; ///< oldest first; of the present line
   double rate_ = 0;
-  bool is_timed_ = false;   ///< the points are by time stamps of frames
-  bool is_settled_ = false; ///< and two have given a rate, now or before
+  bool is_timed_ = false; ///< the points are by time stamps of frames
+  bool has_rate_ = false; ///< two points have given a rate, now or before
   mote_id root_ = no_mote;
   std::uint16_t round_ = 0;
   std::uint8_t hops_ = 0;
-  instant newest_;      ///< when a newer round was heard,
+  instant newest_;      ///< when a newer round was received,
   instant followed_at_; ///< and when another of our root was
   instant helped_at_;
-  instant chasing_until_;        ///< a better root was heard, of whose stamps we need two
+  instant chasing_until_;        ///< a better root was received, of whose stamps we need two
   mote_id gone_root_ = no_mote;  ///< a root that was given up,
   std::uint16_t gone_round_ = 0; ///< and its last round: older ones still go round
-  std::vector<heard> heard_;
+  std::vector<reception> receptions_;
   std::uint16_t sequence_ = 0; ///< of our last stamp
   std::optional<instant> sent_at_;
   unsigned hurried_ = 0; ///< stamps left that follow each other quickly

@@ -31,7 +31,7 @@ inline constexpr std::size_t buffer_size_default = 12; ///< a sensor_record fits
 
 /// Bits of open_remote's qos. Streams keep the order of their records in any case. With
 /// reliable or every_value all records arrive, or the stream ends (stream::streams). The latency
-/// class is for who provides the channel: an open fails if no such bound can be told.
+/// class is for who provides the channel: an open fails if no such bound can be given.
 inline constexpr std::uint8_t qos_reliable = 0x01;
 inline constexpr std::uint8_t qos_ordered = 0x02;
 inline constexpr std::uint8_t qos_every_value = 0x04;

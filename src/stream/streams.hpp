@@ -28,7 +28,7 @@ struct streams_config {
   /// From one SS_OPEN to the next, and from a record to its repeat.
   static constexpr duration open_repeat = 2s;
   static constexpr duration writer_patience = 30s; ///< from open_remote() to SS_OPEN_ACK (STR-19)
-  /// From open_remote() to SS_OPEN, or the other way round.
+  /// From open_remote() to SS_OPEN, or from SS_OPEN to open_remote().
   static constexpr duration reader_patience = 2min;
   /// Of the last record; those before are then given up as lost.
   static constexpr duration resume_within = 5min;
@@ -203,14 +203,14 @@ private:
   [[nodiscard]] row* find(channel_handle channel);
   [[nodiscard]] row& add(kind what, std::size_t record_max, std::size_t queue_size);
 
-  void start_writer(row& x, const remote_request& wish, mote_address destination, outputs& todo,
+  void start_writer(row& x, const remote_request& request, mote_address destination, outputs& todo,
                     instant now);
   void start_reader(row& x, outputs& todo, instant now);
   void ask(row& x, outputs& todo, instant now);
   void keep(row& x, byte_view record, instant now);
   void remember(row& x);
   [[nodiscard]] const past* recall(kind what, std::uint16_t name, mote_address other) const;
-  void resume(early& x, const open_message& wish);
+  void resume(early& x, const open_message& request);
   void opened(row& x, outputs& todo);
   void take_channel(row& x, const early& from, outputs& todo);
   void end(row& x, outputs& todo);
@@ -221,8 +221,8 @@ private:
   void serve(row& x, outputs& todo);
   void deliver(row& x, byte_view record, outputs& todo);
 
-  void on_open(early x, const open_message& wish, outputs& todo, instant now);
-  [[nodiscard]] bool make_way(const early& x, std::uint16_t name, outputs& todo);
+  void on_open(early x, const open_message& request, outputs& todo, instant now);
+  [[nodiscard]] bool free_name(const early& x, std::uint16_t name, outputs& todo);
   void on_row_message(row& x, const message& content, outputs& todo, instant now);
   void on_record(row& x, const write_message& content, outputs& todo);
   void on_reliable_record(row& x, const write_message& content, outputs& todo);

@@ -7,7 +7,7 @@ namespace rubicon::stream {
 
 namespace {
 
-/// A read end that is further behind has heard another life of the write end.
+/// A read end that is further behind has received from another life of the write end.
 constexpr std::uint16_t resume_span = 1024;
 
 } // namespace
@@ -40,7 +40,7 @@ answer streams::open_remote(mote_address self, const remote_request& x, instant 
   return done;
 }
 
-void streams::start_writer(row& x, const remote_request& wish, mote_address destination,
+void streams::start_writer(row& x, const remote_request& request, mote_address destination,
                            outputs& todo, instant now) {
   if (x.loops) {
     opened(x, todo);
@@ -52,7 +52,7 @@ void streams::start_writer(row& x, const remote_request& wish, mote_address dest
   }
   x.at = phase::connecting;
   x.other = destination;
-  x.is_reliable = (wish.qos & (qos_reliable | qos_every_value)) != 0;
+  x.is_reliable = (request.qos & (qos_reliable | qos_every_value)) != 0;
   if (const auto* before = recall(kind::writer, x.name, x.other); before && !x.is_reliable) {
     x.sequence = before->sequence;
     x.last_write = before->last_write;
@@ -61,8 +61,8 @@ void streams::start_writer(row& x, const remote_request& wish, mote_address dest
   }
   x.gives_up = now + patience(x.far_slack);
   x.due = x.gives_up;
-  todo.emplace_back(connect_channel{x.id, destination, wish.rate,
-                                    write_header_size + wish.buffer_size, wish.qos});
+  todo.emplace_back(connect_channel{x.id, destination, request.rate,
+                                    write_header_size + request.buffer_size, request.qos});
 }
 
 /// The read end is passive: it finds that the write end has been here, or waits for it.
@@ -127,16 +127,16 @@ const streams::past* streams::recall(kind what, std::uint16_t name, mote_address
 
 /// What the read end lacks of what the write end has written before this channel. After a reboot
 /// of either the two do not know how far they were, and begin with the channel.
-void streams::resume(early& x, const open_message& wish) {
-  x.sequence = wish.sequence;
+void streams::resume(early& x, const open_message& request) {
+  x.sequence = request.sequence;
   const auto* before = recall(kind::reader, *x.name, x.source);
   if (before == nullptr)
     return;
-  const auto behind = static_cast<std::uint16_t>(wish.sequence - before->sequence);
+  const auto behind = static_cast<std::uint16_t>(request.sequence - before->sequence);
   if (behind > resume_span)
     return;
-  const auto had = wish.recent.size() - std::min<std::size_t>(behind, wish.recent.size());
-  x.resumed.assign(wish.recent.begin() + static_cast<std::ptrdiff_t>(had), wish.recent.end());
+  const auto had = request.recent.size() - std::min<std::size_t>(behind, request.recent.size());
+  x.resumed.assign(request.recent.begin() + static_cast<std::ptrdiff_t>(had), request.recent.end());
   x.lost = behind - x.resumed.size();
 }
 
@@ -227,12 +227,12 @@ outputs streams::on_channel_octets(channel_handle channel, byte_view octets, ins
 }
 
 /// SS_OPEN over a channel that is no stream's yet. It is acknowledged whether or not the
-/// application has opened (STR-13); if it has, it hears of it now (STR-14).
-void streams::on_open(early x, const open_message& wish, outputs& todo, instant now) {
-  const auto name = wish.name;
-  x.is_reliable = (wish.qos & qos_reliable) != 0;
+/// application has opened (STR-13); if it has, it is notified now (STR-14).
+void streams::on_open(early x, const open_message& request, outputs& todo, instant now) {
+  const auto name = request.name;
+  x.is_reliable = (request.qos & qos_reliable) != 0;
   const bool repeated = x.name == name;
-  if (!repeated && !make_way(x, name, todo)) {
+  if (!repeated && !free_name(x, name, todo)) {
     ++counters_.refused;
     todo.emplace_back(disconnect{x.channel});
     return;
@@ -240,7 +240,7 @@ void streams::on_open(early x, const open_message& wish, outputs& todo, instant 
   if (!repeated) {
     x.name = name;
     x.due = now + config_.reader_patience;
-    resume(x, wish);
+    resume(x, request);
   }
   todo.emplace_back(send_on_channel{x.channel, encode(open_ack_message{name})});
   if (auto* reader = find(kind::reader, name); reader && reader->at == phase::waiting) {
@@ -253,7 +253,7 @@ void streams::on_open(early x, const open_message& wish, outputs& todo, instant 
 /// A node that opens a stream anew has lost its old channel, which we may not know yet. Another
 /// node must not use the same name.
 /// @returns whether `x` may have the name
-bool streams::make_way(const early& x, std::uint16_t name, outputs& todo) {
+bool streams::free_name(const early& x, std::uint16_t name, outputs& todo) {
   if (x.name)
     return false;
   const auto rival =

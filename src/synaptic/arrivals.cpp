@@ -14,7 +14,7 @@ bool is_after(std::uint32_t a, std::uint32_t b) {
 } // namespace
 
 arrivals::verdict arrivals::put(const vector_message& x, std::optional<std::uint32_t> tick) {
-  heard_ = true;
+  has_arrivals_ = true;
   if (!tick || x.tick % divisor_ != 0)
     return verdict::untimely;
   const auto next = *tick + (divisor_ - *tick % divisor_) % divisor_;
@@ -69,7 +69,7 @@ arrivals::vector* arrivals::place_for(std::uint32_t tick) {
 }
 
 void arrivals::stop(std::uint32_t last, std::optional<std::uint32_t> tick) {
-  heard_ = true;
+  has_arrivals_ = true;
   if (newest_ && is_after(*newest_, last))
     return;
   const bool is_ours = tick && !is_after(last, *tick + divisor_);
@@ -90,8 +90,8 @@ arrivals::report arrivals::on_tick(std::uint32_t tick) {
     if (is_ready && (newest == nullptr || is_after(*x.tick, *newest->tick)))
       newest = &x;
   }
-  silence_ = heard_ ? 0 : silence_ + 1;
-  heard_ = false;
+  silence_ = has_arrivals_ ? 0 : silence_ + 1;
+  has_arrivals_ = false;
   if (newest == nullptr)
     return report::missed;
   shown_tick_ = newest->tick;

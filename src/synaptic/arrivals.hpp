@@ -1,4 +1,4 @@
-// The in end of a synaptic channel: ChIn, and the vectors on their way into it (SYN-10).
+// The in end of a synaptic channel: ChIn, and the vectors in flight to it (SYN-10).
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ public:
   enum class verdict : std::uint8_t {
     taken,
     repeated,
-    late,    ///< its tick has been told missed, or a newer vector is shown
+    late,    ///< its tick has been reported missed, or a newer vector is shown
     untimely ///< of a tick that is none of the channel's, or not to come soon
   };
   enum class report : std::uint8_t { none, updated, missed };
@@ -41,7 +41,7 @@ public:
   /// The tick after the last one begins.
   [[nodiscard]] report on_tick(std::uint32_t tick);
 
-  /// Ticks have been left out or come again: vectors on their way are forgotten.
+  /// Ticks have been left out or come again: vectors in flight are forgotten.
   void on_leap(std::uint32_t tick);
 
   /// Shows a vector now.
@@ -49,7 +49,7 @@ public:
 
   [[nodiscard]] std::span<const float> shown() const { return shown_; }
 
-  /// Ticks told missed since anything has arrived.
+  /// Ticks reported missed since anything has arrived.
   [[nodiscard]] unsigned silence() const { return silence_; }
 
 private:
@@ -68,9 +68,9 @@ private:
   std::vector<float> shown_; ///< ChIn
   std::optional<std::uint32_t> shown_tick_;
   std::array<vector, 2> coming_;              ///< the one due next, and one that is early or late
-  std::optional<std::uint32_t> first_, last_; ///< of the ticks to be told about
-  std::optional<std::uint32_t> newest_;       ///< that has been heard of
-  bool heard_ = false;                        ///< since the last report
+  std::optional<std::uint32_t> first_, last_; ///< of the ticks to be reported
+  std::optional<std::uint32_t> newest_;       ///< that any packet has named
+  bool has_arrivals_ = false;                 ///< since the last report
   unsigned silence_ = 0;
 };
 

@@ -112,18 +112,18 @@ void channels::report(row& x, std::uint32_t tick, outputs& todo) {
     return;
   case arrivals::report::updated:
     ++counters_.updated;
-    tell(x, input_status::updated, todo);
+    notify(x, input_status::updated, todo);
     return;
   case arrivals::report::missed:
     ++counters_.missed;
-    tell(x, input_status::missed, todo);
+    notify(x, input_status::missed, todo);
     if (x.input.silence() >= config_.silence_max)
       end(x, todo);
     return;
   }
 }
 
-void channels::tell(const row& x, input_status status, outputs& todo) {
+void channels::notify(const row& x, input_status status, outputs& todo) {
   for (std::uint8_t i = 0; i < x.shape.size; ++i)
     todo.emplace_back(input_update{x.id, i, status});
 }
@@ -149,7 +149,7 @@ void channels::send_vector(row& x, outputs& todo) {
   } else if (auto* reader = find(false, x.other)) {
     ++counters_.updated;
     reader->input.show(x.values);
-    tell(*reader, input_status::updated, todo);
+    notify(*reader, input_status::updated, todo);
   }
 }
 

@@ -1,4 +1,5 @@
-// All synaptic channels of one node, the Learning Layer's way to talk (D1.1 4.2.2, 5.3.1).
+// All synaptic channels of one node, over which the Learning Layer communicates
+// (D1.1 4.2.2, 5.3.1).
 #pragma once
 
 #include <chrono>
@@ -20,7 +21,7 @@ namespace rubicon::synaptic {
 
 /// What fits a mote; a PC has room for more.
 struct channels_config {
-  std::size_t channels_max = 2;                     ///< each way
+  std::size_t channels_max = 2;                     ///< in each direction
   std::size_t early_max = 2;                        ///< accepted channels not created here yet
   std::uint8_t size_max = 10;                       ///< elements of a vector
   static constexpr std::size_t packet_max = 108;    ///< octets, >= 10
@@ -53,9 +54,9 @@ RUBICON_FIELDS(channels_counters, created, create_failed, failed, sent, updated,
                late, untimely, bad_reads, leaps, refused, expired, malformed, strays);
 
 /// The synaptic channels of a mote or PC. At each tick of the RUBICON clock the out end of a
-/// started channel sends its vector ChOut; at the next tick the in end tells for each index whether
-/// it has come, and shows it. A channel is known by the two nodes it joins (SYN-01), and both
-/// create it:
+/// started channel sends its vector ChOut; at the next tick the in end reports for each index
+/// whether it has come, and shows it. A channel is known by the two nodes it joins (SYN-01), and
+/// both create it:
 ///
 ///   out: connecting --channel--> asking --SYN_OPEN_ACK--> open --channel closed--> ended
 ///   in:  waiting --SYN_OPEN--> open --channel closed, or silence--> ended
@@ -66,7 +67,7 @@ RUBICON_FIELDS(channels_counters, created, create_failed, failed, sent, updated,
 /// vector that arrives until its out end stops.
 ///
 /// A node's channel to itself needs no channel service (SYN-14): what is sent in a tick is shown
-/// and told in that tick, and nothing is ever missed.
+/// and reported in that tick, and nothing is ever missed.
 ///
 /// The owner hands over those accepted channels whose first packet is_synaptic().
 class channels {
@@ -116,7 +117,7 @@ public:
   void set_slot(duration offset) { slot_ = offset; }
 
   /// The RUBICON clock ticks. A T that does not follow the last one is a leap (CLK-05): nothing is
-  /// told missed at it. Vectors leave in on_time().
+  /// reported missed at it. Vectors leave in on_time().
   [[nodiscard]] outputs on_tick(std::uint32_t tick, instant now);
 
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
@@ -166,7 +167,7 @@ private:
   struct early {
     channel_handle channel;
     mote_address source;
-    std::optional<open_message> wish; ///< nothing before SYN_OPEN
+    std::optional<open_message> request; ///< nothing before SYN_OPEN
     instant due;
   };
 
@@ -179,7 +180,7 @@ private:
   [[nodiscard]] row* find(bool is_out, mote_address other); ///< not an ended one
   [[nodiscard]] std::optional<failure> refusal(const row* x, bool wants_out) const;
 
-  [[nodiscard]] answer create(mote_address self, mote_address other, row wish, std::size_t size,
+  [[nodiscard]] answer create(mote_address self, mote_address other, row added, std::size_t size,
                               const parameters& x);
   void join_own(row& x, outputs& todo);
   void join_early(row& x, outputs& todo);
@@ -194,7 +195,7 @@ private:
   void on_vector(row& x, const vector_message& content);
 
   void report(row& x, std::uint32_t tick, outputs& todo);
-  void tell(const row& x, input_status status, outputs& todo);
+  void notify(const row& x, input_status status, outputs& todo);
   void send_all(outputs& todo);
   void send_vector(row& x, outputs& todo);
   void send_stop(row& x, outputs& todo, bool in_slot = false);

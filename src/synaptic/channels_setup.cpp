@@ -9,9 +9,9 @@ namespace {
 
 constexpr std::uint16_t descriptor_max = 32767;
 
-mote_address resolved(mote_address x, mote_address self, const parameters& wish) {
+mote_address resolved(mote_address x, mote_address self, const parameters& requested) {
   if (x.island == own_island)
-    x.island = wish.island == own_island ? self.island : wish.island;
+    x.island = requested.island == own_island ? self.island : requested.island;
   if (x.mote == own_mote)
     x.mote = self.mote;
   return x;
@@ -57,24 +57,24 @@ answer channels::create_in(mote_address self, mote_address source, std::size_t s
   return done;
 }
 
-answer channels::create(mote_address self, mote_address other, row wish, std::size_t size,
+answer channels::create(mote_address self, mote_address other, row added, std::size_t size,
                         const parameters& x) {
   if (other.mote == broadcast_mote || size == 0 || size > config_.size_max)
     return {.refused = failure::bad_argument};
-  if (find(wish.is_out, other) != nullptr)
+  if (find(added.is_out, other) != nullptr)
     return {.refused = failure::already_open};
   const auto used = std::count_if(rows_.begin(), rows_.end(),
-                                  [&](const row& y) { return y.is_out == wish.is_out; });
+                                  [&](const row& y) { return y.is_out == added.is_out; });
   if (static_cast<std::size_t>(used) >= config_.channels_max)
     return {.refused = failure::no_room};
   do
     last_.value = static_cast<std::uint16_t>(last_.value % descriptor_max + 1);
   while (find(last_) != nullptr);
-  wish.id = last_;
-  wish.other = other;
-  wish.loops = other == self;
-  wish.shape = {static_cast<std::uint8_t>(size), std::max<std::uint8_t>(x.divisor, 1)};
-  rows_.push_back(std::move(wish));
+  added.id = last_;
+  added.other = other;
+  added.loops = other == self;
+  added.shape = {static_cast<std::uint8_t>(size), std::max<std::uint8_t>(x.divisor, 1)};
+  rows_.push_back(std::move(added));
   return {.channel = last_};
 }
 
@@ -95,7 +95,7 @@ void channels::join_own(row& x, outputs& todo) {
 
 void channels::join_early(row& x, outputs& todo) {
   const auto here = std::find_if(early_.begin(), early_.end(),
-                                 [&](const early& y) { return y.wish && y.source == x.other; });
+                                 [&](const early& y) { return y.request && y.source == x.other; });
   if (here == early_.end())
     return;
   const auto from = *here;
@@ -201,14 +201,14 @@ outputs channels::on_channel_octets(channel_handle handle, byte_view octets) {
   }
   const auto found = std::find_if(early_.begin(), early_.end(),
                                   [&](const early& x) { return x.channel == handle; });
-  const auto* wish = std::get_if<open_message>(&*content);
-  if (found == early_.end() || wish == nullptr) {
+  const auto* request = std::get_if<open_message>(&*content);
+  if (found == early_.end() || request == nullptr) {
     ++counters_.strays;
     return todo;
   }
   auto x = *found;
   early_.erase(found);
-  x.wish = *wish;
+  x.request = *request;
   on_open(x, todo);
   return todo;
 }
@@ -216,7 +216,7 @@ outputs channels::on_channel_octets(channel_handle handle, byte_view octets) {
 /// SYN_OPEN over a channel that is not in use yet; it gets no answer before the in end is created.
 /// A node that opens anew has lost its old channel, which we may not know yet.
 void channels::on_open(const early& x, outputs& todo) {
-  const auto is_rival = [&](const early& y) { return y.wish && y.source == x.source; };
+  const auto is_rival = [&](const early& y) { return y.request && y.source == x.source; };
   if (const auto rival = std::find_if(early_.begin(), early_.end(), is_rival);
       rival != early_.end()) {
     todo.emplace_back(disconnect{rival->channel});
@@ -237,7 +237,7 @@ void channels::on_open(const early& x, outputs& todo) {
     return;
   }
   reader->channel = x.channel;
-  if (reader->shape == *x.wish) {
+  if (reader->shape == *x.request) {
     todo.emplace_back(send_on_channel{x.channel, encode(open_ack_message{})});
     opened(*reader, todo);
   } else {

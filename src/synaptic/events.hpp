@@ -33,7 +33,7 @@ enum class failure : std::uint8_t {
   bad_argument,      ///< size, index or address
   not_open_yet,      ///< create_done is still to come
   not_active,        ///< there is nothing to stop (SYN-07)
-  ended,             ///< channel_failed has been told
+  ended,             ///< channel_failed has been reported
 };
 
 [[nodiscard]] std::string_view to_string(failure x);

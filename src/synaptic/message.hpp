@@ -1,6 +1,6 @@
 // What the two ends of a synaptic channel say to each other over it (SYN-12, SYN-15): one octet of
 // kind first, network byte order. The kinds are none of a stream's (stream/message.hpp), so that
-// who accepts a channel can tell from its first packet whose it is.
+// who accepts a channel recognises its user by its first packet.
 #pragma once
 
 #include <cstddef>

@@ -20,7 +20,7 @@ std::optional<rubicon_clock::tick> rubicon_clock::update(instant now, island_tim
   const auto time_until = [&](std::int64_t number) { return (number - first) * period - since; };
   if (!due_) {
     const auto before = std::max(first + period_number(since - microseconds{1}, period), first - 1);
-    last_ = last_ == before + 1 ? last_ : before; // a tick that has been told is not told again
+    last_ = last_ == before + 1 ? last_ : before; // a tick is not reported twice
   }
   auto next = *last_ + 1;
   const auto wait = time_until(next);

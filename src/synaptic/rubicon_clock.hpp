@@ -12,7 +12,7 @@ namespace rubicon::synaptic {
 
 /// Turns a shared time that is corrected now and then into ticks that follow each other one by one.
 /// A correction of less than half a period only makes one tick shorter or longer; a larger one is a
-/// leap: T goes on from where the shared time says, and that is told.
+/// leap: T goes on from where the shared time says, and that is reported.
 class rubicon_clock {
 public:
   struct tick {
@@ -22,7 +22,7 @@ public:
 
   /// What the shared time is now, and when it ticks; to be called at deadline(), and whenever the
   /// shared time has been corrected or `setting` has changed.
-  /// @returns the tick that is due; at most one, deadline() tells of a further one
+  /// @returns the tick that is due; at most one, deadline() is then that of a further one
   [[nodiscard]] std::optional<tick> update(instant now, island_time shared,
                                            const tick_setting& setting);
 

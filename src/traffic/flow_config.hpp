@@ -22,7 +22,7 @@ inline constexpr std::size_t payload_max = 116; ///< psdu_max - 9 octets of MAC 
 
 /// Sends numbered packets to one mote of its island.
 struct sender_config {
-  mote_id to;                 ///< the target; broadcast_mote: whoever hears it
+  mote_id to;                 ///< the target; broadcast_mote: all receivers
   std::optional<mote_id> via; ///< first hop, a relay; unset: the target. Not if broadcast
   std::size_t payload = 20;   ///< MAC payload, TinyOS's network octet and AM type included
   arrivals pattern = arrivals::periodic;

@@ -26,7 +26,7 @@ inline constexpr std::uint64_t number_max = 0xffff'ffff'ffff;
 /// the run, zeros up to the size; network byte order.
 struct packet {
   mote_id origin;
-  mote_id target;                ///< broadcast_mote: whoever hears it
+  mote_id target;                ///< broadcast_mote: all receivers
   std::uint64_t number = 0;      ///< 0..number_max, no two packets of an origin have the same
   instant requested;             ///< when the origin asked its MAC; not before the start of the run
   std::size_t size = packet_min; ///< octets of AM payload, packet_min..packet_max

@@ -13,7 +13,7 @@ namespace rubicon::traffic {
 
 enum class novelty : std::uint8_t {
   fresh,
-  repeated, ///< it came from the same last hop before: that one did not hear the ack
+  repeated, ///< it came from the same last hop before: that one did not receive the ack
   returned, ///< it came from another last hop before: it has gone in a circle
 };
 

@@ -42,7 +42,7 @@ struct transmit {
 
 using outputs = std::vector<transmit>;
 
-/// How a request ended, as the MAC tells it.
+/// How a request ended, as the MAC reports it.
 struct outcome {
   bool sent = false;      ///< acked, or put on the air if no ack was wanted
   bool arrived = false;   ///< the next hop has it, whether or not the sender knows

@@ -14,8 +14,9 @@ components::outputs component::on_tuple(const components::news& x, instant now) 
   components::outputs out;
   for (auto& each :
        x.deleted ? core_.on_gone(x.key, own) : core_.on_value(x.key, x.text, own, now)) {
-    if (const auto* told = std::get_if<publish>(&each))
-      out.emplace_back(components::publish{told->key, to_bytes(std::string_view(told->text))});
+    if (const auto* published = std::get_if<publish>(&each))
+      out.emplace_back(
+          components::publish{published->key, to_bytes(std::string_view(published->text))});
     else
       out.emplace_back(components::erase{std::get<erase>(each).key});
   }

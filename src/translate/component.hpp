@@ -10,7 +10,7 @@ namespace rubicon::translate {
 
 class component final : public components::component {
 public:
-  /// @param self owner of what it tells
+  /// @param self owner of what it publishes
   component(translator core, peer_id self) : core_(std::move(core)), self_(self) {}
 
   [[nodiscard]] components::outputs start(instant now) override;

@@ -1,4 +1,4 @@
-// What the app `translate` is told (SVC-09).
+// The configuration of the app `translate` (SVC-09).
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ struct translation {
   std::optional<expression> value; ///< of the number; unset: the text as it is
   int decimals = 2;                ///< of the number, 0..6
   std::string unit;                ///< published beside it, if not empty
-  std::size_t history = 0;         ///< newest values kept in KEY.history, up to history_max
+  std::size_t history = 0;         ///< newest values in KEY.history, up to history_max
 };
 
 inline constexpr std::size_t history_max = 100;

@@ -62,7 +62,8 @@ translator::outputs translator::on_value(std::string_view key, std::string_view 
       ++counters_.long_values;
       continue;
     }
-    tell(rule, rule.to.empty() ? std::string(key) : filled(rule.to, *stars), key, result, now, out);
+    publish_result(rule, rule.to.empty() ? std::string(key) : filled(rule.to, *stars), key, result,
+                   now, out);
   }
   return out;
 }
@@ -71,11 +72,11 @@ translator::outputs translator::on_gone(std::string_view key, bool own) {
   outputs out;
   if (own && is_ours(key))
     return out;
-  for (auto& [told, x] : targets_) {
-    if (!x.told || folded_key(x.source) != folded_key(key))
+  for (auto& [target_key, x] : targets_) {
+    if (!x.is_published || folded_key(x.source) != folded_key(key))
       continue;
-    x.told = false;
-    out.emplace_back(erase{told});
+    x.is_published = false;
+    out.emplace_back(erase{target_key});
   }
   return out;
 }
@@ -83,8 +84,8 @@ translator::outputs translator::on_gone(std::string_view key, bool own) {
 /// A target itself, its unit or its history.
 bool translator::is_ours(std::string_view key) const {
   auto folded = folded_key(key);
-  const auto told = targets_.find(folded);
-  if (told != targets_.end() && told->second.told)
+  const auto found = targets_.find(folded);
+  if (found != targets_.end() && found->second.is_published)
     return true;
   for (const auto suffix : {history_suffix, unit_suffix})
     if (folded.ends_with(suffix) &&
@@ -102,8 +103,9 @@ translator::target* translator::target_at(const std::string& key) {
   return &targets_[folded];
 }
 
-void translator::tell(const translation& rule, const std::string& base, std::string_view key,
-                      std::string_view text, instant now, outputs& out) {
+void translator::publish_result(const translation& rule, const std::string& base,
+                                std::string_view key, std::string_view text, instant now,
+                                outputs& out) {
   const bool keeps = rule.history > 0;
   if (!fits_tuple_key(base) || (keeps && !fits_tuple_key(base + std::string(history_suffix))) ||
       (!rule.unit.empty() && !fits_tuple_key(base + std::string(unit_suffix)))) {
@@ -116,7 +118,7 @@ void translator::tell(const translation& rule, const std::string& base, std::str
   ++counters_.translated;
   x->source = key;
   if (!rule.to.empty()) {
-    if (!std::exchange(x->told, true) && !rule.unit.empty())
+    if (!std::exchange(x->is_published, true) && !rule.unit.empty())
       out.emplace_back(publish{base + std::string(unit_suffix), rule.unit});
     out.emplace_back(publish{base, std::string(text)});
   }

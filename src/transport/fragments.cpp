@@ -52,7 +52,7 @@ std::optional<bytes> assembly::on_fragment(mote_id origin, byte_view fragment, i
     packets_.push_back({origin, tag, std::vector<std::optional<bytes>>(last + 1), now});
     found = packets_.end() - 1;
   }
-  found->heard = now;
+  found->last_received = now;
   found->fragments[index] = to_bytes(fragment.subspan(2));
   if (!std::ranges::all_of(found->fragments, [](const auto& x) { return x.has_value(); }))
     return std::nullopt;
@@ -64,8 +64,8 @@ std::optional<bytes> assembly::on_fragment(mote_id origin, byte_view fragment, i
 }
 
 void assembly::drop_late(instant now) {
-  counters_.incomplete +=
-      std::erase_if(packets_, [&](const packet& x) { return x.heard + config_.patience < now; });
+  counters_.incomplete += std::erase_if(
+      packets_, [&](const packet& x) { return x.last_received + config_.patience < now; });
 }
 
 } // namespace rubicon::transport

@@ -19,7 +19,7 @@ inline constexpr std::size_t fragments_max = 16;
 /// fragment in the low four; if there is more than one, an octet with `tag`; then its share of the
 /// packet.
 /// @param room octets of the longest fragment, 3 at least
-/// @param tag tells packets of one origin apart that are in flight at the same time
+/// @param tag distinguishes packets of one origin that are in flight at the same time
 /// @returns nothing if it takes more than fragments_max
 [[nodiscard]] std::optional<std::vector<bytes>> cut(byte_view packet, std::size_t room,
                                                     std::uint8_t tag);
@@ -54,7 +54,7 @@ private:
     mote_id origin;
     std::uint8_t tag = 0;
     std::vector<std::optional<bytes>> fragments;
-    instant heard;
+    instant last_received;
   };
 
   void drop_late(instant now);

@@ -188,7 +188,7 @@ void messenger::on_hello(mote_address from, const segment& x, outputs& out, inst
   const bool is_again = known != sources_.end() && x.sender == known->second.sender &&
                         x.counter == known->second.counter;
   const bool is_old = known != sources_.end() && !is_again &&
-                      now - known->second.heard < config_.lifetime + slack_to(from) &&
+                      now - known->second.last_received < config_.lifetime + slack_to(from) &&
                       (x.sender == known->second.sender
                            ? !is_later(x.counter, known->second.counter)
                            : !is_ahead(x.sender, known->second.sender, sender_incarnations));
@@ -216,7 +216,7 @@ void messenger::on_reliable(mote_address from, segment x, bool has_program, outp
   }
   auto& history = known->second;
   history.used = ++uses_;
-  history.heard = now;
+  history.last_received = now;
   if (!is_later(x.counter, history.counter)) {
     ++counters_.duplicates;
     if (x.counter == history.counter) // its acknowledgement may have been lost
@@ -277,9 +277,9 @@ void messenger::on_answer(mote_address from, const segment& x, outputs& out, ins
   }
 }
 
-/// How long answers take only those of first attempts tell; of others we do not know which attempt
-/// they answer, and wait longer until one tells (Karn and Partridge; RFC 6298 5). That radios sleep
-/// is known, and added to each wait.
+/// Only answers to first attempts measure the time that answers take; of others we do not know
+/// which attempt they answer, and wait longer until one measures it (Karn and Partridge; RFC 6298
+/// 5). The time that radios sleep is known, and added to each wait.
 void messenger::learn(mote_address from, session& x, instant now) const {
   const auto taken = now - x.asked - slack_to(from);
   const auto wanted =

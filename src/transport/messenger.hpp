@@ -102,9 +102,10 @@ RUBICON_FIELDS(messenger_counters, reliable_sent, reliable_acked, reliable_faile
 /// One end of connectionless messaging, on a mote or on the PC side of a gateway.
 ///
 /// To each receiver one reliable message is in flight at a time, so they arrive in order. The first
-/// one to a receiver is preceded by a hello, which tells the receiver's incarnation; the message
-/// names it, and another incarnation refuses it: then it has failed, since the one before may have
-/// had it. So a message is passed up at most once, whatever restarts, repeats or overtakes.
+/// one to a receiver is preceded by a hello, whose answer has the receiver's incarnation; the
+/// message names it, and another incarnation refuses it: then it has failed, since the one before
+/// may have had it. So a message is passed up at most once, whatever restarts, repeats or
+/// overtakes.
 class messenger {
 public:
   messenger() = default;
@@ -119,7 +120,7 @@ public:
                                             std::uint8_t am_type, bytes payload, bool reliable,
                                             instant now);
 
-  /// Answers to what we send take so much longer from now on: our own radio, or those on the way,
+  /// Answers to what we send take so much longer from now on: our own radio, or those on the route,
   /// sleep.
   void set_answer_slack(duration x) { own_slack_ = x; }
 
@@ -128,7 +129,7 @@ public:
   /// Of it, what is not of our own island.
   [[nodiscard]] duration far_slack(mote_address destination) const;
 
-  /// This node has been started again, we hear: greet it before the next message.
+  /// This node has been started again: greet it before the next message.
   void forget_incarnation(mote_address destination);
 
   /// Whoever owns this AM type has no room for reliable messages: their senders wait (MCK-18).
@@ -164,7 +165,7 @@ private:
     provenance from = {};
   };
 
-  /// What is on its way to one receiver.
+  /// What is in flight to one receiver.
   ///
   ///   greeting --acknowledged--> idle --message--> asking --acknowledged, failed--> idle
   ///      ^-------------------------+--refused---------+
@@ -182,7 +183,7 @@ private:
   struct source {
     incarnation sender = 0;
     std::uint16_t counter = 0; ///< of the last message passed up, or of the hello
-    instant heard;
+    instant last_received;
     std::uint64_t used = 0;
   };
 

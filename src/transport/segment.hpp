@@ -12,7 +12,7 @@ namespace rubicon::transport {
 /// Which start of a node this is, as far as segments say it (DIS-07).
 using incarnation = std::uint8_t;
 
-inline constexpr incarnation sender_incarnations = 16;   ///< a sender's is told modulo this,
+inline constexpr incarnation sender_incarnations = 16;   ///< a sender's is sent modulo this,
 inline constexpr incarnation receiver_incarnations = 32; ///< a receiver's modulo this
 inline constexpr std::uint16_t counter_max = 0x0fff;
 

@@ -14,7 +14,7 @@ namespace rubicon::transport {
 /// Of the packets that carry tunnels: above 255, so for streams and synaptic traffic (WIR-01).
 inline constexpr std::uint16_t tunnel_channel = 256;
 
-/// Which start of a node this is, as tunnels tell it: 1..tunnel_lives in turn; 0: not known yet.
+/// Which start of a node this is, as tunnels send it: 1..tunnel_lives in turn; 0: not known yet.
 using tunnel_life = std::uint8_t;
 
 inline constexpr tunnel_life tunnel_lives = 15;

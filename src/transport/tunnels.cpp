@@ -226,8 +226,8 @@ void tunnels::on_open(entry at, tunnel_message& x, tunnels_outputs& out, instant
   }
   // Since the first connect, or since the accept: an opener goes on at once.
   if (!y.round_trip && x.what != kind::connect)
-    y.round_trip = now - y.heard;
-  y.heard = now;
+    y.round_trip = now - y.last_received;
+  y.last_received = now;
   if (y.peer_life == 0) { // whatever an acceptor says, it has accepted
     y.peer_life = x.acceptor;
     ++counters_.connected;
@@ -295,7 +295,7 @@ duration tunnels::patience_with(const tunnel& x) const {
 
 instant tunnels::due(const tunnel& x) const {
   const auto next = x.peer_life == 0 ? x.wait + slack_to(x.peer).there_and_back : keep_alive_of(x);
-  return std::min(x.sent + next, x.heard + patience_with(x));
+  return std::min(x.sent + next, x.last_received + patience_with(x));
 }
 
 std::optional<instant> tunnels::deadline() const {
@@ -315,11 +315,11 @@ tunnels_outputs tunnels::on_time(instant now) {
   return out;
 }
 
-/// An end that gives up says so: perhaps the other one hears it.
+/// An end that gives up sends a close, which may still reach the other one.
 void tunnels::on_due(entry at, tunnels_outputs& out, instant now) {
   auto& x = at->second;
   const bool is_open = x.peer_life != 0;
-  if (now >= x.heard + patience_with(x)) {
+  if (now >= x.last_received + patience_with(x)) {
     out.emplace_back(packet(x, kind::close));
     end(at, is_open ? tunnel_end::silent : tunnel_end::unreachable, out);
     return;

@@ -30,7 +30,7 @@ enum class tunnel_end : std::uint8_t {
   refused,     ///< the other end does not want it or has no room; or there is no room here
   unreachable, ///< nobody has answered
   closed,      ///< by the other end, or it has been started again
-  silent,      ///< nothing has been heard of the other end for too long
+  silent,      ///< nothing has been received from the other end for too long
 };
 
 [[nodiscard]] std::string_view to_string(tunnel_end x);
@@ -136,11 +136,11 @@ public:
   /// tunnel_content_max
   [[nodiscard]] std::optional<tunnels_outputs> send(tunnel_id id, byte_view content, instant now);
 
-  /// From either end, which hears no more of it; the other end hears tunnel_ended. A tunnel that is
+  /// From either end, which gets no event for it; the other end gets tunnel_ended. A tunnel that is
   /// not here: nothing.
   [[nodiscard]] tunnels_outputs close(tunnel_id id);
 
-  /// As close(), but the opener hears that it is refused.
+  /// As close(), but the opener is notified that it is refused.
   [[nodiscard]] tunnels_outputs refuse(tunnel_id id);
 
   /// The body of a packet of tunnel_channel from `source_island`.
@@ -173,8 +173,8 @@ private:
     bool opened_here = false;
     tunnel_life peer_life = 0; ///< 0: connecting
     instant sent;
-    instant heard;    ///< connecting: when it began
-    duration wait{0}; ///< connecting: before the next connect
+    instant last_received; ///< connecting: when it began
+    duration wait{0};      ///< connecting: before the next connect
     std::optional<duration> round_trip{};
   };
 

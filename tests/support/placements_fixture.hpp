@@ -110,14 +110,14 @@ public:
       auto& here = gateway_at(where.island);
       here.begin(now_);
       const auto result = commands();
-      perform(where.island, here.settle());
+      perform(where.island, here.flush());
       return result;
     }
     if (is_pc(where)) {
       auto& here = pc(where.island);
       here.begin(now_);
       const auto result = commands();
-      perform(gateway_of(where.island), here.settle());
+      perform(gateway_of(where.island), here.flush());
       return result;
     }
     for (auto& x : beside_[where])

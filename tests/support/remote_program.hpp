@@ -25,7 +25,7 @@ public:
     for (bool again = true; again;) {
       if (const auto events = port.take_events())
         process.on_events(*events, now);
-      const auto commands = process.settle();
+      const auto commands = process.flush();
       again = commands.has_value();
       if (again)
         carry_out([&] { port.on_commands(*commands); });

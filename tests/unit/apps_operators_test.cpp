@@ -207,7 +207,7 @@ TEST_CASE("a switch commands between two thresholds, and until it is obeyed",
     return all;
   };
   x.run_for(3min);
-  CHECK(commands() == "0"); // it is told once where it begins
+  CHECK(commands() == "0"); // it is sent once where it begins
   light.value = level(230);
   x.run_for(5s);
   CHECK(commands() == "0");

@@ -237,10 +237,10 @@ TEST_CASE(
   CHECK(messages_after(195, 10) == 1);
   CHECK(x.sent.back().what.payload == bytes{0x00, 0xc3, 0x00, 0x0a});
   CHECK(messages_after(200, 10) == 1);
-  const auto told = x.sent.size();
+  const auto sent_before = x.sent.size();
   x.run_for(10min);
-  REQUIRE(x.sent.size() == told + 10);
-  for (auto i = told; i < x.sent.size(); ++i)
+  REQUIRE(x.sent.size() == sent_before + 10);
+  for (auto i = sent_before; i < x.sent.size(); ++i)
     CHECK(x.sent[i].when - x.sent[i - 1].when == 1min);
   CHECK(x.readings.size() == 65);
 }
@@ -439,7 +439,7 @@ TEST_CASE("a listener claims its type and tells the first message it hears", "[a
   const mote_address button{island_id{1}, mote_id{8}};
   for (const std::string text : {"dinner", "dessert"})
     x.hear(button, 10, to_bytes(std::string_view(text)));
-  CHECK(x.app->take_stories() == std::vector<std::string>{"received \"dinner\" from mote 1/8"});
+  CHECK(x.app->take_notices() == std::vector<std::string>{"received \"dinner\" from mote 1/8"});
   x.join();
 }
 

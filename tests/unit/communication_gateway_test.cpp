@@ -119,7 +119,7 @@ TEST_CASE("communications of a gateway start while its sink is heard",
   const auto init = [&] {
     x.begin(now);
     CHECK(program.layer->initCommunications() == communication::SUCCESS);
-    static_cast<void>(x.settle());
+    static_cast<void>(x.flush());
     return program.inits.back();
   };
   CHECK_FALSE(init()); // it has said nothing yet
@@ -144,7 +144,7 @@ TEST_CASE("a line to real motes does not stand for that of the sink",
   const auto init = [&] {
     x.begin(now);
     CHECK(program.layer->initCommunications() == communication::SUCCESS);
-    static_cast<void>(x.settle());
+    static_cast<void>(x.flush());
     return program.inits.back();
   };
   const auto real_mote_speaks = [&] {

@@ -125,6 +125,6 @@ TEST_CASE("a learning layer runs over the Mockup interface alone, on one PC",
   auto& writer = x.pcs.at(peer_id{1});
   writer.begin(x.now);
   CHECK(x.writer.layer->send(2, no_mote.value, bytes{7}, true, 42) == communication::SUCCESS);
-  x.carry(peer_id{1}, writer.settle());
+  x.carry(peer_id{1}, writer.flush());
   CHECK(x.reader.orders == std::vector<bytes>{{7}});
 }

@@ -35,13 +35,13 @@ TEST_CASE("a PC is joined when it starts, under its PEIS id",
   lone_pc x;
   CHECK(x.program.layer->send(2, 3, bytes{1}, false, 10) == communication::FAIL);
   CHECK(!x.program.layer->address());
-  CHECK(x.core.settle().empty());
+  CHECK(x.core.flush().empty());
   CHECK(x.core.start(x.now).empty());
   CHECK(x.program.inits == std::vector{true});
   CHECK(x.program.joins == std::vector{std::pair(pc_address, true)});
   CHECK(x.program.layer->address() == pc_address);
   CHECK(x.program.layer->send(2, 3, bytes{1}, false, 10) == communication::SUCCESS);
-  const auto packets = x.core.settle();
+  const auto packets = x.core.flush();
   REQUIRE(packets.size() == 1);
   const auto sent = communication::message_of(packets[0]);
   CHECK(sent.peer == peer_id{2});
@@ -73,7 +73,7 @@ TEST_CASE("a PC reaches itself without a message", "[communication][ADR-03][ADR-
   CHECK(x.core.start(x.now).empty());
   REQUIRE(x.program.layer->provide(10) == communication::SUCCESS);
   CHECK(x.program.layer->send(255, own_mote.value, bytes{7}, true, 10) == communication::SUCCESS);
-  CHECK(x.core.settle().empty());
+  CHECK(x.core.flush().empty());
   REQUIRE(x.program.messages.size() == 1);
   CHECK(x.program.messages[0].source == pc_address);
   CHECK(x.program.acks == std::vector{true});
@@ -107,7 +107,7 @@ TEST_CASE("communications of a PC start while its line is up", "[communication][
   CHECK(x.core.start(x.now).empty());
   const auto init = [&] {
     CHECK(x.program.layer->initCommunications() == communication::SUCCESS);
-    CHECK(x.core.settle().empty());
+    CHECK(x.core.flush().empty());
     return x.program.inits.back();
   };
   CHECK(init());
@@ -118,6 +118,6 @@ TEST_CASE("communications of a PC start while its line is up", "[communication][
   x.core.set_line(true);
   CHECK(init());
   CHECK(x.program.layer->joinIsland(bytes{1}) == communication::SUCCESS);
-  CHECK(x.core.settle().empty());
+  CHECK(x.core.flush().empty());
   CHECK(x.program.joins == std::vector{std::pair(pc_address, true), std::pair(pc_address, true)});
 }

@@ -335,7 +335,7 @@ TEST_CASE("what is closed while its answer is on its way has failed, once",
   CHECK(x.api().open_write_end(self, 9, 0, 0) == SUCCESS);
   CHECK(x.api().create_syn_channel_out(self, 3, {}) == 1);
   CHECK(x.api().create_syn_channel_in(self, 3, {}) == 2);
-  side.port.on_commands(*side.process.settle());
+  side.port.on_commands(*side.process.flush());
   static_cast<void>(x.here.core.take_outputs());
   const auto opened = *side.port.take_events();
   CHECK(x.api().close(1) == SUCCESS);
@@ -385,7 +385,7 @@ TEST_CASE("commands in flight are bounded; to close is always possible",
   CHECK(events.layer->open_local() == -1);
   CHECK(process.counters().no_room == 2);
   CHECK(events.layer->close(2) == SUCCESS);
-  const auto batch = process.settle();
+  const auto batch = process.flush();
   REQUIRE(batch);
   CHECK(batch->all.size() == 6);
   CHECK(process.commands_in_flight() == 6);
@@ -410,7 +410,7 @@ TEST_CASE("elements of a vector make one command, holds only what they come to",
     CHECK(x.api().write_output(1, k, k) == SUCCESS);
   x.api().hold(user_am_type);
   x.api().release(user_am_type);
-  const auto batch = process.settle();
+  const auto batch = process.flush();
   REQUIRE(batch);
   REQUIRE(batch->all.size() == 1);
   CHECK(std::get<communication::remote::set_outputs>(batch->all[0]).values ==
@@ -426,19 +426,19 @@ TEST_CASE("a program that takes no events gets no reliable messages and loses ti
   events.layer = process.attach(events);
   here.join();
   CHECK(events.layer->provide(user_am_type) == SUCCESS);
-  port.on_commands(*process.settle());
+  port.on_commands(*process.flush());
   static_cast<void>(here.core.take_outputs());
   for (std::uint32_t tick = 1; tick <= 20; ++tick)
     here.core.on_tick(tick, here.now);
   const auto batch = port.take_events();
   REQUIRE(batch);
-  CHECK(batch->all.size() == 10); // it was told of the join too
+  CHECK(batch->all.size() == 10); // the join included
   CHECK(port.counters().dropped == 12);
 
   const auto send = [&] {
     CHECK(here.core.take_outputs().empty());
     CHECK(events.layer->send(3, 7, bytes{1}, true, user_am_type) == SUCCESS);
-    port.on_commands(*process.settle());
+    port.on_commands(*process.flush());
     for (auto sent = here.core.take_outputs(); !sent.empty(); sent = here.core.take_outputs()) {
       for (const auto& each : sent) {
         const auto& packet = std::get<transport::to_network>(each);
@@ -453,7 +453,7 @@ TEST_CASE("a program that takes no events gets no reliable messages and loses ti
   CHECK(here.core.messages().counters().throttled == 1);
   CHECK(here.core.messages().counters().received == 0);
   process.on_events(*batch, here.now);
-  port.on_commands(*process.settle());
+  port.on_commands(*process.flush());
   here.now += 5s;
   here.core.on_time(here.now);
   for (auto sent = here.core.take_outputs(); !sent.empty(); sent = here.core.take_outputs()) {

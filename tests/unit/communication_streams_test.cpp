@@ -75,7 +75,7 @@ TEST_CASE("tables are bounded, and free again after a close",
     outs.push_back(x.api().create_syn_channel_out({own_island, id(10 + i)}, 3, params));
   CHECK(std::set(outs.begin(), outs.end()).size() == 2);
   CHECK(x.api().create_syn_channel_out({own_island, id(20)}, 3, params) == -1);
-  CHECK(x.api().create_syn_channel_in({own_island, id(20)}, 3, params) > 0); // each way
+  CHECK(x.api().create_syn_channel_in({own_island, id(20)}, 3, params) > 0); // in each direction
   CHECK(x.api().dispose_syn_channel(outs[1]) == SUCCESS);
   CHECK(x.api().dispose_syn_channel(outs[1]) == FAIL);
   CHECK(x.api().create_syn_channel_out({own_island, id(20)}, 0, params) == -1);

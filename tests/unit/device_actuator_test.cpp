@@ -86,7 +86,7 @@ TEST_CASE("every level is where it was sent, from wherever it came", "[device][D
     const auto target = static_cast<std::uint8_t>(i * 77);
     CHECK(x.set(target, now));
     if (i % 3 == 0 && x.deadline()) {
-      now += (*x.deadline() - now) / 3; // sent on from the middle of the way
+      now += (*x.deadline() - now) / 3; // moved on from the middle of its travel
       continue;
     }
     now = x.deadline().value_or(now);

@@ -77,7 +77,7 @@ TEST_CASE("a new gateway gets an answer at once, a known one none", "[gateway][G
 
 TEST_CASE("any gateway of an island addresses it; a dead one is passed over", "[gateway][GW-14]") {
   auto x = make_directory();
-  CHECK(x.gateway_for(kitchen) == kitchen_gateway); // not heard yet: the id says it
+  CHECK(x.gateway_for(kitchen) == kitchen_gateway); // not announced yet: the id says it
   x.on_announcement(spare, encode(announcement{kitchen}), instant{1s});
   CHECK(x.gateway_for(kitchen) == spare);
   x.on_announcement(kitchen_gateway, encode(announcement{kitchen}), instant{2s});

@@ -1,4 +1,4 @@
-// What tests tell a gateway of its island, and what it publishes then.
+// Events of an island for a gateway, and what it publishes then.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@ namespace rubicon::test {
 inline constexpr island_id kitchen{1};
 inline constexpr mote_id fan{7};
 
-inline gateway::outputs tell(gateway::gateway& x, const network::sink_event& event,
-                             instant now = {}) {
+inline gateway::outputs deliver(gateway::gateway& x, const network::sink_event& event,
+                                instant now = {}) {
   return x.on_packet(the_sink, network::am::sink_event, encode(event), now);
 }
 
 inline void join(gateway::gateway& x, mote_id mote, std::uint32_t incarnation = 0) {
-  static_cast<void>(tell(x, network::mote_joined{mote, incarnation, 301, bytes{0xaa}}));
+  static_cast<void>(deliver(x, network::mote_joined{mote, incarnation, 301, bytes{0xaa}}));
 }
 
 /// The value last published under a key among the outputs.

@@ -16,11 +16,11 @@ using gateway::publish;
 using gateway::relay_to;
 using gateway::to_sink;
 using kind = transport::segment::kind;
+using test::deliver;
 using test::fan;
 using test::join;
 using test::pick;
 using test::published;
-using test::tell;
 
 namespace {
 
@@ -39,7 +39,7 @@ gateway::gateway make_standby(std::uint32_t life = 0) {
 }
 
 gateway::outputs lead(gateway::gateway& x, std::uint32_t term = 1, instant now = {}) {
-  return tell(x, network::gateway_poll{0, term, true}, now);
+  return deliver(x, network::gateway_poll{0, term, true}, now);
 }
 
 /// That another gateway says it leads.

@@ -33,7 +33,7 @@ network::sink_event event_in(const sink_packet& x) {
   return *found;
 }
 
-/// The tuples that a gateway makes of what it is told.
+/// The tuples that a gateway makes of what it receives.
 std::vector<std::string> tuples_of(gateway::gateway& to, const std::vector<sink_packet>& all,
                                    instant now) {
   std::vector<std::string> found;
@@ -48,7 +48,7 @@ std::vector<std::string> tuples_of(gateway::gateway& to, const std::vector<sink_
 }
 
 /// The texts and octets that a gateway publishes.
-std::vector<std::string> told(const outputs& all) {
+std::vector<std::string> texts_of(const outputs& all) {
   std::vector<std::string> found;
   for (const auto& output : all)
     if (const auto* set = std::get_if<publish>(&output))
@@ -57,11 +57,11 @@ std::vector<std::string> told(const outputs& all) {
 }
 
 /// What a gateway with a line to real motes makes of them.
-std::vector<std::string> plain_told(gateway::gateway& to, const std::vector<sink_packet>& all,
-                                    instant now) {
+std::vector<std::string> texts_of_plain(gateway::gateway& to, const std::vector<sink_packet>& all,
+                                        instant now) {
   std::vector<std::string> found;
   for (const auto& x : all)
-    for (auto& text : told(to.on_plain_packet(x, now)))
+    for (auto& text : texts_of(to.on_plain_packet(x, now)))
       found.push_back(std::move(text));
   return found;
 }
@@ -287,7 +287,7 @@ TEST_CASE("each packet of a line to real motes is taken or dropped for a cause",
         packet.resize(rng.below(packet.size() + 1));
       const auto now = start + std::chrono::milliseconds(10 * i);
       if (const auto all = line.on_packet(packet, now))
-        for (const auto& text : plain_told(core, *all, now))
+        for (const auto& text : texts_of_plain(core, *all, now))
           tuples += text.find(".output.") != std::string::npos ? 1 : 0;
     }
     const auto& x = line.counters();
@@ -313,28 +313,28 @@ TEST_CASE("a mote's address may stand in the payload", "[gateway][GW-17]") {
   plain_line line(config);
   auto core = beside(false);
   static_cast<void>(core.start(start));
-  const auto told_of = [&](const bytes& packet) {
+  const auto texts_of_packet = [&](const bytes& packet) {
     const auto all = line.on_packet(packet, start);
-    return all ? plain_told(core, *all, start) : std::vector<std::string>();
+    return all ? texts_of_plain(core, *all, start) : std::vector<std::string>();
   };
   const auto osc = from_hex("0001 01f4 0007 0003 0001 0002").value();
-  auto tuples = told_of(said(0, oscilloscope, osc));
+  auto tuples = texts_of_packet(said(0, oscilloscope, osc));
   CHECK(has(tuples, "devices={7}"));
   CHECK(has(tuples, "devices.7.type=00000386"));
   CHECK(has(tuples, "devices.7.output.1=" + to_hex(osc)));
   // The second rule's mote, whose payload says nothing that the first one takes.
-  CHECK(has(told_of(said(150, oscilloscope, bytes{1})), "devices.150.output.2=01"));
+  CHECK(has(texts_of_packet(said(150, oscilloscope, bytes{1})), "devices.150.output.2=01"));
   // THL 2, ETX 300, origin 8, sequence 5, collection 0x93, over mote 3.
   const auto data = from_hex("0002 012c 0008 05 93 cafe").value();
-  CHECK(has(told_of(serial::encode_raw({1, 3, 0x22, ctp, data}, 1)), "devices={7,8,150}"));
-  CHECK(has(told_of(said(0, 137, bytes{0, 42})), "devices.0.output.1=002a"));
+  CHECK(has(texts_of_packet(serial::encode_raw({1, 3, 0x22, ctp, data}, 1)), "devices={7,8,150}"));
+  CHECK(has(texts_of_packet(said(0, 137, bytes{0, 42})), "devices.0.output.1=002a"));
   CHECK(core.devices().front() == mote_id{0});
 
   // Too short for an address, nobody's, and of no mote of a rule.
-  CHECK(told_of(said(0, oscilloscope, bytes{0, 1, 1, 0xf4, 0})).empty());
-  CHECK(told_of(said(0, oscilloscope, from_hex("0001 01f4 ffff").value())).empty());
-  CHECK(told_of(said(0, ctp, from_hex("0002 012c 0100").value())).empty());
-  CHECK(told_of(said(5, 137, bytes{0, 42})).empty());
+  CHECK(texts_of_packet(said(0, oscilloscope, bytes{0, 1, 1, 0xf4, 0})).empty());
+  CHECK(texts_of_packet(said(0, oscilloscope, from_hex("0001 01f4 ffff").value())).empty());
+  CHECK(texts_of_packet(said(0, ctp, from_hex("0002 012c 0100").value())).empty());
+  CHECK(texts_of_packet(said(5, 137, bytes{0, 42})).empty());
   CHECK(line.counters().packets == 8);
   CHECK(line.counters().taken == 4);
   CHECK(line.counters().dropped == std::map<std::string, std::uint64_t>{{"no_rule", 4}});
@@ -369,10 +369,11 @@ TEST_CASE("a lost line to real motes leaves them listed, and nobody leaves becau
   auto line = real_line();
   auto core = beside(true);
   static_cast<void>(core.start(start));
-  const auto first = plain_told(core, *line.on_packet(said(100, blink, bytes{1}), start), start);
+  const auto first =
+      texts_of_plain(core, *line.on_packet(said(100, blink, bytes{1}), start), start);
   CHECK(has(first, "devices.100.status=listed 0.000000"));
   line.on_presence(false, start + 5s);
-  CHECK(has(told(core.on_plain_line_lost(start + 5s)), "devices.100.status=stale 5.000000"));
+  CHECK(has(texts_of(core.on_plain_line_lost(start + 5s)), "devices.100.status=stale 5.000000"));
   CHECK(!line.deadline());
   CHECK(line.on_time(start + 35s).empty());
   line.on_presence(true, start + 35s);
@@ -380,7 +381,7 @@ TEST_CASE("a lost line to real motes leaves them listed, and nobody leaves becau
   const auto again = line.on_packet(said(100, blink, bytes{2}), start + 36s);
   REQUIRE(again);
   CHECK(again->size() == 1); // it does not join again
-  CHECK(plain_told(core, *again, start + 36s) ==
+  CHECK(texts_of_plain(core, *again, start + 36s) ==
         std::vector<std::string>{"devices.100.status=listed 36.000000", "devices.100.output.1=02"});
   CHECK(core.devices() == std::vector{mote_id{100}});
   CHECK(line.on_time(start + 46s).size() == 1); // later it is silent
@@ -398,12 +399,13 @@ TEST_CASE("what a forwarder has taken is not sent while nothing comes from behin
     gateway::gateway core(config, random_stream(1));
     static_cast<void>(core.start(start));
     const auto hear = [&](instant now) {
-      static_cast<void>(plain_told(core, *line.on_packet(said(100, blink, bytes{1}), now), now));
+      static_cast<void>(
+          texts_of_plain(core, *line.on_packet(said(100, blink, bytes{1}), now), now));
     };
     std::uint64_t number = 0;
     const auto ends = [&](instant now) {
       static_cast<void>(core.on_input(mote_id{100}, 2, bytes{0, 7}, now));
-      const auto all = told(core.on_plain_done(++number, true, now));
+      const auto all = texts_of(core.on_plain_done(++number, true, now));
       return all.at(0).substr(all.at(0).rfind(' ') + 1);
     };
     const std::string silent = is_forwarded ? "failed" : "sent";
@@ -428,11 +430,11 @@ TEST_CASE("a sink and a line to real motes do not speak for each other",
         encode(network::sink_event(network::mote_joined{mote_id{mote}, 1, 101, {}}))};
   };
   const auto from_sink = [&](const sink_packet& x, instant now) {
-    return told(core.on_packet(x.source, x.am_type, x.payload, now));
+    return texts_of(core.on_packet(x.source, x.am_type, x.payload, now));
   };
-  const auto real = plain_told(core, *line.on_packet(said(100, blink, bytes{1}), start), start);
+  const auto real = texts_of_plain(core, *line.on_packet(said(100, blink, bytes{1}), start), start);
   CHECK(has(real, "devices={100}"));
-  CHECK(!has(real, "devices.line=up 0.000000")); // nobody has heard the sink
+  CHECK(!has(real, "devices.line=up 0.000000")); // the sink has sent nothing
   const auto simulated = from_sink(joined(2), start + 1s);
   CHECK(has(simulated, "devices={2,100}"));
   CHECK(has(simulated, "devices.line=up 1.000000"));
@@ -450,15 +452,15 @@ TEST_CASE("a sink and a line to real motes do not speak for each other",
   // The real motes go on, but the sink is silent: its motes are stale, they are not.
   instant now = start + 2s;
   for (; now < start + 30s; now += 1s) {
-    static_cast<void>(plain_told(core, *line.on_packet(said(100, blink, bytes{1}), now), now));
-    const auto texts = told(core.on_time(now));
+    static_cast<void>(texts_of_plain(core, *line.on_packet(said(100, blink, bytes{1}), now), now));
+    const auto texts = texts_of(core.on_time(now));
     CHECK(!has(texts, "devices.100.status=stale " + to_text(now)));
     CHECK(has(texts, "devices.2.status=stale " + to_text(now)) == (now == start + 27s));
   }
 
   // Messages for a real mote go to no sink; they end by being sent.
   const auto asked = core.on_input(mote_id{100}, 2, bytes{0, 7}, now);
-  CHECK(has(told(asked), "devices.100.input.2.status=1 pending"));
+  CHECK(has(texts_of(asked), "devices.100.input.2.status=1 pending"));
   const auto found = std::find_if(asked.begin(), asked.end(), [](const auto& x) {
     return std::holds_alternative<to_plain>(x);
   });
@@ -467,11 +469,11 @@ TEST_CASE("a sink and a line to real motes do not speak for each other",
   CHECK(x.mote == mote_id{100});
   CHECK(x.channel == 2);
   CHECK(to_hex(x.octets) == "0007");
-  CHECK(told(core.on_plain_done(x.number, true, now)) ==
+  CHECK(texts_of(core.on_plain_done(x.number, true, now)) ==
         std::vector<std::string>{"devices.100.input.2.status=1 sent"});
   CHECK(core.on_plain_done(x.number, true, now).empty()); // once
   static_cast<void>(core.on_input(mote_id{100}, 2, bytes{0, 8}, now));
-  CHECK(told(core.on_plain_done(x.number + 1, false, now)) ==
+  CHECK(texts_of(core.on_plain_done(x.number + 1, false, now)) ==
         std::vector<std::string>{"devices.100.input.2.status=2 failed"});
   CHECK(core.counters().plain_inputs == 2);
 }

@@ -21,6 +21,7 @@ using gateway::to_gateway;
 using gateway::to_sink;
 using kind = transport::segment::kind;
 using test::acknowledgement;
+using test::deliver;
 using test::fan;
 using test::hello;
 using test::join;
@@ -29,12 +30,11 @@ using test::pick;
 using test::plain;
 using test::published;
 using test::reliable;
-using test::tell;
 using test::the_sink;
 
 namespace {
 
-gateway::gateway make_unheard() {
+gateway::gateway make_without_sink() {
   gateway_config config;
   config.island = kitchen;
   gateway::gateway x(config, random_stream(1));
@@ -43,8 +43,8 @@ gateway::gateway make_unheard() {
 }
 
 gateway::gateway make_gateway() {
-  auto x = make_unheard();
-  static_cast<void>(tell(x, network::sink_started{}));
+  auto x = make_without_sink();
+  static_cast<void>(deliver(x, network::sink_started{}));
   return x;
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("a gateway publishes its devices as D1.1 5.4 says", "[gateway][GW-03][
   auto x = make_gateway();
   CHECK(published(x.start({}), "devices") == "{}");
   join(x, mote_id{11});
-  const auto out = tell(x, network::mote_joined{fan, 0, 42, bytes{0xaa, 0xbb}});
+  const auto out = deliver(x, network::mote_joined{fan, 0, 42, bytes{0xaa, 0xbb}});
   CHECK(published(out, "devices") == "{7,11}");
   CHECK(published(out, "devices.7.type") == "0000002a");
   CHECK(published(out, "devices.7.descriptor") == "aabb");
@@ -93,7 +93,7 @@ TEST_CASE("a leaving mote takes its tuples with it", "[gateway][DIS-06]") {
   static_cast<void>(x.on_packet(fan, network::am::to_gateway,
                                 up({kitchen, no_mote}, plain(fan, 2, bytes{1})), {}));
   static_cast<void>(x.on_input(fan, 2, bytes{1}, {}));
-  const auto out = tell(x, network::mote_left{fan, network::leave_cause::silence});
+  const auto out = deliver(x, network::mote_left{fan, network::leave_cause::silence});
   CHECK(published(out, "devices") == "{}");
   std::vector<std::string> erased;
   for (const auto& y : pick<erase>(out))
@@ -102,7 +102,7 @@ TEST_CASE("a leaving mote takes its tuples with it", "[gateway][DIS-06]") {
   CHECK(erased == std::vector<std::string>{"devices.7.type", "devices.7.descriptor",
                                            "devices.7.output.2", "devices.7.input.2.status"});
   CHECK(pick<member_changed>(out)[0].cause == network::leave_cause::silence);
-  CHECK(tell(x, network::mote_left{fan, network::leave_cause::silence}).empty());
+  CHECK(deliver(x, network::mote_left{fan, network::leave_cause::silence}).empty());
 }
 
 TEST_CASE("what a mote sends to its gateway becomes an output tuple, each message once",
@@ -233,7 +233,8 @@ TEST_CASE("programs of a gateway hear of motes that join, once in each life",
   test::recorder program;
   program.layer = x.attach(program);
   const auto joins = [&](mote_id mote, std::uint32_t incarnation, bytes descriptor) {
-    static_cast<void>(tell(x, network::mote_joined{mote, incarnation, 301, std::move(descriptor)}));
+    static_cast<void>(
+        deliver(x, network::mote_joined{mote, incarnation, 301, std::move(descriptor)}));
     return program.newcomers.size();
   };
   CHECK(joins(fan, 0, bytes{0xaa, 0xbb}) == 1);
@@ -241,7 +242,7 @@ TEST_CASE("programs of a gateway hear of motes that join, once in each life",
   CHECK(joins(fan, 0, bytes{0xaa, 0xbb}) == 1); // the sink has been asked
   CHECK(joins(mote_id{8}, 0, bytes{0xcc}) == 2);
   CHECK(joins(fan, 1, bytes{0xaa}) == 3); // it has been started again
-  static_cast<void>(tell(x, network::mote_left{fan, network::leave_cause::notice}));
+  static_cast<void>(deliver(x, network::mote_left{fan, network::leave_cause::notice}));
   CHECK(joins(fan, 1, bytes{0xaa}) == 4);
 }
 
@@ -275,16 +276,16 @@ TEST_CASE("a roster brings a gateway's list back to the truth", "[gateway][GW-15
       motes.push_back(y.mote);
     return motes;
   };
-  CHECK(asked(tell(x, network::roster{1, 0, 2, {{fan, 0}, {mote_id{9}, 2}}})) ==
+  CHECK(asked(deliver(x, network::roster{1, 0, 2, {{fan, 0}, {mote_id{9}, 2}}})) ==
         std::vector{mote_id{9}}); // rebooted unseen
-  CHECK(asked(tell(x, network::roster{1, 1, 2, {{mote_id{10}, 0}}})) ==
+  CHECK(asked(deliver(x, network::roster{1, 1, 2, {{mote_id{10}, 0}}})) ==
         std::vector{mote_id{10}, mote_id{8}}); // missing here, missing there
-  CHECK(asked(tell(x, network::roster{2, 0, 1, {{fan, 0}, {mote_id{8}, 0}, {mote_id{9}, 1}}}))
+  CHECK(asked(deliver(x, network::roster{2, 0, 1, {{fan, 0}, {mote_id{8}, 0}, {mote_id{9}, 1}}}))
             .empty());
   // The rest of this one does not come; its page is none of the next one's.
-  CHECK(asked(tell(x, network::roster{3, 0, 2, {{fan, 0}}})).empty());
-  CHECK(asked(tell(x, network::roster{4, 0, 2, {{fan, 0}, {mote_id{8}, 0}}})).empty());
-  CHECK(asked(tell(x, network::roster{4, 1, 2, {{mote_id{9}, 1}}})).empty());
+  CHECK(asked(deliver(x, network::roster{3, 0, 2, {{fan, 0}}})).empty());
+  CHECK(asked(deliver(x, network::roster{4, 0, 2, {{fan, 0}, {mote_id{8}, 0}}})).empty());
+  CHECK(asked(deliver(x, network::roster{4, 1, 2, {{mote_id{9}, 1}}})).empty());
 }
 
 TEST_CASE("what a gateway cannot read it drops and counts", "[gateway]") {
@@ -293,7 +294,7 @@ TEST_CASE("what a gateway cannot read it drops and counts", "[gateway]") {
   CHECK(x.on_packet(the_sink, network::am::sink_event, bytes{9}, {}).empty());
   CHECK(x.counters().malformed == 2);
   CHECK(x.on_packet(the_sink, 0x77, {}, {}).empty());
-  CHECK(tell(x, network::describe{fan}).empty());
+  CHECK(deliver(x, network::describe{fan}).empty());
   CHECK(x.counters().unknown_type == 2);
 }
 
@@ -356,12 +357,12 @@ TEST_CASE("packets longer than a serial packet go up and down in fragments",
 
 TEST_CASE("a silent line makes motes stale, not gone; what is heard again is not",
           "[gateway][GW-15]") {
-  auto x = make_unheard();
+  auto x = make_without_sink();
   const auto hear = [&](mote_id source, instant now) {
     return x.on_packet(source, network::am::to_gateway,
                        up({kitchen, no_mote}, plain(source, 2, {})), now);
   };
-  const auto first = tell(x, network::mote_joined{fan, 0, 301, {}});
+  const auto first = deliver(x, network::mote_joined{fan, 0, 301, {}});
   CHECK(published(first, "devices.line") == "up 0.000000");
   CHECK(published(first, "devices.7.status") == "listed 0.000000");
   join(x, mote_id{11});
@@ -393,14 +394,14 @@ TEST_CASE("a sink that was started again gets time to find its motes", "[gateway
   auto x = make_gateway();
   join(x, fan);
   join(x, mote_id{11});
-  const auto started = tell(x, network::sink_started{});
+  const auto started = deliver(x, network::sink_started{});
   CHECK(published(started, "devices.7.status") == "stale 0.000000");
   const auto empty = [&](std::uint16_t number, instant now) {
     return x.on_packet(the_sink, network::am::sink_event,
                        encode(network::sink_event(network::roster{number, 0, 1, {}})), now);
   };
   CHECK(pick<to_sink>(empty(1, instant{10s})).empty());
-  const auto again = tell(x, network::mote_joined{fan, 0, 301, {}});
+  const auto again = deliver(x, network::mote_joined{fan, 0, 301, {}});
   CHECK(published(again, "devices.7.status") == "listed 0.000000");
   CHECK(pick<to_sink>(empty(2, instant{59s})).size() == 1); // the fan has been back and is missing
   CHECK(pick<to_sink>(empty(3, instant{60s})).size() == 2);
@@ -432,7 +433,7 @@ TEST_CASE("a mote that has left is asked for no outputs", "[gateway][GW-10]") {
   auto x = make_gateway();
   join(x, fan);
   x.on_subscribers(std::vector<std::string>{"devices.7.output.2"}, {});
-  static_cast<void>(tell(x, network::mote_left{fan, network::leave_cause::notice}));
+  static_cast<void>(deliver(x, network::mote_left{fan, network::leave_cause::notice}));
   CHECK(pick<to_sink>(x.on_time(instant{100ms})).empty());
   CHECK(x.counters().requests == 0);
 }
@@ -444,7 +445,7 @@ TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
                                          now));
   };
   auto x = make_gateway();
-  CHECK(ask(x, instant(1s)).empty()); // its kernel has not told it
+  CHECK(ask(x, instant(1s)).empty()); // its kernel has not set it
   static_cast<void>(x.on_clock(1000s, instant(1s)));
   const auto out = ask(x, instant(5s + 1us));
   REQUIRE(out.size() == 1);
@@ -452,7 +453,7 @@ TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
   static_cast<void>(x.on_clock(1003s, instant(5s)));
   CHECK(ask(x, instant(6s)).at(0).answer == network::sink_event(network::time_answer{7, 1009s}));
 
-  CHECK(tell(x, network::time_answer{7, 1s}).empty());
+  CHECK(deliver(x, network::time_answer{7, 1s}).empty());
   CHECK(x.counters().unknown_type == 1);
 
   gateway_config config;
@@ -461,7 +462,7 @@ TEST_CASE("a sink that asks hears the time of the peers", "[gateway][CLK-08]") {
   gateway::gateway again(config, random_stream(1));
   static_cast<void>(again.start(instant(60s)));
   static_cast<void>(
-      again.on_clock(1000s, instant(60s))); // the clock of a kernel that has heard nobody yet
+      again.on_clock(1000s, instant(60s))); // the clock of a kernel that knows no other yet
   CHECK(ask(again, instant(69s)).empty());
   CHECK(ask(again, instant(70s)).size() == 1);
 }
@@ -484,7 +485,7 @@ TEST_CASE("of two descriptors of one life of a mote the sink says which is right
   const auto asks = [](const gateway::outputs& out) {
     return pick<to_sink>(out).size() == 1 && to_hex(pick<to_sink>(out)[0].payload) == "040007";
   };
-  CHECK(asks(tell(x, network::mote_joined{fan, 0, 301, bytes{0xbb}})));
-  CHECK(asks(tell(x, network::mote_joined{fan, 0, 301, bytes{0xaa}}))); // its answer
-  CHECK_FALSE(asks(tell(x, network::mote_joined{fan, 0, 301, bytes{0xaa}})));
+  CHECK(asks(deliver(x, network::mote_joined{fan, 0, 301, bytes{0xbb}})));
+  CHECK(asks(deliver(x, network::mote_joined{fan, 0, 301, bytes{0xaa}}))); // its answer
+  CHECK_FALSE(asks(deliver(x, network::mote_joined{fan, 0, 301, bytes{0xaa}})));
 }

@@ -161,7 +161,7 @@ TEST_CASE("a goal that takes too long fails, and one that is over just then succ
   fixture late;
   late.want("at kitchen");
   late.pass(29s);
-  late.now += 1s; // its time is over, which it has not been told yet
+  late.now += 1s; // its time is over, of which it has not been notified yet
   CHECK(late.input(door, "open").empty());
 
   fixture y;
@@ -249,7 +249,7 @@ TEST_CASE("outputs are told every period, and when a state sets them", "[goal][S
   CHECK(run(instant{8s}) == words{"battery=0.1", "battery=9", "state=waiting", "battery=9",
                                   "place=dock", "battery=8.6"});
   CHECK(run(instant{10s}) == words{"battery=8.2", "battery=7.8", "lift=2"});
-  // A wake-up that comes late tells each once.
+  // A wake-up that comes late publishes each once.
   CHECK(said(core.on_time(instant{25s})).size() == 3);
   CHECK(*core.deadline() == instant{26s});
 }
@@ -270,8 +270,8 @@ TEST_CASE("a state that fails ends its goal, as often as its rate says", "[goal]
       for (const auto& x : pick<ended>(out)) {
         const bool failed = x.outcome == goal_outcome::failed;
         CHECK(x.cause == (failed ? goal_cause::broken : goal_cause::none));
-        const auto told = said(out);
-        CHECK((std::ranges::find(told, "place=sky") == told.end()) == failed);
+        const auto texts = said(out);
+        CHECK((std::ranges::find(texts, "place=sky") == texts.end()) == failed);
       }
     }
     CHECK(now - begin >= 1s);

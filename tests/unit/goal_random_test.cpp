@@ -53,7 +53,7 @@ pursuer_config any_config(random_stream& rng) {
   return x;
 }
 
-/// Goals that have begun and not ended, in what the outputs tell.
+/// Goals that have begun and not ended, in what the outputs report.
 struct account {
   std::vector<std::string> open;
   std::uint64_t begun_count = 0;
@@ -63,11 +63,11 @@ struct account {
 
   void add(const outputs& out) {
     for (const auto& x : out) {
-      if (const auto* told = std::get_if<publish>(&x)) {
-        if (told->key == "p.outcome")
-          outcome = told->text;
-        if (told->key == "p.state")
-          state = told->text;
+      if (const auto* published = std::get_if<publish>(&x)) {
+        if (published->key == "p.outcome")
+          outcome = published->text;
+        if (published->key == "p.state")
+          state = published->text;
       } else if (const auto* start = std::get_if<begun>(&x)) {
         open.push_back(start->goal);
         ++begun_count;
@@ -94,48 +94,48 @@ TEST_CASE("whatever is wanted and whatever inputs say, every goal has one outcom
     random_stream rng(seed);
     const auto config = any_config(rng);
     pursuer core(config, random_stream(seed, "core"));
-    account told;
+    account published;
     instant now{};
     std::uint64_t wanted = 0;
-    told.add(core.start(now));
+    published.add(core.start(now));
     for (int i = 0; i < 300; ++i) {
       now += rng.between(0s, 4s);
       // Wake-ups come in time, and sometimes late.
       while (rng.chance(0.9) && core.deadline() && *core.deadline() <= now)
-        told.add(core.on_time(*core.deadline()));
+        published.add(core.on_time(*core.deadline()));
       const auto choice = rng.below(10);
       const source from{peer_id(static_cast<std::int32_t>(1 + rng.below(2))), "t"};
       const auto input = rng.below(2);
       if (choice < 3) {
         ++wanted;
-        told.add(core.on_goal("goal " + std::to_string(rng.below(5)), now));
+        published.add(core.on_goal("goal " + std::to_string(rng.below(5)), now));
       } else if (choice == 3) {
-        told.add(core.on_goal("none", now));
+        published.add(core.on_goal("none", now));
       } else if (choice < 8) {
-        told.add(core.on_input(input, from, texts[rng.below(texts.size())], now));
+        published.add(core.on_input(input, from, texts[rng.below(texts.size())], now));
       } else if (choice == 8) {
         core.on_input_gone(input, from);
       } else {
         core.on_reference(input, from);
       }
-      told.add(core.on_time(now));
+      published.add(core.on_time(now));
       CHECK((core.open_goals() == 0) == (core.doing() == pursuer::phase::idle));
-      CHECK((told.state == "idle") == (core.doing() == pursuer::phase::idle));
-      CHECK((told.state == "waiting") == (core.doing() == pursuer::phase::waiting));
-      CHECK(told.open.size() == core.open_goals());
+      CHECK((published.state == "idle") == (core.doing() == pursuer::phase::idle));
+      CHECK((published.state == "waiting") == (core.doing() == pursuer::phase::waiting));
+      CHECK(published.open.size() == core.open_goals());
       REQUIRE(core.deadline()); // the output's period
       CHECK(*core.deadline() > now);
     }
     // The longest timeout is 20 s: without another word all goals end.
     for (const auto end = now + 20s; *core.deadline() <= end;)
-      told.add(core.on_time(*core.deadline()));
+      published.add(core.on_time(*core.deadline()));
     const auto& counted = core.counters();
     CHECK(core.open_goals() == 0);
-    CHECK(told.open.empty());
+    CHECK(published.open.empty());
     CHECK(counted.goals == wanted);
     CHECK(counted.goals == counted.succeeded + counted.failed + counted.preempted);
-    CHECK(told.ended_count == wanted);
-    CHECK(told.begun_count + counted.unknown == wanted);
+    CHECK(published.ended_count == wanted);
+    CHECK(published.begun_count + counted.unknown == wanted);
     by_outcome[0] += counted.succeeded;
     by_outcome[1] += counted.failed;
     by_outcome[2] += counted.preempted;

@@ -67,7 +67,7 @@ public:
 private:
   struct one {
     std::optional<std::uint64_t> life; ///< runs
-    bool told = false;                 ///< that it runs
+    bool is_running = false;           ///< that it runs
     bool stubborn = false;
     std::optional<instant> crashed;   ///< its last end, unless somebody wrote a state since then
     std::optional<instant> off_since; ///< the last word was `off`
@@ -99,7 +99,7 @@ private:
       REQUIRE(now_ - *part.crashed >= delay_of_all);
     part.crashed.reset();
     part.life = x.life;
-    part.told = false;
+    part.is_running = false;
     part.stubborn = rng_.below(3) == 0;
     part.ends_at.reset();
   }
@@ -122,8 +122,8 @@ private:
   void happen() {
     for (std::size_t i = 0; i < count; ++i) {
       auto& part = parts_[i];
-      if (part.life && (!part.told && rng_.below(2) == 0)) {
-        part.told = true;
+      if (part.life && (!part.is_running && rng_.below(2) == 0)) {
+        part.is_running = true;
         perform(supervisor_.on_started(i, *part.life, 0));
       }
       if (part.life && ((part.ends_at && *part.ends_at <= now_) || rng_.below(30) == 0))

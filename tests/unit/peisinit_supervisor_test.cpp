@@ -47,8 +47,8 @@ std::string value(const outputs& from, const std::string& key) {
   return text;
 }
 
-bool tells(const outputs& from, const std::string& what) {
-  return std::ranges::count(all<tell>(from), tell{what}) == 1;
+bool has_notice(const outputs& from, const std::string& what) {
+  return std::ranges::count(all<notice>(from), notice{what}) == 1;
 }
 
 byte_view octets(const std::string& x) {
@@ -107,7 +107,7 @@ TEST_CASE("tuples describe every component from the beginning", "[peisinit][SVC-
   const auto started = x.on_started(0, 1, 4711);
   CHECK(value(started, "camera.pid") == "4711");
   CHECK(value(started, "camera.currState") == "on");
-  CHECK(tells(started, "camera on"));
+  CHECK(has_notice(started, "camera on"));
 }
 
 TEST_CASE("on and off start and stop a component", "[peisinit][SVC-03]") {
@@ -121,7 +121,7 @@ TEST_CASE("on and off start and stop a component", "[peisinit][SVC-03]") {
   const auto ended = x.on_ended(0, 1, "status 0", instant(100ms));
   CHECK(value(ended, "camera.currState") == "off");
   CHECK(value(ended, "camera.pid") == "0");
-  CHECK(tells(ended, "camera off"));
+  CHECK(has_notice(ended, "camera off"));
   CHECK_FALSE(x.deadline());
   CHECK(all<start>(x.on_request(0, "start", instant(1s))) == std::vector{start{0, 2, ""}});
 }
@@ -129,7 +129,7 @@ TEST_CASE("on and off start and stop a component", "[peisinit][SVC-03]") {
 TEST_CASE("what is no state is refused, counted and told", "[peisinit][SVC-03]") {
   auto x = running();
   const auto out = x.on_request(0, "of\nf", instant{});
-  CHECK(tells(out, "camera refuses the state `of?f`"));
+  CHECK(has_notice(out, "camera refuses the state `of?f`"));
   CHECK(x.counted().refused == 1);
   CHECK(x.phase_of(0) == phase::on);
 }
@@ -140,7 +140,7 @@ TEST_CASE("a component that ends by itself starts again after its delay", "[peis
   auto x = running(what);
   const auto out = x.on_ended(0, 1, "signal 11", instant(10s));
   CHECK(value(out, "camera.currState") == "waiting");
-  CHECK(tells(out, "camera has ended, signal 11, again in 5 s"));
+  CHECK(has_notice(out, "camera has ended, signal 11, again in 5 s"));
   CHECK(x.deadline() == instant(15s));
   CHECK(x.on_request(0, "on", instant(11s)).empty()); // nobody is that important
   CHECK(all<start>(x.on_time(instant(15s) - 1ns)).empty());
@@ -223,17 +223,17 @@ TEST_CASE("what is written to stdin is a line for the process", "[peisinit][SVC-
   CHECK(all<feed>(x.on_input(0, "go\n")) == std::vector{feed{0, "go\n"}});
   CHECK(x.on_input(0, "").empty());
   static_cast<void>(x.on_ended(0, 1, "", instant{}));
-  CHECK(tells(x.on_input(0, "go"), "camera refuses input"));
+  CHECK(has_notice(x.on_input(0, "go"), "camera refuses input"));
   auto y = running(peer("rules"));
-  CHECK(tells(y.on_input(0, "go"), "rules refuses input"));
+  CHECK(has_notice(y.on_input(0, "go"), "rules refuses input"));
 }
 
 TEST_CASE("extra arguments count from the next start on", "[peisinit][SVC-03]") {
   supervisor x({program("camera", false)});
   static_cast<void>(x.begin(instant{}));
   CHECK(x.on_arguments(0, "--fps 7").empty());
-  CHECK(tells(x.on_arguments(0, "a\nb"), "camera refuses arguments"));
-  CHECK(tells(x.on_arguments(0, std::string(1001, 'a')), "camera refuses arguments"));
+  CHECK(has_notice(x.on_arguments(0, "a\nb"), "camera refuses arguments"));
+  CHECK(has_notice(x.on_arguments(0, std::string(1001, 'a')), "camera refuses arguments"));
   CHECK(all<start>(x.on_request(0, "on", instant{})) == std::vector{start{0, 1, "--fps 7"}});
 }
 
@@ -248,11 +248,11 @@ TEST_CASE("at the end all components are stopped before all are said to be off",
   CHECK(all<stop>(out).size() == 2);
   CHECK(value(out, "arm.currState") == "off");
   CHECK(x.shut_down(instant(1s)).empty());
-  CHECK(tells(x.on_request(3, "on", instant(1s)), "lamp refuses to start: all are to end"));
+  CHECK(has_notice(x.on_request(3, "on", instant(1s)), "lamp refuses to start: all are to end"));
   CHECK(all<all_off>(x.on_ended(0, 1, "", instant(1100ms))).empty());
   const auto last = x.on_ended(1, 1, "", instant(1200ms));
   CHECK(all<all_off>(last).size() == 1);
-  CHECK(tells(last, "all components are off"));
+  CHECK(has_notice(last, "all components are off"));
 
   supervisor none(std::vector<component>{});
   static_cast<void>(none.begin(instant{}));

@@ -50,8 +50,8 @@ inline proxy_identity identity() {
 
 using lines = std::vector<std::string>;
 
-inline lines told(const face::outputs& outputs) {
-  struct teller {
+inline lines lines_of(const face::outputs& outputs) {
+  struct formatter {
     std::string operator()(const publish& x) const { return x.key + " = " + x.text; }
     std::string operator()(const write_device& x) const {
       return "write " + to_string(x.mote) + ' ' + device_input_key(x.mote.mote, x.channel) + ' ' +
@@ -68,7 +68,7 @@ inline lines told(const face::outputs& outputs) {
   };
   lines list;
   for (const auto& x : outputs)
-    list.push_back(std::visit(teller{}, x));
+    list.push_back(std::visit(formatter{}, x));
   return list;
 }
 

@@ -9,7 +9,7 @@ namespace {
 constexpr peer_id first{20};
 constexpr peer_id second{21};
 
-std::vector<std::string> keys(const std::vector<gateway_choice::heard>& x) {
+std::vector<std::string> keys(const std::vector<gateway_choice::tuple_change>& x) {
   std::vector<std::string> all;
   for (const auto& each : x)
     all.push_back(each.deleted ? "no " + each.key : each.key + " " + to_string(each.value));

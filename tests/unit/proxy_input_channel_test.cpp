@@ -21,12 +21,12 @@ request ask(std::string word, std::size_t input = 0) {
 }
 
 /// `>on` for a write, `on acknowledged` for an outcome.
-std::vector<std::string> told(const input_channel::outputs& outputs) {
+std::vector<std::string> lines_of(const input_channel::outputs& outputs) {
   std::vector<std::string> list;
   for (const auto& x : outputs) {
     if (const auto* const work = std::get_if<submit>(&x))
       list.push_back('>' + std::string(work->octets.begin(), work->octets.end()));
-    if (const auto* const end = std::get_if<settled>(&x))
+    if (const auto* const end = std::get_if<finished>(&x))
       list.push_back(std::string(end->word).append(1, ' ').append(to_string(end->outcome)));
   }
   return list;
@@ -36,7 +36,7 @@ using lines = std::vector<std::string>;
 
 lines status(input_channel& channel, std::uint64_t sequence, input_outcome outcome,
              instant now = start) {
-  return told(channel.on_status({sequence, outcome}, now));
+  return lines_of(channel.on_status({sequence, outcome}, now));
 }
 
 constexpr auto pending = input_outcome::pending;
@@ -55,22 +55,22 @@ TEST_CASE("a request is written and ends with the gateway's word",
                                                           {input_outcome::sent, "on sent"}}) {
     input_channel channel;
     CHECK_FALSE(channel.deadline());
-    CHECK(told(channel.add(ask("on"), start)) == lines{">on"});
+    CHECK(lines_of(channel.add(ask("on"), start)) == lines{">on"});
     CHECK(channel.open() == 1);
     CHECK(status(channel, 1, pending).empty());
     CHECK(status(channel, 1, word) == lines{text});
     CHECK(channel.open() == 0);
     CHECK_FALSE(channel.deadline());
-    CHECK(status(channel, 1, word).empty()); // told once
+    CHECK(status(channel, 1, word).empty()); // reported once
   }
 }
 
 TEST_CASE("one request waits, and a newer one takes its place", "[proxy][PXY-12]") {
   input_channel channel;
-  CHECK(told(channel.add(ask("on"), start)) == lines{">on"});
-  CHECK(told(channel.add(ask("off"), start)).empty());
+  CHECK(lines_of(channel.add(ask("on"), start)) == lines{">on"});
+  CHECK(lines_of(channel.add(ask("off"), start)).empty());
   CHECK(channel.open() == 2);
-  CHECK(told(channel.add(ask("dim"), start)) == lines{"off superseded"});
+  CHECK(lines_of(channel.add(ask("dim"), start)) == lines{"off superseded"});
   CHECK(channel.open() == 2);
   CHECK(status(channel, 1, pending).empty());
   CHECK(status(channel, 1, failed) == lines{"on failed", ">dim"});
@@ -81,10 +81,10 @@ TEST_CASE("one request waits, and a newer one takes its place", "[proxy][PXY-12]
 TEST_CASE("inputs that share a channel wait in order and do not supersede each other",
           "[proxy][PXY-12]") {
   input_channel channel;
-  CHECK(told(channel.add(ask("a", 0), start)) == lines{">a"});
-  CHECK(told(channel.add(ask("b", 1), start)).empty());
-  CHECK(told(channel.add(ask("c", 2), start)).empty());
-  CHECK(told(channel.add(ask("d", 1), start)) == lines{"b superseded"});
+  CHECK(lines_of(channel.add(ask("a", 0), start)) == lines{">a"});
+  CHECK(lines_of(channel.add(ask("b", 1), start)).empty());
+  CHECK(lines_of(channel.add(ask("c", 2), start)).empty());
+  CHECK(lines_of(channel.add(ask("d", 1), start)) == lines{"b superseded"});
   CHECK(channel.open() == 3);
   status(channel, 1, pending);
   CHECK(status(channel, 1, acked) == lines{"a acknowledged", ">c"});
@@ -98,11 +98,11 @@ TEST_CASE("a gateway that never answers is given up at the deadline", "[proxy][P
   static_cast<void>(channel.add(ask("off"), start + 3s));
   CHECK(channel.deadline() == start + 6s);
   CHECK(channel.on_time(start + 6s - 1ns).empty());
-  CHECK(told(channel.on_time(start + 6s)) == lines{"on timeout", ">off"});
+  CHECK(lines_of(channel.on_time(start + 6s)) == lines{"on timeout", ">off"});
   CHECK(channel.deadline() == start + 11s);
   status(channel, 2, pending, start + 7s);
   CHECK(channel.deadline() == start + 11s); // pending is no outcome
-  CHECK(told(channel.on_time(start + 20s)) == lines{"off timeout"});
+  CHECK(lines_of(channel.on_time(start + 20s)) == lines{"off timeout"});
   CHECK(channel.on_time(start + 30s).empty());
   CHECK(status(channel, 2, acked, start + 31s).empty()); // too late
 }
@@ -111,11 +111,11 @@ TEST_CASE("a request's time counts from when it was asked for", "[proxy][IF-07]"
   input_channel channel(5s);
   static_cast<void>(channel.add(ask("a", 0), start));
   static_cast<void>(channel.add(ask("b", 1), start + 1s));
-  CHECK(told(channel.on_time(start + 5s)) == lines{"a timeout", ">b"});
+  CHECK(lines_of(channel.on_time(start + 5s)) == lines{"a timeout", ">b"});
   static_cast<void>(channel.on_status({1, pending}, start + 6s));
   const auto out = channel.on_status({1, acked}, start + 8s);
   REQUIRE(out.size() == 1);
-  CHECK(std::get<settled>(out[0]).after == 7s);
+  CHECK(std::get<finished>(out[0]).after == 7s);
 }
 
 TEST_CASE("an older write's outcome is not taken for the request's", "[proxy][PXY-12]") {
@@ -135,7 +135,7 @@ TEST_CASE("an older write's outcome is not taken for the request's", "[proxy][PX
   SECTION("a late answer to a request that was given up") {
     static_cast<void>(channel.add(ask("on"), start));
     status(channel, 1, pending);
-    CHECK(told(channel.on_time(start + 20s)) == lines{"on timeout"});
+    CHECK(lines_of(channel.on_time(start + 20s)) == lines{"on timeout"});
     static_cast<void>(channel.add(ask("off"), start + 20s));
     CHECK(status(channel, 1, acked).empty());
     status(channel, 2, pending);
@@ -169,7 +169,7 @@ TEST_CASE("what waits ends when the mote is lost, what was written waits for its
   CHECK(channel.drop_waiting(start).empty());
   static_cast<void>(channel.add(ask("on"), start));
   static_cast<void>(channel.add(ask("off"), start));
-  CHECK(told(channel.drop_waiting(start)) == lines{"off unreachable"});
+  CHECK(lines_of(channel.drop_waiting(start)) == lines{"off unreachable"});
   status(channel, 1, pending);
   CHECK(status(channel, 1, unreachable) == lines{"on unreachable"});
 }
@@ -179,7 +179,7 @@ TEST_CASE("with answers lost and repeated, outcomes are single and true",
   const auto seed = GENERATE(range(1, 21));
   random_stream rng(static_cast<std::uint64_t>(seed));
   input_channel channel(5s);
-  std::map<std::string, int> outcomes;           // word -> times told
+  std::map<std::string, int> outcomes;           // word -> times reported
   std::map<std::string, input_outcome> verdicts; // word -> what the gateway decided
   std::deque<std::pair<instant, input_status>> pipe;
   std::uint64_t writes = 0;
@@ -197,7 +197,7 @@ TEST_CASE("with answers lost and repeated, outcomes are single and true",
         pipe.emplace_back(now + 50ms, input_status{writes, pending});
         pipe.emplace_back(now + 1s, input_status{writes, verdict});
       }
-      if (const auto* const end = std::get_if<settled>(&x)) {
+      if (const auto* const end = std::get_if<finished>(&x)) {
         ++outcomes[end->word];
         if (end->outcome == request_outcome::acknowledged ||
             end->outcome == request_outcome::failed) {
@@ -234,20 +234,20 @@ TEST_CASE("with answers lost and repeated, outcomes are single and true",
 
 TEST_CASE("what has failed is written again, for so long", "[proxy][PXY-12]") {
   input_channel channel(20s, 30s);
-  CHECK(told(channel.add(ask("on"), start)) == lines{">on"});
+  CHECK(lines_of(channel.add(ask("on"), start)) == lines{">on"});
   CHECK(status(channel, 1, pending).empty());
   CHECK(status(channel, 1, failed, start + 10s).empty());
   CHECK(channel.open() == 1);
   CHECK(channel.deadline() == start + 11s);
   CHECK(channel.on_time(start + 11s - 1ns).empty());
-  CHECK(told(channel.on_time(start + 11s)) == lines{">on"});
+  CHECK(lines_of(channel.on_time(start + 11s)) == lines{">on"});
   CHECK(status(channel, 1, failed, start + 11s).empty()); // of the first write
   CHECK(status(channel, 2, pending, start + 11s).empty());
   CHECK(status(channel, 2, unreachable, start + 12s).empty());
-  CHECK(told(channel.on_time(start + 13s)) == lines{">on"});
+  CHECK(lines_of(channel.on_time(start + 13s)) == lines{">on"});
   CHECK(channel.on_time(start + 32s).empty());
   // 30 s after the first write is no time left for another.
-  CHECK(told(channel.on_time(start + 33s)) == lines{"on timeout"});
+  CHECK(lines_of(channel.on_time(start + 33s)) == lines{"on timeout"});
   CHECK(channel.open() == 0);
   CHECK(channel.retries() == 2);
 }
@@ -258,7 +258,7 @@ TEST_CASE("a write that succeeds ends its request", "[proxy][PXY-12]") {
   static_cast<void>(channel.on_status({1, pending}, start));
   static_cast<void>(channel.on_status({1, failed}, start));
   SECTION("the second") {
-    CHECK(told(channel.on_time(start + 1s)) == lines{">on"});
+    CHECK(lines_of(channel.on_time(start + 1s)) == lines{">on"});
     CHECK(status(channel, 2, pending).empty());
     CHECK(status(channel, 2, acked, start + 2s) == lines{"on acknowledged"});
   }
@@ -276,7 +276,7 @@ TEST_CASE("a write that was given up and then fails does not end its request", "
   CHECK(status(channel, 1, failed, start + 20s).empty());
   CHECK(status(channel, 1, pending, start + 20s).empty());
   CHECK(channel.open() == 1);
-  CHECK(told(channel.on_time(start + 21s)) == lines{">on"});
+  CHECK(lines_of(channel.on_time(start + 21s)) == lines{">on"});
 }
 
 TEST_CASE("a request that waits to be written again gives way", "[proxy][PXY-12]") {
@@ -285,15 +285,15 @@ TEST_CASE("a request that waits to be written again gives way", "[proxy][PXY-12]
   static_cast<void>(channel.on_status({1, pending}, start));
   static_cast<void>(channel.on_status({1, failed}, start));
   SECTION("to a newer one of its input") {
-    CHECK(told(channel.add(ask("off"), start)) == lines{"on superseded", ">off"});
+    CHECK(lines_of(channel.add(ask("off"), start)) == lines{"on superseded", ">off"});
   }
   SECTION("not to one of another input") {
-    CHECK(told(channel.add(ask("red", 1), start)).empty());
-    CHECK(told(channel.on_time(start + 1s)) == lines{">on"});
+    CHECK(lines_of(channel.add(ask("red", 1), start)).empty());
+    CHECK(lines_of(channel.on_time(start + 1s)) == lines{">on"});
     CHECK(channel.open() == 2);
   }
   SECTION("when the mote has left") {
-    CHECK(told(channel.drop_waiting(start)) == lines{"on unreachable"});
+    CHECK(lines_of(channel.drop_waiting(start)) == lines{"on unreachable"});
     CHECK(channel.open() == 0);
   }
 }

@@ -26,13 +26,13 @@ class_table sensors_and_lamps() {
 
 using lines = std::vector<std::string>;
 
-lines told(const manager::outputs& outputs) {
-  struct teller {
+lines lines_of(const manager::outputs& outputs) {
+  struct formatter {
     std::string operator()(const start_proxy& x) const {
       return "start " + to_string(x.mote) + ' ' + x.class_name;
     }
     std::string operator()(const stop_proxy& x) const { return "stop " + to_string(x.mote); }
-    std::string operator()(const tell_presence& x) const {
+    std::string operator()(const set_presence& x) const {
       const auto mote = to_string(x.mote);
       if (x.presence == device_presence::left)
         return "gone " + mote + ' ' + x.cause;
@@ -44,19 +44,19 @@ lines told(const manager::outputs& outputs) {
   };
   lines list;
   for (const auto& x : outputs)
-    list.push_back(std::visit(teller{}, x));
+    list.push_back(std::visit(formatter{}, x));
   return list;
 }
 
-struct told_manager {
+struct text_manager {
   manager aut{sensors_and_lamps()};
 
   lines devices(std::string_view text, island_id island = kitchen) {
-    return told(aut.on_devices(island, text, now));
+    return lines_of(aut.on_devices(island, text, now));
   }
   lines type(int mote, std::uint32_t type, island_id island = kitchen) {
-    return told(aut.on_type(island, mote_id{static_cast<std::uint16_t>(mote)},
-                            device_type_octets(type), now));
+    return lines_of(aut.on_type(island, mote_id{static_cast<std::uint16_t>(mote)},
+                                device_type_octets(type), now));
   }
 };
 
@@ -64,7 +64,7 @@ struct told_manager {
 
 TEST_CASE("a new mote leads to one proxy and repeated percepts to none",
           "[proxy][PXY-09][PXY-13]") {
-  told_manager x;
+  text_manager x;
   SECTION("list first") {
     CHECK(x.devices("{7}").empty());
     CHECK(x.type(7, 100) == lines{"start 5/7 sensor"});
@@ -84,7 +84,7 @@ TEST_CASE("a new mote leads to one proxy and repeated percepts to none",
 
 TEST_CASE("each mote has a proxy of its own, also with equal ids in two islands",
           "[proxy][PXY-08][PXY-15]") {
-  told_manager x;
+  text_manager x;
   CHECK(x.devices("{1,7}").empty());
   CHECK(x.devices("{7}", hall).empty());
   CHECK(x.type(7, 142) == lines{"start 5/7 lamp"});
@@ -95,7 +95,7 @@ TEST_CASE("each mote has a proxy of its own, also with equal ids in two islands"
 }
 
 TEST_CASE("a proxy is told when its mote goes and returns", "[proxy][PXY-15][PXY-16]") {
-  told_manager x;
+  text_manager x;
   x.devices("{1,7}");
   x.type(1, 100);
   x.type(7, 100);
@@ -109,20 +109,20 @@ TEST_CASE("a proxy is told when its mote goes and returns", "[proxy][PXY-15][PXY
 }
 
 TEST_CASE("when a gateway goes all its motes are gone", "[proxy][PXY-14][PXY-16]") {
-  told_manager x;
+  text_manager x;
   x.devices("{1,7}");
   x.type(1, 100);
   x.type(7, 5); // no proxy
   x.devices("{1}", hall);
   x.type(1, 100, hall);
-  CHECK(told(x.aut.on_gateway_gone(kitchen, now)) == lines{"gone 5/1 gateway_gone"});
-  CHECK(told(x.aut.on_gateway_gone(kitchen, now)).empty());
-  CHECK(told(x.aut.on_gateway_gone(island_id{9}, now)).empty());
+  CHECK(lines_of(x.aut.on_gateway_gone(kitchen, now)) == lines{"gone 5/1 gateway_gone"});
+  CHECK(lines_of(x.aut.on_gateway_gone(kitchen, now)).empty());
+  CHECK(lines_of(x.aut.on_gateway_gone(island_id{9}, now)).empty());
   CHECK(x.devices("{1,7}") == lines{"there 5/1"});
 }
 
 TEST_CASE("a mote that becomes another kind gets another proxy", "[proxy][PXY-13][DIS-07]") {
-  told_manager x;
+  text_manager x;
   x.devices("{7}");
   x.type(7, 100);
   CHECK(x.type(7, 142) == lines{"stop 5/7", "start 5/7 lamp"});
@@ -144,52 +144,52 @@ TEST_CASE("a mote that becomes another kind gets another proxy", "[proxy][PXY-13
 
 TEST_CASE("an unknown type is reported once and tried again with other classes",
           "[proxy][PXY-10]") {
-  told_manager x;
+  text_manager x;
   CHECK(x.type(7, 300).empty());
   CHECK(x.devices("{7}") == lines{"unknown 5/7 300"});
   CHECK(x.type(7, 300).empty());
   CHECK(x.devices("{7}").empty());
-  CHECK(x.devices("{}").empty()); // there is no proxy to tell
+  CHECK(x.devices("{}").empty()); // there is no proxy to notify
   CHECK(x.devices("{7}").empty());
-  CHECK(told(x.aut.on_classes(sensors_and_lamps(), now)).empty());
+  CHECK(lines_of(x.aut.on_classes(sensors_and_lamps(), now)).empty());
   CHECK(x.type(7, 301) == lines{"unknown 5/7 301"});
-  CHECK(told(x.aut.on_classes(class_table({claims("new", {{300, 310}})}), now)) ==
+  CHECK(lines_of(x.aut.on_classes(class_table({claims("new", {{300, 310}})}), now)) ==
         lines{"start 5/7 new"});
 }
 
 TEST_CASE("other classes do not touch running proxies", "[proxy][PXY-10][PXY-15]") {
-  told_manager x;
+  text_manager x;
   x.devices("{7,8}");
   x.type(7, 142);
-  CHECK(told(x.aut.on_classes(class_table({claims("new", {{142, 142}})}), now)).empty());
+  CHECK(lines_of(x.aut.on_classes(class_table({claims("new", {{142, 142}})}), now)).empty());
   CHECK(x.aut.running_class({kitchen, mote_id{7}}) == "lamp");
   CHECK(x.type(8, 142) == lines{"start 5/8 new"});
 }
 
 TEST_CASE("an absent mote is not started when its class arrives", "[proxy][PXY-10]") {
-  told_manager x;
+  text_manager x;
   x.devices("{7}");
   x.type(7, 300);
   x.devices("{}");
-  CHECK(told(x.aut.on_classes(class_table({claims("new", {{300, 300}})}), now)).empty());
+  CHECK(lines_of(x.aut.on_classes(class_table({claims("new", {{300, 300}})}), now)).empty());
   CHECK(x.devices("{7}") == lines{"start 5/7 new"});
 }
 
 TEST_CASE("a proxy that ended by itself is started again with its mote", "[proxy][PXY-20]") {
-  told_manager x;
+  text_manager x;
   x.devices("{7}");
   x.type(7, 100);
-  CHECK(told(x.aut.on_proxy_gone({kitchen, mote_id{7}}, now)) == lines{"start 5/7 sensor"});
+  CHECK(lines_of(x.aut.on_proxy_gone({kitchen, mote_id{7}}, now)) == lines{"start 5/7 sensor"});
   x.devices("{}");
-  CHECK(told(x.aut.on_proxy_gone({kitchen, mote_id{7}}, now)).empty());
-  CHECK(told(x.aut.on_proxy_gone({kitchen, mote_id{7}}, now)).empty());
-  CHECK(told(x.aut.on_proxy_gone({kitchen, mote_id{9}}, now)).empty());
+  CHECK(lines_of(x.aut.on_proxy_gone({kitchen, mote_id{7}}, now)).empty());
+  CHECK(lines_of(x.aut.on_proxy_gone({kitchen, mote_id{7}}, now)).empty());
+  CHECK(lines_of(x.aut.on_proxy_gone({kitchen, mote_id{9}}, now)).empty());
   CHECK(x.aut.running() == 0);
   CHECK(x.devices("{7}") == lines{"start 5/7 sensor"});
 }
 
 TEST_CASE("malformed percepts are counted and change nothing", "[proxy][GW-03][GW-04]") {
-  told_manager x;
+  text_manager x;
   x.devices("{7}");
   x.type(7, 100);
   for (const auto* const text : {"", "7", "{7,7}", "{8,7}", "{65533}", "{7"})
@@ -204,10 +204,10 @@ TEST_CASE("malformed percepts are counted and change nothing", "[proxy][GW-03][G
 }
 
 TEST_CASE("tuples of a gateway find their way by their keys", "[proxy][PXY-14][PXY-19]") {
-  told_manager x;
+  text_manager x;
   const bytes list{'{', '7', '}', 0};
   CHECK(x.aut.on_gateway_tuple(kitchen, "devices", list, now).empty());
-  CHECK(told(x.aut.on_gateway_tuple(kitchen, "Devices.7.type", device_type_octets(142), now)) ==
+  CHECK(lines_of(x.aut.on_gateway_tuple(kitchen, "Devices.7.type", device_type_octets(142), now)) ==
         lines{"start 5/7 lamp"});
   CHECK(x.aut.on_gateway_tuple(kitchen, "devices.7.output.1", bytes{1}, now).empty());
   CHECK(x.aut.on_gateway_tuple(kitchen, "kernel.name", bytes{1}, now).empty());
@@ -218,7 +218,7 @@ TEST_CASE("a manager knows a bounded number of motes", "[proxy]") {
   manager aut(sensors_and_lamps(), 2);
   CHECK(aut.on_devices(kitchen, "{1,2,3}", now).empty());
   CHECK(aut.counters().motes_refused == 1);
-  CHECK(told(aut.on_type(kitchen, mote_id{2}, device_type_octets(100), now)) ==
+  CHECK(lines_of(aut.on_type(kitchen, mote_id{2}, device_type_octets(100), now)) ==
         lines{"start 5/2 sensor"});
   CHECK(aut.on_type(kitchen, mote_id{3}, device_type_octets(100), now).empty());
   CHECK(aut.counters().motes_refused == 2);
@@ -226,9 +226,9 @@ TEST_CASE("a manager knows a bounded number of motes", "[proxy]") {
 
 TEST_CASE("proxies hear when a mote is stale, and why it has left",
           "[proxy][PXY-16][GW-15][IF-13]") {
-  told_manager x;
+  text_manager x;
   const auto status = [&](std::string_view text) {
-    return told(x.aut.on_status(kitchen, mote_id{7}, text, now));
+    return lines_of(x.aut.on_status(kitchen, mote_id{7}, text, now));
   };
   CHECK(status("listed 1.000000").empty());
   CHECK(x.type(7, 100).empty());
@@ -265,9 +265,9 @@ TEST_CASE("whatever the order of percepts, proxies match the motes that are ther
       } else if (const auto* const stop = std::get_if<stop_proxy>(&x)) {
         REQUIRE(running.erase(stop->mote) == 1);
         believes.erase(stop->mote);
-      } else if (const auto* const told = std::get_if<tell_presence>(&x)) {
-        const bool is_there = told->presence != device_presence::left;
-        REQUIRE(std::exchange(believes.at(told->mote), is_there) != is_there);
+      } else if (const auto* const change = std::get_if<set_presence>(&x)) {
+        const bool is_there = change->presence != device_presence::left;
+        REQUIRE(std::exchange(believes.at(change->mote), is_there) != is_there);
       }
     }
   };

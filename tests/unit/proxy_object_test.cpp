@@ -36,7 +36,7 @@ object_proxy made() {
   return object_proxy(milk_boxes(), {"rfid", "e0040101", 0});
 }
 
-lines told(const object_proxy::outputs& outputs) {
+lines lines_of(const object_proxy::outputs& outputs) {
   lines all;
   for (const auto& x : outputs)
     all.push_back(std::get<publish>(x).key + " = " + std::get<publish>(x).text);
@@ -47,8 +47,8 @@ struct perceived_milk {
   perceived_milk() { static_cast<void>(core.start(start)); }
 
   lines strength(peer_id owner, const std::string& name, std::string_view dbm, instant now) {
-    return told(core.on_tuple(owner, "interface." + name + ".objects.e0040101.rssi",
-                              text_value(dbm), dbm.empty(), now));
+    return lines_of(core.on_tuple(owner, "interface." + name + ".objects.e0040101.rssi",
+                                  text_value(dbm), dbm.empty(), now));
   }
 
   object_proxy core = made();
@@ -81,7 +81,7 @@ TEST_CASE("interfaces tell what they perceive in tuples of their own", "[core][P
 
 TEST_CASE("a tagged object's proxy knows it from the table", "[proxy][PXY-05]") {
   auto x = made();
-  CHECK(told(x.start(start)) ==
+  CHECK(lines_of(x.start(start)) ==
         lines{"things.milk.class = milk", "things.milk.id = rfid/e0040101",
               "things.milk.shape = box", "things.milk.colour = white",
               "things.milk.grasp = 0.03 0 0.1", "things.milk.litres.unit = l",
@@ -97,7 +97,7 @@ TEST_CASE("a tagged object's proxy knows it from the table", "[proxy][PXY-05]") 
 TEST_CASE("the memory of a tag becomes readings, whoever reads it", "[proxy][PXY-04][PXY-05]") {
   perceived_milk x;
   const auto read = [&](peer_id owner, const bytes& memory) {
-    return told(
+    return lines_of(
         x.core.on_tuple(owner, "interface.kitchen.objects.e0040101.memory", memory, false, start));
   };
   CHECK(read(kitchen_pc, {2, 15, 0xff}) ==
@@ -105,8 +105,8 @@ TEST_CASE("the memory of a tag becomes readings, whoever reads it", "[proxy][PXY
   CHECK(read(robot, {2, 15, 0xff}).empty());
   CHECK(read(robot, {2}).empty());
   CHECK(x.core.counters().short_memories == 1);
-  CHECK(told(x.core.on_tuple(robot, "interface.kitchen.objects.e0049999.memory", bytes{1, 1}, false,
-                             start))
+  CHECK(lines_of(x.core.on_tuple(robot, "interface.kitchen.objects.e0049999.memory", bytes{1, 1},
+                                 false, start))
             .empty());
   CHECK(x.core.counters().foreign_tuples == 1);
 }
@@ -140,16 +140,16 @@ TEST_CASE("an object that nobody perceives for a while is lost where it was last
   CHECK(x.strength(kitchen_pc, "kitchen", "", start + 10s).empty());
   CHECK(x.core.deadline() == start + 12s);
   CHECK(x.core.on_time(start + 11s).empty());
-  CHECK(told(x.core.on_time(start + 12s)) == lines{"things.milk.status.cause = not_perceived",
-                                                   "things.milk.status.since = 12.000000",
-                                                   "things.milk.status = lost"});
+  CHECK(lines_of(x.core.on_time(start + 12s)) == lines{"things.milk.status.cause = not_perceived",
+                                                       "things.milk.status.since = 12.000000",
+                                                       "things.milk.status = lost"});
   CHECK(x.strength(robot, "hall", "-60", start + 20s) ==
         lines{"things.milk.interface = hall", "things.milk.position = unknown",
               "things.milk.status.cause = none", "things.milk.status.since = 20.000000",
               "things.milk.status = active"});
   auto never = made();
   static_cast<void>(never.start(start));
-  CHECK(told(never.on_time(start + 2s)).back() == "things.milk.status = lost");
+  CHECK(lines_of(never.on_time(start + 2s)).back() == "things.milk.status = lost");
 }
 
 TEST_CASE("every object that a class claims gets one proxy, others are told of once",
@@ -197,10 +197,10 @@ TEST_CASE("templates of tagged objects show what their memory says", "[proxy][PX
   what.tuples = {{"{channel}.{name}.about", "a {shape} of {class}, {colour}", {}},
                  {"{channel}.{name}.content", "", {"food", "litres"}}};
   object_proxy x(what, {"rfid", "e0040101", 0});
-  const auto first = told(x.start(start));
+  const auto first = lines_of(x.start(start));
   CHECK(std::ranges::count(first, "rfid.milk.about = a box of milk, white") == 1);
-  const auto later = told(x.on_tuple(kitchen_pc, "interface.kitchen.objects.e0040101.memory",
-                                     bytes{1, 15}, false, start + 2s));
+  const auto later = lines_of(x.on_tuple(kitchen_pc, "interface.kitchen.objects.e0040101.memory",
+                                         bytes{1, 15}, false, start + 2s));
   REQUIRE(later.size() == 3);
   CHECK(later[2] == R"(rfid.milk.content = {"time":2.0,"food":{"value":"milk"},)"
                     R"("litres":{"value":1.5,"unit":"l"}})");

@@ -32,7 +32,7 @@ proxy_class room() {
 using lines = std::vector<std::string>;
 
 /// The tuples of programs, without those of fields and states.
-lines told(const proxy::proxy::outputs& outputs, const std::string& name) {
+lines lines_of(const proxy::proxy::outputs& outputs, const std::string& name) {
   lines out;
   for (const auto& x : outputs)
     if (const auto* set = std::get_if<publish>(&x))
@@ -51,7 +51,8 @@ proxy::proxy with_occupancy(const proxy::program_settings& settings) {
   return with_program(std::get<program_factory>(make_occupancy(room(), settings)));
 }
 
-/// A program as somebody else may write it: how much the sound has risen, and how often it told so.
+/// A program as somebody else may write it: how much the sound has risen, and how often it reported
+/// that.
 class rise final : public proxy::program {
 public:
   [[nodiscard]] std::vector<std::string> names() const override { return {"rise"}; }
@@ -70,18 +71,18 @@ private:
 
 TEST_CASE("occupancy holds for a while after the last sign", "[proxy][PXY-04]") {
   auto aut = with_occupancy({{"motion", 0}, {"sound", 60}, {"hold_s", 30}});
-  CHECK(told(aut.start(start), "occupied") ==
+  CHECK(lines_of(aut.start(start), "occupied") ==
         lines{"hall.room.occupied.by = none", "hall.room.occupied = no"});
-  CHECK(told(aut.on_output(1, bytes{0, 60, 0}, start + 1s), "occupied").empty());
-  CHECK(told(aut.on_output(1, bytes{0, 61, 0}, start + 2s), "occupied") ==
+  CHECK(lines_of(aut.on_output(1, bytes{0, 60, 0}, start + 1s), "occupied").empty());
+  CHECK(lines_of(aut.on_output(1, bytes{0, 61, 0}, start + 2s), "occupied") ==
         lines{"hall.room.occupied.by = sound", "hall.room.occupied = yes"});
-  CHECK(told(aut.on_output(1, bytes{1, 0, 0}, start + 20s), "occupied").empty());
+  CHECK(lines_of(aut.on_output(1, bytes{1, 0, 0}, start + 20s), "occupied").empty());
   CHECK(aut.deadline() == start + 50s);
-  CHECK(told(aut.on_time(start + 49s), "occupied").empty());
-  CHECK(told(aut.on_time(start + 50s), "occupied") ==
+  CHECK(lines_of(aut.on_time(start + 49s), "occupied").empty());
+  CHECK(lines_of(aut.on_time(start + 50s), "occupied") ==
         lines{"hall.room.occupied.by = none", "hall.room.occupied = no"});
   CHECK(!aut.deadline());
-  CHECK(told(aut.on_output(1, bytes{1, 61, 0}, start + 60s), "occupied") ==
+  CHECK(lines_of(aut.on_output(1, bytes{1, 61, 0}, start + 60s), "occupied") ==
         lines{"hall.room.occupied.by = motion", "hall.room.occupied = yes"});
 }
 
@@ -131,11 +132,12 @@ TEST_CASE("a program of one's own speaks below its proxy's prefix", "[proxy][PXY
   auto other = with_program(make);
   static_cast<void>(one.start(start));
   static_cast<void>(other.start(start));
-  CHECK(told(one.on_output(1, bytes{0, 10, 0}, start), "rise") ==
+  CHECK(lines_of(one.on_output(1, bytes{0, 10, 0}, start), "rise") ==
         lines{"hall.room.rise.unit = dB", "hall.room.rise = 10"});
-  CHECK(told(one.on_output(1, bytes{0, 12, 0}, start), "rise") == lines{"hall.room.rise = 2"});
+  CHECK(lines_of(one.on_output(1, bytes{0, 12, 0}, start), "rise") == lines{"hall.room.rise = 2"});
   // Each proxy has a program of its own.
-  CHECK(told(other.on_output(1, bytes{0, 12, 0}, start), "rise").back() == "hall.room.rise = 12");
+  CHECK(lines_of(other.on_output(1, bytes{0, 12, 0}, start), "rise").back() ==
+        "hall.room.rise = 12");
   CHECK(one.counters().foreign_names == 2);
   const auto values = one.values();
   CHECK(std::ranges::count(values, std::pair<std::string, std::string>("rise", "2 dB")) == 1);

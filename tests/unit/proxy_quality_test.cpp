@@ -17,18 +17,18 @@ TEST_CASE("values that are not renewed are marked stale", "[proxy][PXY-20]") {
   settings.stale_after = 10s;
   auto aut = started(settings);
   CHECK_FALSE(aut.deadline());
-  CHECK(told(aut.on_output(2, bytes{1}, start)) ==
+  CHECK(lines_of(aut.on_output(2, bytes{1}, start)) ==
         lines{base + "state = on", base + "state.freshness = fresh"});
-  CHECK(told(aut.on_output(1, bytes{0x00, 0xdf, 45}, start + 5s)) ==
+  CHECK(lines_of(aut.on_output(1, bytes{0x00, 0xdf, 45}, start + 5s)) ==
         lines{base + "temperature = 22.3", base + "humidity = 45",
               base + "temperature.freshness = fresh", base + "humidity.freshness = fresh"});
-  CHECK(told(aut.on_output(2, bytes{0}, start + 6s)) == lines{base + "state = off"});
+  CHECK(lines_of(aut.on_output(2, bytes{0}, start + 6s)) == lines{base + "state = off"});
   CHECK(aut.deadline() == start + 15s);
-  CHECK(told(aut.on_time(start + 15s)) ==
+  CHECK(lines_of(aut.on_time(start + 15s)) ==
         lines{base + "temperature.freshness = stale", base + "humidity.freshness = stale"});
-  CHECK(told(aut.on_time(start + 16s)) == lines{base + "state.freshness = stale"});
+  CHECK(lines_of(aut.on_time(start + 16s)) == lines{base + "state.freshness = stale"});
   CHECK_FALSE(aut.deadline());
-  CHECK(told(aut.on_output(2, bytes{0}, start + 20s)) ==
+  CHECK(lines_of(aut.on_output(2, bytes{0}, start + 20s)) ==
         lines{base + "state = off", base + "state.freshness = fresh"});
 }
 
@@ -46,12 +46,12 @@ TEST_CASE("a field is read from a stream", "[proxy][PXY-18]") {
   CHECK(aut.streams().front().number == 2);
   CHECK(aut.streams().front().every == 3s);
   CHECK(aut.watches().size() == face(climate(), identity()).watches().size());
-  CHECK(told(aut.on_record(2, -15, 0, start)) ==
+  CHECK(lines_of(aut.on_record(2, -15, 0, start)) ==
         lines{base + "outside = -1.5", base + "outside.freshness = fresh"});
-  CHECK(aut.on_record(7, 1, 0, start).empty());         // of no field
-  CHECK(told(aut.on_output(2, bytes{1}, start + 5s)) == // channel 2 is not stream 2
+  CHECK(aut.on_record(7, 1, 0, start).empty());             // of no field
+  CHECK(lines_of(aut.on_output(2, bytes{1}, start + 5s)) == // channel 2 is not stream 2
         lines{base + "state = on", base + "state.freshness = fresh"});
-  CHECK(told(aut.on_time(start + 10s)) == lines{base + "outside.freshness = stale"});
+  CHECK(lines_of(aut.on_time(start + 10s)) == lines{base + "outside.freshness = stale"});
 }
 
 TEST_CASE("readings have a latency, learned from the times that they hold", "[proxy][IF-05]") {
@@ -69,38 +69,39 @@ TEST_CASE("readings have a latency, learned from the times that they hold", "[pr
   };
   const lines readings{base + "temperature = 22.3", base + "humidity = 45"};
   auto now = start + 1min;
-  CHECK(told(aut.on_output(1, message(now - 1s), now)) == readings); // the time is not known yet
+  CHECK(lines_of(aut.on_output(1, message(now - 1s), now)) ==
+        readings); // the time is not known yet
   CHECK_FALSE(aut.reading_latency());
   aut.on_clock(ahead);
   auto first = readings; // 100 ms and four deviations of half of it, and a quarter more
   first.push_back(base + "temperature.latency = 0.375000");
   first.push_back(base + "humidity.latency = 0.375000");
-  CHECK(told(aut.on_output(1, message(now - 100ms), now)) == first);
+  CHECK(lines_of(aut.on_output(1, message(now - 100ms), now)) == first);
   CHECK(aut.reading_latency() == 375ms);
 
   SECTION("it is published again when it has halved") {
     std::size_t published = 0;
     for (int i = 0; i < 100; ++i)
-      published += told(aut.on_output(1, message(now - 100ms), now += 10s)).size() > 2 ? 1 : 0;
+      published += lines_of(aut.on_output(1, message(now - 100ms), now += 10s)).size() > 2 ? 1 : 0;
     CHECK(published == 1);
     CHECK(*aut.reading_latency() > 125ms);
     CHECK(*aut.reading_latency() <= 188ms);
     CHECK(aut.counters().late == 0);
   }
   SECTION("what is older than it is counted, and widens it") {
-    const auto late = told(aut.on_output(1, message(now - 400ms), now));
+    const auto late = lines_of(aut.on_output(1, message(now - 400ms), now));
     CHECK(late.size() == 4);
     CHECK(*aut.reading_latency() > 400ms);
     CHECK(aut.counters().late == 1);
   }
   SECTION("a time that is not the network's says nothing") {
     for (const duration wrong : {duration(-1h - 1ms), duration(12ms), duration(-24h * 20)})
-      CHECK(told(aut.on_output(1, message(now + wrong), now)) == readings);
+      CHECK(lines_of(aut.on_output(1, message(now + wrong), now)) == readings);
     CHECK(aut.counters().other_times == 3);
     CHECK(aut.reading_latency() == 375ms);
   }
   SECTION("a message without a time behind its fields is one without") {
-    CHECK(told(aut.on_output(1, bytes{0x00, 0xdf, 45}, now)) == readings);
+    CHECK(lines_of(aut.on_output(1, bytes{0x00, 0xdf, 45}, now)) == readings);
     CHECK(aut.counters().other_times == 0);
   }
 }
@@ -112,7 +113,7 @@ TEST_CASE("a period is asked for whenever the mote is listed", "[proxy][GW-10][I
   const auto watches = aut.watches();
   CHECK(watches.back() == watch{watch::source::gateway, device_status_key(mote_id{7}), {}});
   const auto says = [&aut](std::string_view text) {
-    return told(aut.on_gateway_tuple(device_status_key(mote_id{7}), to_bytes(text), start));
+    return lines_of(aut.on_gateway_tuple(device_status_key(mote_id{7}), to_bytes(text), start));
   };
   const lines asks{"period devices.7.output.1.period 2500",
                    "period devices.7.output.2.period 2500"};
@@ -142,28 +143,28 @@ TEST_CASE("indirect information is of the interface, a position perhaps of the t
   };
   SECTION("of the interface alone") {
     face aut(what, who);
-    CHECK(about(told(aut.start(start))) == lines{"interface = kitchen-gateway",
-                                                 "position.accuracy = interface",
-                                                 "position = 1.00 2.00 3.00"});
-    CHECK(about(told(aut.on_presence(device_presence::left, "silence", start + 1s))) ==
+    CHECK(about(lines_of(aut.start(start))) == lines{"interface = kitchen-gateway",
+                                                     "position.accuracy = interface",
+                                                     "position = 1.00 2.00 3.00"});
+    CHECK(about(lines_of(aut.on_presence(device_presence::left, "silence", start + 1s))) ==
           lines{"interface = none", "position.accuracy = unknown", "position = unknown"});
-    CHECK(about(told(aut.on_presence(device_presence::left, "battery", start + 2s))).empty());
-    CHECK(about(told(aut.on_presence(device_presence::listed, {}, start + 3s))).size() == 3);
-    CHECK(about(told(aut.on_presence(device_presence::stale, {}, start + 4s))).empty());
+    CHECK(about(lines_of(aut.on_presence(device_presence::left, "battery", start + 2s))).empty());
+    CHECK(about(lines_of(aut.on_presence(device_presence::listed, {}, start + 3s))).size() == 3);
+    CHECK(about(lines_of(aut.on_presence(device_presence::stale, {}, start + 4s))).empty());
   }
   SECTION("of the table") {
     what.objects = {{"5/8", "", {}, position{9, 9, 9}},
                     {"5/7", "", {{"shelf", "upper"}}, position{4, 5, 6}}};
     face aut(what, who);
-    const auto first = told(aut.start(start));
+    const auto first = lines_of(aut.start(start));
     CHECK(std::ranges::count(first, base + "shelf = upper") == 1);
     CHECK(about(first) == lines{"interface = kitchen-gateway", "position.accuracy = prior",
                                 "position = 4.00 5.00 6.00"});
-    CHECK(about(told(aut.on_presence(device_presence::left, "silence", start + 1s))) ==
+    CHECK(about(lines_of(aut.on_presence(device_presence::left, "silence", start + 1s))) ==
           lines{"interface = none", "position.accuracy = prior", "position = 4.00 5.00 6.00"});
   }
   SECTION("not unless the class says so") {
-    CHECK(about(told(face(climate(), who).start(start))).empty());
+    CHECK(about(lines_of(face(climate(), who).start(start))).empty());
   }
 }
 
@@ -176,7 +177,7 @@ TEST_CASE("a proxy computes the mean that its class wants, unless the mote does"
     static_cast<void>(aut.start(start));
     lines out;
     for (const std::uint8_t count : bytes{10, 20, 41, 40})
-      out.push_back(told(aut.on_output(1, bytes{0, count, 45}, start)).front());
+      out.push_back(lines_of(aut.on_output(1, bytes{0, count, 45}, start)).front());
     return out;
   };
   const auto key = base + "temperature = ";
@@ -191,13 +192,14 @@ TEST_CASE("an input of numbers tells its range and its unit", "[proxy][PXY-12]")
   what.inputs[0].numbers = rubicon::proxy::number_form{encoding::u8, 0.5, 0, 0, 100.25};
   what.inputs[0].unit = "%";
   face aut(what, identity());
-  const auto all = told(aut.start(start));
+  const auto all = lines_of(aut.start(start));
   CHECK(std::ranges::count(all, base + "level.range = 0 100.25") == 1);
   CHECK(std::ranges::count(all, base + "level.unit = %") == 1);
   CHECK(std::ranges::count_if(
             all, [](const auto& x) { return x.find("level.words") != std::string::npos; }) == 0);
-  CHECK(told(aut.on_input("level", "50", start)) == lines{"write 5/7 devices.7.input.2 64"});
-  CHECK(told(aut.on_input("level", "101", start)) == lines{base + "level.outcome = 101 refused"});
+  CHECK(lines_of(aut.on_input("level", "50", start)) == lines{"write 5/7 devices.7.input.2 64"});
+  CHECK(lines_of(aut.on_input("level", "101", start)) ==
+        lines{base + "level.outcome = 101 refused"});
 }
 
 TEST_CASE("a proxy goes by its class as it is now", "[proxy][ACT-10]") {
@@ -212,7 +214,7 @@ TEST_CASE("a proxy goes by its class as it is now", "[proxy][ACT-10]") {
     rubicon::proxy::class_change x;
     x.class_name = "climate";
     set(x);
-    return told(aut.on_class_changed(x));
+    return lines_of(aut.on_class_changed(x));
   };
 
   SECTION("its period is asked for at once, and again") {
@@ -221,8 +223,8 @@ TEST_CASE("a proxy goes by its class as it is now", "[proxy][ACT-10]") {
     const auto more = aut.watches();
     REQUIRE(more.size() == watches.size() + 1);
     CHECK(std::equal(watches.begin(), watches.end(), more.begin()));
-    CHECK(told(aut.on_gateway_tuple(device_status_key(mote_id{7}), to_bytes("listed 3.000000"),
-                                    start))
+    CHECK(lines_of(aut.on_gateway_tuple(device_status_key(mote_id{7}), to_bytes("listed 3.000000"),
+                                        start))
               .size() == 2);
   }
   SECTION("its fields are read in another way") {
@@ -232,13 +234,13 @@ TEST_CASE("a proxy goes by its class as it is now", "[proxy][ACT-10]") {
             x.add = 273.15;
             x.decimals = 2;
           }) == lines{base + "temperature.unit = K"});
-    CHECK(told(aut.on_output(1, bytes{0, 200, 45}, start)).front() ==
+    CHECK(lines_of(aut.on_output(1, bytes{0, 200, 45}, start)).front() ==
           base + "temperature = 293.15");
   }
   SECTION("what was read is stale at another time") {
     CHECK(changed([](auto& x) { x.stale_after = 3s; }).empty());
     CHECK(aut.deadline() == start + 3s);
-    CHECK(told(aut.on_time(start + 3s)).front() == base + "temperature.freshness = stale");
+    CHECK(lines_of(aut.on_time(start + 3s)).front() == base + "temperature.freshness = stale");
   }
   SECTION("it becomes inactive at another time") {
     static_cast<void>(aut.on_time(start + 10s)); // stale
@@ -251,6 +253,6 @@ TEST_CASE("a proxy goes by its class as it is now", "[proxy][ACT-10]") {
           lines{base + "switch.deadline = 10.000000", base + "switch.latency = 10.000000",
                 base + "led.deadline = 10.000000", base + "led.latency = 10.000000"});
     static_cast<void>(aut.on_input("switch", "on", start + 1s));
-    CHECK(told(aut.on_time(start + 6s)).back() == base + "switch.outcome = on timeout");
+    CHECK(lines_of(aut.on_time(start + 6s)).back() == base + "switch.outcome = on timeout");
   }
 }

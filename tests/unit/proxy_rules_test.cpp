@@ -393,7 +393,7 @@ struct written {
   }
   [[nodiscard]] const write_counters& counted() const { return aut.counters_of_rules()[0]; }
   [[nodiscard]] std::string story() {
-    const auto all = aut.take_stories();
+    const auto all = aut.take_notices();
     CHECK(all.size() <= 1);
     return all.empty() ? "" : all.front();
   }
@@ -437,7 +437,7 @@ TEST_CASE("a write to an owner that is away is repeated, and when the owner is b
   CHECK(x.aut.deadline() == at(6s));
   CHECK(x.aut.on_time(at(6s)) == again);
   x.ends(write_end::unreached, 7s, "no_route");
-  CHECK(x.story().empty()); // told once
+  CHECK(x.story().empty()); // reported once
   CHECK(x.aut.deadline() == at(17s));
   CHECK(x.aut.on_owner(key, at(10s), true) == again);
   CHECK(!x.aut.deadline());
@@ -456,7 +456,7 @@ TEST_CASE("an owner that goes at once may not have acted", "[proxy][rules]") {
   x.ends(write_end::accepted, 41s);
   CHECK(x.counted() == write_counters{1, 1, 0, 0, 0});
 
-  written done; // its proxy has told that the mote has it
+  written done; // its proxy has reported that the mote has it
   done.ends(write_end::accepted, 1s);
   static_cast<void>(done.aut.on_value("kitchen.fan.switch.outcome", "on acknowledged", at(2s)));
   done.aut.on_owner_gone(key, at(3s));
@@ -497,7 +497,7 @@ TEST_CASE("the first text of a tuple that is no number is told", "[proxy][rules]
   rules aut({heat()});
   CHECK(word_at(aut, "27,5").empty());
   CHECK(word_at(aut, "nan").empty());
-  CHECK(aut.take_stories() ==
+  CHECK(aut.take_notices() ==
         std::vector<std::string>{
             "cannot read kitchen.climate.temperature = \"27,5\": that is no number"});
   CHECK(aut.counters().bad_values == 2);
@@ -511,7 +511,7 @@ TEST_CASE("a time of day that has passed while the rules were away is made up fo
   rules late({x});
   late.start(at(5min + 12s), at(4min + 57s));
   CHECK(late.on_time(at(5min + 12s)) == writes{{"hall.blind.target", "100"}});
-  CHECK(late.take_stories() ==
+  CHECK(late.take_notices() ==
         std::vector<std::string>{"the time of a rule that writes hall.blind.target has passed "
                                  "while the rules were away, 12 s ago"});
   CHECK(late.deadline() == at(24h + 5min));

@@ -20,7 +20,7 @@ namespace {
 
 using lines = std::vector<std::string>;
 
-lines told(const std::vector<tuple_templates::tuple>& tuples) {
+lines lines_of(const std::vector<tuple_templates::tuple>& tuples) {
   lines out;
   for (const auto& x : tuples)
     out.push_back(x.key + " = " + x.text);
@@ -59,16 +59,16 @@ TEST_CASE("a text template has values, units and prior names", "[proxy][PXY-04][
       {"{island}.about-{id}", "a {colour} {class}", {}},
       {"door.{name}", "{door}", {}}};
   const tuple_templates aut(what, names);
-  CHECK(told(aut.at_start()) == lines{"kitchen.about-7 = a  climate"});
+  CHECK(lines_of(aut.at_start()) == lines{"kitchen.about-7 = a  climate"});
 
   auto with_colour = names;
   with_colour.emplace_back("colour", "white");
   const tuple_templates known(what, with_colour);
-  CHECK(told(known.at_start()) == lines{"kitchen.about-7 = a white climate"});
+  CHECK(lines_of(known.at_start()) == lines{"kitchen.about-7 = a white climate"});
   const auto readings = *proxy::decode(what, 1, bytes{0x00, 0xdf, 45});
-  CHECK(told(known.on_readings(1, readings, start)) ==
+  CHECK(lines_of(known.on_readings(1, readings, start)) ==
         lines{"kitchen.climate-7.text = 22.3 C, 45% in kitchen"});
-  CHECK(told(known.on_readings(2, *proxy::decode(what, 2, bytes{1}), start)) ==
+  CHECK(lines_of(known.on_readings(2, *proxy::decode(what, 2, bytes{1}), start)) ==
         lines{"door.climate-7 = open"});
 }
 
@@ -77,7 +77,7 @@ TEST_CASE("the room is the property of that name, else the island", "[proxy][PXY
   what.tuples = {{"{room}.text", "here", {}}};
   auto with_room = names;
   with_room.emplace_back("room", "the larder.2");
-  CHECK(told(tuple_templates(what, with_room).at_start()) == lines{"the_larder_2.text = here"});
+  CHECK(lines_of(tuple_templates(what, with_room).at_start()) == lines{"the_larder_2.text = here"});
 }
 
 TEST_CASE("a JSON template has numbers, units and the time of its message", "[proxy][PXY-04]") {
@@ -86,13 +86,14 @@ TEST_CASE("a JSON template has numbers, units and the time of its message", "[pr
                  {"{room}.door", "", {"door"}}};
   const tuple_templates aut(what, names);
   CHECK(aut.at_start().empty());
-  CHECK(told(aut.on_readings(1, *proxy::decode(what, 1, bytes{0x00, 0xdf, 45}), start + 12500ms)) ==
+  CHECK(lines_of(
+            aut.on_readings(1, *proxy::decode(what, 1, bytes{0x00, 0xdf, 45}), start + 12500ms)) ==
         lines{R"(kitchen.climate = {"time":12.5,"humidity":{"value":45.0,"unit":"%"},)"
               R"("temperature":{"value":22.3,"unit":"C"}})"});
-  CHECK(told(aut.on_readings(2, *proxy::decode(what, 2, bytes{1}), start)) ==
+  CHECK(lines_of(aut.on_readings(2, *proxy::decode(what, 2, bytes{1}), start)) ==
         lines{R"(kitchen.door = {"time":0.0,"door":{"value":"open"}})"});
   // A count without a word is a word as well.
-  CHECK(told(aut.on_readings(2, *proxy::decode(what, 2, bytes{9}), start)) ==
+  CHECK(lines_of(aut.on_readings(2, *proxy::decode(what, 2, bytes{9}), start)) ==
         lines{R"(kitchen.door = {"time":0.0,"door":{"value":"9"}})"});
 }
 

@@ -93,7 +93,7 @@ TEST_CASE("access fails after macMaxCSMABackoffs back-offs more", "[radio][mac][
     unsigned assessments = 0;
     mac_action last;
     while (x.deadline()) {
-      CHECK(x.told_at() >= *x.deadline());
+      CHECK(x.earliest_output() >= *x.deadline());
       last = x.on_time(*x.deadline(), false, rng);
       ++assessments;
     }

@@ -88,7 +88,7 @@ TEST_CASE("a channel keeps no copy of a message whose frame has ended",
   x.run_until(instant(1s));
   REQUIRE(x.all<delivered>().size() == 1);
   CHECK(ledger->of(fan, message_kind::message).in_transit() == 1);
-  x.log.clear(); // what it told its owner
+  x.log.clear(); // what it has output
   CHECK(ledger->of(fan, message_kind::message).in_transit() == 0);
 }
 
@@ -118,11 +118,11 @@ TEST_CASE("a frame can say how long it waited for the air, anew with each transm
   radio_fixture x;
   const auto a = x.add(3, 0);
   const auto b = x.add(1, 10);
-  request wish{1, mote_id{1}, 6, bytes{0xaa, 0, 0, 0, 5, 0xbb}, true};
-  wish.age_at = 1;
+  request asked{1, mote_id{1}, 6, bytes{0xaa, 0, 0, 0, 5, 0xbb}, true};
+  asked.age_at = 1;
   x.channel.set_loss(a, b, 1); // it is repeated
   x.channel.watch();
-  x.note(x.channel.send(a, wish, x.now));
+  x.note(x.channel.send(a, asked, x.now));
   x.run_until(instant(1s));
   const auto all = x.all<overheard>();
   CHECK(all.size() == 4);

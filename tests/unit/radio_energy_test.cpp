@@ -52,7 +52,7 @@ TEST_CASE("a meter radio_counters each state's time", "[radio][energy][NRG-05]")
   const auto times = x.times(instant(20s));
   CHECK(times.radio_off == 1s);
   CHECK(times.radio_listen == 5s);
-  CHECK(times.radio_receive == 0s); // the medium's to tell
+  CHECK(times.radio_receive == 0s); // the medium counts it
   CHECK(times.radio_transmit == 4s);
   CHECK(times.mcu_active == 2s);
   CHECK(times.mcu_sleep == 8s);

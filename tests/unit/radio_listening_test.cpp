@@ -214,7 +214,7 @@ TEST_CASE("a broadcast is repeated for the whole interval, and each radio tells 
 
 TEST_CASE("lost copies do not lose a frame", "[radio][listening][NRG-02]") {
   const auto config = channel_with([](channel_config& x) { x.loss = 0.3; });
-  std::size_t told = 0;
+  std::size_t delivered_count = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     radio_fixture f(config, seed);
     const auto from = f.add(sleeper(2, 0, every(512ms)));
@@ -222,15 +222,15 @@ TEST_CASE("lost copies do not lose a frame", "[radio][listening][NRG-02]") {
     f.run_for(1s + 29ms * static_cast<int>(seed));
     f.send(from, 1, 3, size);
     f.run_for(2s);
-    told += f.delivered_to(to);
+    delivered_count += f.delivered_to(to);
     CHECK(f.delivered_to(to) <= 1);
     CHECK(f.channel.balanced());
   }
-  CHECK(told == 40);
+  CHECK(delivered_count == 40);
 }
 
 TEST_CASE("two trains in reach of each other both arrive", "[radio][listening][NRG-02]") {
-  std::size_t told = 0;
+  std::size_t delivered_count = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     radio_fixture f({}, seed);
     const auto a = f.add(sleeper(2, 0, every(512ms)));
@@ -241,9 +241,9 @@ TEST_CASE("two trains in reach of each other both arrive", "[radio][listening][N
     f.send(a, 1, 4, size);
     f.send(b, 2, 5, 50);
     f.run_for(3s);
-    told += f.delivered_to(c) + f.delivered_to(d);
+    delivered_count += f.delivered_to(c) + f.delivered_to(d);
   }
-  CHECK(told == 60);
+  CHECK(delivered_count == 60);
 }
 
 TEST_CASE("energy of a train follows from its length",
@@ -334,7 +334,7 @@ TEST_CASE("events of radios that only listen do not pile up", "[radio][listening
   f.add(sleeper(2, 0, every(20ms)));
   const auto before = f.channel.deadline();
   f.run_for(1s);
-  CHECK(f.channel.deadline() == before); // its battery's: a check tells nobody anything
+  CHECK(f.channel.deadline() == before); // its battery's: a check has no output
 }
 
 TEST_CASE("gaps between copies are shorter than a check, by every medium access",

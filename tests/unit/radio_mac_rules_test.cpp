@@ -374,7 +374,7 @@ TEST_CASE("the CC2420 stack knows 4 sources by the sum of their octets", "[radio
 TEST_CASE("the RF230 stack knows 5 sources, the standard all of them", "[radio][mac_rules]") {
   inbox five("rf230", 3);
   CHECK(five.hear(0x0102, 5, 0ms) == verdict::accepted);
-  CHECK(five.hear(0x0201, 5, 0ms) == verdict::accepted); // told apart
+  CHECK(five.hear(0x0201, 5, 0ms) == verdict::accepted); // another source
   for (std::uint16_t source = 10; source < 13; ++source)
     CHECK(five.hear(source, 1, 1ms) == verdict::accepted);
   CHECK(five.hear(0x0102, 5, 2ms) == verdict::duplicate);

@@ -1,4 +1,4 @@
-// Frames for a mac, and its way from deadline to deadline.
+// Frames for a mac, and its steps from deadline to deadline.
 #pragma once
 
 #include <cstdint>

@@ -82,7 +82,7 @@ TEST_CASE("a frame in its slot has no back-off and one attempt", "[radio][mac][S
   frame.in_slot = true;
   x.submit(frame, now, rng);
   CHECK(x.deadline() == now + 128us);
-  CHECK(x.told_at() == now + 128us); // of a busy channel
+  CHECK(x.earliest_output() == now + 128us); // of a busy channel
   put_on_air(x, now, rng);
   CHECK_FALSE(x.on_sent(now, rng).ended);
   const auto unheard = step(x, now, true, rng).ended; // no ack

@@ -114,7 +114,7 @@ TEST_CASE("noise spoils what it overlaps on a disk too, and takes back what was 
   const auto b = w.add(2, 8);
   const auto oven = w.add(noisy_place(9));
   w.set_power(oven, power::off);
-  int heard = 0;
+  int arrived = 0;
   for (int i = 0; i < 50; ++i) { // it begins at any moment of a back-off, an assessment or a frame
     const auto before = w.delivered_to(b);
     w.send(a, static_cast<std::uint64_t>(i), 2, 60, false);
@@ -123,12 +123,12 @@ TEST_CASE("noise spoils what it overlaps on a disk too, and takes back what was 
     w.note(w.channel.set_noise(oven, true, w.now));
     w.run_for(1s);
     CHECK((w.delivered_to(b) > before) == already);
-    heard += already ? 1 : 0;
+    arrived += already ? 1 : 0;
     w.note(w.channel.set_noise(oven, false, w.now));
     w.run_for(1s);
   }
-  CHECK(heard > 0);
-  CHECK(heard < 50);
+  CHECK(arrived > 0);
+  CHECK(arrived < 50);
   CHECK(w.channel.balanced());
 }
 

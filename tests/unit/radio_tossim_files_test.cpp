@@ -84,7 +84,7 @@ TEST_CASE("a topology is read as others write theirs", "[radio][tossim]") {
 
 TEST_CASE("mistakes in a topology are told with their line", "[radio][tossim]") {
   using row = std::pair<std::string, std::string>;
-  for (const auto& [text, told] : {
+  for (const auto& [text, expected] : {
            row{"", "0: there is no gain in it"},
            row{"# gain 0 1 -5\n", "0: there is no gain in it"},
            row{"noise 0 -98 1\n", "0: there is no gain in it"},
@@ -123,7 +123,7 @@ TEST_CASE("mistakes in a topology are told with their line", "[radio][tossim]") 
            row{"noise 0 -98 y", R"(1: noise needs a deviation in dB, not "y")"},
            row{"noise 0 -98 inf", R"(1: noise needs a deviation in dB, not "inf")"},
        })
-    CHECK(topology_problem(text) == told);
+    CHECK(topology_problem(text) == expected);
 }
 
 TEST_CASE("what is given twice is told where it is given again", "[radio][tossim]") {
@@ -165,16 +165,16 @@ TEST_CASE("a noise trace of TOSSIM is read", "[radio][tossim]") {
 }
 
 TEST_CASE("mistakes in a noise trace are told with their line", "[radio][tossim]") {
-  const auto told = [](std::string_view text) { return problem(read_noise_trace(text)); };
-  CHECK(told("") == "0: it has 0 readings, at least 100 are needed");
-  CHECK(told(repeated("-98\n", 99)) == "0: it has 99 readings, at least 100 are needed");
-  CHECK(told(repeated("-98\n", 100)) == "none");
-  CHECK(told("-98\n\n-98 -97\n") ==
+  const auto problem_of = [](std::string_view text) { return problem(read_noise_trace(text)); };
+  CHECK(problem_of("") == "0: it has 0 readings, at least 100 are needed");
+  CHECK(problem_of(repeated("-98\n", 99)) == "0: it has 99 readings, at least 100 are needed");
+  CHECK(problem_of(repeated("-98\n", 100)) == "none");
+  CHECK(problem_of("-98\n\n-98 -97\n") ==
         R"(3: a line is one reading of -128 to 127 dBm, not "-98 -97")");
-  CHECK(told("-128.5") == R"(1: a line is one reading of -128 to 127 dBm, not "-128.5")");
-  CHECK(told("128") == R"(1: a line is one reading of -128 to 127 dBm, not "128")");
-  CHECK(told("nan") == R"(1: a line is one reading of -128 to 127 dBm, not "nan")");
-  CHECK(told("-98,") == R"(1: a line is one reading of -128 to 127 dBm, not "-98,")");
+  CHECK(problem_of("-128.5") == R"(1: a line is one reading of -128 to 127 dBm, not "-128.5")");
+  CHECK(problem_of("128") == R"(1: a line is one reading of -128 to 127 dBm, not "128")");
+  CHECK(problem_of("nan") == R"(1: a line is one reading of -128 to 127 dBm, not "nan")");
+  CHECK(problem_of("-98,") == R"(1: a line is one reading of -128 to 127 dBm, not "-98,")");
 }
 
 TEST_CASE("files beyond the limits are refused", "[radio][tossim]") {

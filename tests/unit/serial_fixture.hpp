@@ -58,7 +58,7 @@ struct fixture {
   void run_until(instant end);
   void run_for(duration x) { run_until(now + x); }
 
-  /// What is on its way through the PC's adapter, which takes its latency each way.
+  /// What is in transit in the PC's adapter, which takes its latency in each direction.
   struct in_adapter {
     instant due;
     direction towards = direction::to_pc;

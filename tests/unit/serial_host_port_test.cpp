@@ -87,7 +87,7 @@ TEST_CASE("a late ack of an earlier attempt counts", "[serial][GW-16]") {
 TEST_CASE("packets wait their turn in order", "[serial][GW-16]") {
   host_port pc;
   auto current = written(pc.send(id(0), packet(0), start));
-  for (std::uint32_t i = 1; i < 300; ++i) { // sequence numbers wrap on the way
+  for (std::uint32_t i = 1; i < 300; ++i) { // sequence numbers wrap meanwhile
     CHECK(pc.send(id(i), packet(i), start).empty());
     const auto out = pc.on_bytes(ack(current.sequence), start);
     REQUIRE(all<sent>(out).size() == 1);

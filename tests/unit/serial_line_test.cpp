@@ -160,10 +160,10 @@ TEST_CASE("a line with the same seed corrupts the same octets", "[serial][GW-01]
     auto cable = make_line(config, seed);
     for (int i = 0; i < 20; ++i)
       cable.send(i % 2 == 0 ? direction::to_pc : direction::to_mote, octets(50), start);
-    bytes heard;
+    bytes received;
     for (const auto& x : cable.on_time(start + 10s))
-      heard.insert(heard.end(), x.octets.view().begin(), x.octets.view().end());
-    return heard;
+      received.insert(received.end(), x.octets.view().begin(), x.octets.view().end());
+    return received;
   };
   CHECK(run(3) == run(3));
   CHECK(run(3) != run(4));

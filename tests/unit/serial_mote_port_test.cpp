@@ -14,13 +14,13 @@ namespace {
 
 constexpr std::uint32_t baud = 57600;
 
-struct heard {
+struct port_events {
   std::vector<bytes> payloads;
   bytes acks;
   std::vector<bytes> packets; ///< frames of packets that the mote wrote
 };
 
-void note(heard& x, const mote_port_outputs& out) {
+void note(port_events& x, const mote_port_outputs& out) {
   for (const auto& one : all<received>(out)) {
     const auto packet = decode_am_packet(one.packet);
     REQUIRE(packet);
@@ -40,8 +40,8 @@ void note(heard& x, const mote_port_outputs& out) {
 struct bench {
   explicit bench(mote_port_config config = {}) : port(config) {}
 
-  heard feed(byte_view octets, bool whole = false) {
-    heard x;
+  port_events feed(byte_view octets, bool whole = false) {
+    port_events x;
     if (whole) {
       now += transmission_time(octets.size(), baud);
       note(x, port.on_bytes(octets, now));
@@ -55,9 +55,9 @@ struct bench {
     return x;
   }
 
-  heard feed(std::string_view text) { return feed(hex(text)); }
+  port_events feed(std::string_view text) { return feed(hex(text)); }
 
-  void wait(heard& x, duration time) {
+  void wait(port_events& x, duration time) {
     const auto end = now + time;
     for (auto due = port.deadline(); due && *due <= end; due = port.deadline()) {
       now = std::max(now, *due);
@@ -146,7 +146,7 @@ TEST_CASE("a mote takes 254 octets after type and sequence and no more", "[seria
     static_cast<void>(mote.feed(encode(frame{type, 2, longest})));
     CHECK(mote.port.counters().frames_received == 1);
     CHECK(mote.port.counters().too_long == 1);
-    // Its closing flag is the first that is looked for, so the next frame is heard.
+    // Its closing flag is the first that is looked for, so the next frame is received.
     CHECK(mote.feed(packet_frame(3)).acks == bytes{3});
   }
 }
@@ -241,7 +241,7 @@ TEST_CASE("a mote writes packets as 45, one frame at a time", "[serial][A-50][GW
 
 TEST_CASE("a mote's transmit queue drops the newest beyond twelve", "[serial][GW-01][NFR-03]") {
   bench mote;
-  heard x;
+  port_events x;
   for (std::uint32_t i = 0; i < 13; ++i) // one on the wire, twelve waiting
     note(x, mote.port.send(numbered_packet(i, 10), mote.now));
   CHECK(mote.port.queued() == 12);
@@ -257,7 +257,7 @@ TEST_CASE("a mote's transmit queue drops the newest beyond twelve", "[serial][GW
 
 TEST_CASE("an urgent packet waits for the frame that is being written alone", "[serial][CLK-08]") {
   bench mote;
-  heard x;
+  port_events x;
   CHECK(mote.port.wait(mote.now) == 0s);
   for (std::uint32_t i = 0; i < 13; ++i)
     note(x, mote.port.send(numbered_packet(i, 10), mote.now));
@@ -286,7 +286,7 @@ TEST_CASE("acks overtake packets, and at most five wait", "[serial][A-50][NFR-03
   mote_port_config config;
   config.service_time = 0ms;
   bench mote(config);
-  heard x;
+  port_events x;
   note(x, mote.port.send(numbered_packet(0, 114), mote.now));
   note(x, mote.port.send(numbered_packet(1, 114), mote.now));
   // Seven frames come in while the first packet is on the wire for 22 ms.
@@ -307,7 +307,7 @@ TEST_CASE("acks overtake packets, and at most five wait", "[serial][A-50][NFR-03
 
 TEST_CASE("a stopped port hears and sends nothing until it is started", "[serial][GW-01]") {
   bench mote;
-  heard x;
+  port_events x;
   for (std::uint32_t i = 0; i < 4; ++i)
     note(x, mote.port.send(numbered_packet(i, 10), mote.now));
   static_cast<void>(mote.port.on_bytes(hex("7e4510"), mote.now));

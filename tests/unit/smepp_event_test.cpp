@@ -28,13 +28,13 @@ TEST_CASE("a subscription spans the group, as deep as the hops", "[smepp][SMP-15
   w.run_for(5s);
   CHECK(depths(w) == std::vector<std::uint8_t>{0, 1, 2, 1, 2, 3, 2, 3, 4});
   for (std::size_t i = 2; i <= 9; ++i) {
-    const auto told = w.signals<subscribed>(i);
-    REQUIRE(told.size() == 1);
-    CHECK(told[0].group == group);
-    CHECK(told[0].what.name == "light");
-    CHECK(told[0].what.interval == 2s);
-    REQUIRE(told[0].what.expires);
-    CHECK(std::chrono::abs(*told[0].what.expires - told[0].what.offset - 1h) < 1s);
+    const auto received = w.signals<subscribed>(i);
+    REQUIRE(received.size() == 1);
+    CHECK(received[0].group == group);
+    CHECK(received[0].what.name == "light");
+    CHECK(received[0].what.interval == 2s);
+    REQUIRE(received[0].what.expires);
+    CHECK(std::chrono::abs(*received[0].what.expires - received[0].what.offset - 1h) < 1s);
   }
 }
 
@@ -46,9 +46,9 @@ TEST_CASE("members sample at the same time", "[smepp][SMP-16][SMP-26]") {
   w.run_for(30s);
   std::vector<instant> offsets;
   for (std::size_t i = 2; i <= 5; ++i) {
-    const auto told = w.signals<subscribed>(i);
-    REQUIRE(told.size() == 1);
-    offsets.push_back(w.world_time(i, told[0].what.offset));
+    const auto received = w.signals<subscribed>(i);
+    REQUIRE(received.size() == 1);
+    offsets.push_back(w.world_time(i, received[0].what.offset));
   }
   const auto [first, last] = std::ranges::minmax(offsets);
   CHECK(last - first < 1ms);

@@ -153,7 +153,7 @@ TEST_CASE("a recorded question is hardly ever answered", "[smepp][SMP-03][SMP-06
 
 TEST_CASE("who has no counter left refuses, and goes on", "[smepp][SMP-03][SMP-22]") {
   world w({.peers = 2});
-  kept used_up;
+  persistent_state used_up;
   used_up.counter_reserved = used_up.counter_end = 5000;
   peer x({.self = mote_id{1}}, random_stream(1), w.now(), used_up);
   outputs out;
@@ -171,8 +171,8 @@ TEST_CASE("who has no counter left refuses, and goes on", "[smepp][SMP-03][SMP-2
   std::size_t results = 0;
   for (const auto& each : out) {
     CHECK_FALSE(std::holds_alternative<send_frame>(each));
-    const auto* const told = std::get_if<signal>(&each);
-    results += told != nullptr && std::holds_alternative<getGroups_result>(*told) ? 1U : 0U;
+    const auto* const raised = std::get_if<signal>(&each);
+    results += raised != nullptr && std::holds_alternative<getGroups_result>(*raised) ? 1U : 0U;
   }
   CHECK(results == 1);
   CHECK(x.keys().counters().used_up > 0);

@@ -460,8 +460,8 @@ TEST_CASE("members who change keys at once agree on one pair", "[smepp][SMP-13]"
   }
 }
 
-TEST_CASE("an allowance bounds a burst and what follows", "[smepp][SMP-03]") {
-  allowance x(3, 1s);
+TEST_CASE("a rate limiter bounds a burst and what follows", "[smepp][SMP-03]") {
+  rate_limiter x(3, 1s);
   int granted = 0;
   for (int ms = 0; ms < 10'000; ms += 10)
     granted += x.take(instant{} + 100s + std::chrono::milliseconds(ms)) ? 1 : 0;

@@ -51,7 +51,7 @@ TEST_CASE("two stamps in a row give the time to some microseconds", "[smepp][SMP
   say(root, {&other}, start + 1s);
   CHECK(other.sync.is_known());
   CHECK_FALSE(other.sync.is_fine());
-  CHECK(std::abs(error_us(root, other, start + 1s)) < 5000); // by the way it took to the air
+  CHECK(std::abs(error_us(root, other, start + 1s)) < 5000); // for the time it took to the air
   for (int i = 0; i < 6; ++i)
     say(root, {&other}, start + 2s + i * 30s);
   CHECK(other.sync.is_fine());

@@ -44,7 +44,7 @@ void world::perform(std::size_t i, outputs& out) {
   for (auto& each : out) {
     if (auto* const frame = std::get_if<send_frame>(&each)) {
       transmit(i, std::move(*frame), config_.link_tries);
-    } else if (auto* const store = std::get_if<store_kept>(&each)) {
+    } else if (auto* const store = std::get_if<store_state>(&each)) {
       x.store = std::move(store->content);
     } else if (const auto* const radio = std::get_if<set_radio>(&each)) {
       if (radio->on)

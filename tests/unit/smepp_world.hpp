@@ -123,7 +123,7 @@ private:
   struct node {
     std::unique_ptr<peer> core;
     peer_config config;
-    kept store;
+    persistent_state store;
     double rate = 1;
     duration offset{};
     bool is_off = false;

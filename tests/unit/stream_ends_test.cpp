@@ -227,7 +227,7 @@ TEST_CASE("a node that opens anew takes its name over, after the old stream has 
   world.take(reader_node, world.at(reader_node).close(reader));
   const auto second = x.open_reader();
   world.take(writer_node, world.at(writer_node).write(again, bytes{5}));
-  world.run_for(5min); // what is heard of the old channel harms nobody
+  world.run_for(5min); // late packets of the old channel do no harm
   world.take(reader_node, world.at(reader_node).read(second, 1));
   CHECK(std::get<read_done>(world.events.back().second).content == bytes{5});
 }
@@ -249,11 +249,11 @@ TEST_CASE("a read end that opens late takes the newest channel of its write end"
 
 TEST_CASE("another node cannot write into a stream that a node has to itself", "[stream]") {
   stream_fixture world(2);
-  remote_request wish{.destination = stream_fixture::address(reader_node), .name = 7};
-  world.take(reader_node, world.open(reader_node, wish));
-  world.take(writer_node, world.open(writer_node, wish));
-  wish.writes_to_self = true;
-  world.take(reader_node, world.open(reader_node, wish));
+  remote_request what{.destination = stream_fixture::address(reader_node), .name = 7};
+  world.take(reader_node, world.open(reader_node, what));
+  world.take(writer_node, world.open(writer_node, what));
+  what.writes_to_self = true;
+  world.take(reader_node, world.open(reader_node, what));
   CHECK(world.events.size() == 2);
   world.events.clear();
   world.run_for(1s);

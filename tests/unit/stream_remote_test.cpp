@@ -306,12 +306,12 @@ TEST_CASE("sequence numbers begin again after the last", "[stream]") {
 TEST_CASE("a node may stream to itself", "[stream][STR-01]") {
   stream_fixture world(1);
   const bool reader_first = GENERATE(true, false);
-  remote_request wish{.destination = {own_island, own_mote}, .name = 7};
+  remote_request what{.destination = {own_island, own_mote}, .name = 7};
   const auto open_reader_here = [&] {
-    return world.take(writer_node, world.open(writer_node, wish));
+    return world.take(writer_node, world.open(writer_node, what));
   };
   const auto open_writer_here = [&] {
-    auto writing = wish;
+    auto writing = what;
     writing.writes_to_self = true;
     return world.take(writer_node, world.open(writer_node, writing));
   };

@@ -52,12 +52,12 @@ TEST_CASE("a vector is told and shown at the tick after", "[synaptic][SYN-06][SY
   CHECK(x.world.all<input_update>(1).empty());
   CHECK(x.world.at(1).read_input(x.in, 2) == 0.0F);
   x.world.run_ticks(1);
-  const auto told = x.world.all<input_update>(1);
-  REQUIRE(told.size() == 3);
+  const auto updates = x.world.all<input_update>(1);
+  REQUIRE(updates.size() == 3);
   for (std::size_t i = 0; i < 3; ++i) {
-    CHECK(told[i].channel == x.in);
-    CHECK(told[i].index == i);
-    CHECK(told[i].status == input_status::updated);
+    CHECK(updates[i].channel == x.in);
+    CHECK(updates[i].index == i);
+    CHECK(updates[i].status == input_status::updated);
     CHECK(x.world.at(1).read_input(x.in, i) == value_of(0, first, i));
   }
 }
@@ -237,7 +237,7 @@ TEST_CASE("a channel between the same nodes is refused while there is one",
   const auto self = world.address(0);
   CHECK(world.at(0).create_out(self, other, 3, {}, world.now).refused == failure::already_open);
   CHECK(world.at(1).create_in(other, self, 2, {}, world.now).refused == failure::already_open);
-  world.create_out(1, 0, 3); // the other way
+  world.create_out(1, 0, 3); // the other direction
   world.create_in(0, 1, 3);
   world.run_ticks(1);
   CHECK(world.all<create_done>(0).back().success);

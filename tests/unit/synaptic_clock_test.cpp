@@ -118,7 +118,7 @@ TEST_CASE("T goes on from zero after its 32 bits, and that is no leap", "[synapt
     x.setting = {0xfffffffe, island_time{}, 500ms};
   x.run_until(instant{1s});
   if (!since_1970)
-    x.setting = {0, island_time{1s}, 500ms}; // as a mote is told later
+    x.setting = {0, island_time{1s}, 500ms}; // as a mote learns later
   x.ahead += corrected;
   x.run_until(instant{2100ms});
   CHECK(x.ticks == std::vector<std::uint32_t>{0xfffffffe, 0xffffffff, 0, 1, 2});

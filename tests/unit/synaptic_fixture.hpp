@@ -13,7 +13,7 @@
 
 namespace rubicon::test {
 
-/// Each element of a vector tells whose it is and of which tick: below 2^24, so exact.
+/// Each element of a vector encodes whose it is and of which tick: below 2^24, so exact.
 [[nodiscard]] inline float value_of(std::size_t node, std::uint32_t tick, std::size_t k) {
   return static_cast<float>(((tick % 2048) * 16 + k) * 8 + node);
 }
@@ -23,7 +23,7 @@ public:
   using event =
       std::variant<synaptic::create_done, synaptic::input_update, synaptic::channel_failed>;
 
-  struct heard {
+  struct node_event {
     std::size_t node = 0;
     unsigned life = 0;
     std::uint32_t tick = 0;
@@ -69,13 +69,13 @@ public:
     return take(node, at(node).create_in(address(node), address(from), size, x, now));
   }
 
-  /// The node forgets all. @param tells whether the other ends of its channels hear of it
-  void restart(std::size_t node, bool tells = true) {
+  /// The node forgets all. @param notifies whether the other ends of its channels are notified
+  void restart(std::size_t node, bool notifies = true) {
     for (std::size_t i = 0; i < channels_.size(); ++i) {
       for (std::size_t end = 0; end < 2; ++end) {
         if (channels_[i].nodes[end] != node || !channels_[i].is_open[end])
           continue;
-        if (tells)
+        if (notifies)
           leave(i, end);
         else
           channels_[i].is_open[end] = false;
@@ -121,7 +121,7 @@ public:
 
   [[nodiscard]] bool is_quiet() const { return in_flight_.empty(); }
 
-  /// Ends of channels that the node has not closed, nor heard to be closed.
+  /// Ends of channels that the node has not closed, nor been notified of as closed.
   [[nodiscard]] std::size_t open_ends(std::size_t node) const {
     std::size_t count = 0;
     for (const auto& x : channels_) {
@@ -149,7 +149,7 @@ public:
   instant now;
   std::uint32_t tick = 1;
   std::function<void()> after_tick;
-  std::vector<heard> events;
+  std::vector<node_event> events;
   std::vector<vector> vectors;
   std::vector<synaptic::connect_channel> connects;
   std::size_t packets = 0;

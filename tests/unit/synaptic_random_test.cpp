@@ -126,14 +126,14 @@ private:
     world_.events.clear();
   }
 
-  end& end_of(const synaptic_fixture::heard& x, descriptor channel) {
+  end& end_of(const synaptic_fixture::node_event& x, descriptor channel) {
     const key id{x.node, x.life, channel.value};
     if (!ends_.contains(id))
       FAIL("an event of a channel that was not created");
     return ends_[id];
   }
 
-  void look_at(const synaptic_fixture::heard& from, const create_done& done) {
+  void look_at(const synaptic_fixture::node_event& from, const create_done& done) {
     auto& x = end_of(from, done.channel);
     if (++x.creates_done > 1 || done.is_out != x.is_out)
       FAIL("a second create_done, or one of the other end");
@@ -142,7 +142,7 @@ private:
     ++(done.success ? created : failed);
   }
 
-  void look_at(const synaptic_fixture::heard& from, const channel_failed& what) {
+  void look_at(const synaptic_fixture::node_event& from, const channel_failed& what) {
     auto& x = end_of(from, what.channel);
     if (!x.is_open)
       FAIL("a failure of a channel that is not open");
@@ -150,7 +150,7 @@ private:
     ++lost_channels;
   }
 
-  void look_at(const synaptic_fixture::heard& from, const input_update& what) {
+  void look_at(const synaptic_fixture::node_event& from, const input_update& what) {
     const auto& x = end_of(from, what.channel);
     if (x.is_out || what.index >= x.size)
       FAIL("an update of no input");
@@ -194,12 +194,12 @@ TEST_CASE("exactly the vectors that are lost are told missed", "[synaptic][SYN-1
       }
       std::map<std::uint32_t, bool> is_missed;
       for (const auto& y : x.events) {
-        if (const auto* told = std::get_if<input_update>(&y.what)) {
-          CHECK(told->channel == in);
-          is_missed[y.tick - 1] = told->status == input_status::missed;
+        if (const auto* update = std::get_if<input_update>(&y.what)) {
+          CHECK(update->channel == in);
+          is_missed[y.tick - 1] = update->status == input_status::missed;
         }
       }
-      is_lost.erase(x.tick - 1); // to be told at the next tick
+      is_lost.erase(x.tick - 1); // to be reported at the next tick
       REQUIRE(is_missed == is_lost);
     }
   }

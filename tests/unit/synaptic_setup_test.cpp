@@ -38,8 +38,8 @@ TEST_CASE("short addresses mean the own island or the one in the parameters",
           "[synaptic][SYN-13]") {
   channels x({.channels_max = 4});
   const mote_address self{island_id{3}, mote_id{7}};
-  const auto destination = [&](mote_address to, parameters wish) {
-    const auto todo = x.create_out(self, to, 2, wish, {}).todo;
+  const auto destination = [&](mote_address to, parameters requested) {
+    const auto todo = x.create_out(self, to, 2, requested, {}).todo;
     const auto asked = test::pick<connect_channel>(todo);
     return asked.empty() ? mote_address{} : asked[0].destination;
   };
@@ -199,11 +199,11 @@ TEST_CASE("a channel to ourselves needs no channel service", "[synaptic][SYN-14]
   CHECK(x.all<create_done>(0).size() == 2);
   CHECK_FALSE(x.at(0).start(out).refused);
   x.run_ticks(5);
-  const auto told = x.all<input_update>(0);
-  REQUIRE(told.size() == 10);
-  CHECK(told[9].channel == in);
-  CHECK(told[9].index == 1);
-  CHECK(told[9].status == input_status::updated);
+  const auto updates = x.all<input_update>(0);
+  REQUIRE(updates.size() == 10);
+  CHECK(updates[9].channel == in);
+  CHECK(updates[9].index == 1);
+  CHECK(updates[9].status == input_status::updated);
   CHECK(x.at(0).read_input(in, 1) == value_of(0, 5, 1)); // of the same tick
   CHECK(x.connects.empty());
   CHECK(x.packets == 0);

@@ -19,7 +19,7 @@ expression parsed(const char* text) {
 
 using lines = std::vector<std::string>;
 
-lines told(const translator::outputs& outputs) {
+lines texts_of(const translator::outputs& outputs) {
   lines out;
   for (const auto& x : outputs) {
     if (const auto* set = std::get_if<publish>(&x))
@@ -71,11 +71,11 @@ TEST_CASE("a target is a key with the stars of its pattern", "[translate][SVC-09
 TEST_CASE("raw counts become a tuple with a meaning and a unit", "[translate][SVC-09]") {
   translator aut({{"*.board-3.ad0", "{1}.luminosity", parsed("(x - 400) * 0.5"), 1, "lx", 0}});
   CHECK(aut.watched() == lines{"*.board-3.ad0"});
-  CHECK(told(aut.on_value("kitchen.board-3.ad0", "512", false, start)) ==
+  CHECK(texts_of(aut.on_value("kitchen.board-3.ad0", "512", false, start)) ==
         lines{"kitchen.luminosity.unit = lx", "kitchen.luminosity = 56.0"});
-  CHECK(told(aut.on_value("kitchen.board-3.ad0", "400", false, start + 1s)) ==
+  CHECK(texts_of(aut.on_value("kitchen.board-3.ad0", "400", false, start + 1s)) ==
         lines{"kitchen.luminosity = 0.0"});
-  CHECK(told(aut.on_value("hall.board-3.ad0", "402", false, start + 1s)) ==
+  CHECK(texts_of(aut.on_value("hall.board-3.ad0", "402", false, start + 1s)) ==
         lines{"hall.luminosity.unit = lx", "hall.luminosity = 1.0"});
   CHECK(aut.on_value("kitchen.board-3.ad1", "402", false, start).empty());
   CHECK(aut.counters().translated == 3);
@@ -88,12 +88,12 @@ TEST_CASE("what is no number is dropped and counted", "[translate][SVC-09]") {
   CHECK(aut.on_value("a", "inf", false, start).empty());
   CHECK(aut.on_value("a", "0", false, start).empty());
   CHECK(aut.counters().bad_values == 4);
-  CHECK(told(aut.on_value("a", "4", false, start)) == lines{"b = 0.25"});
+  CHECK(texts_of(aut.on_value("a", "4", false, start)) == lines{"b = 0.25"});
 }
 
 TEST_CASE("without an expression a text goes on as it is", "[translate][SVC-09]") {
   translator aut({{"door.state", "hall.door", {}, 2, "", 0}});
-  CHECK(told(aut.on_value("door.state", "open, wide", false, start)) ==
+  CHECK(texts_of(aut.on_value("door.state", "open, wide", false, start)) ==
         lines{"hall.door = open, wide"});
   CHECK(aut.on_value("door.state", std::string(translator::text_max, 'a'), false, start).size() ==
         1);
@@ -106,23 +106,23 @@ TEST_CASE("a translation ends with its tuple", "[translate][SVC-09]") {
   translator aut({{"a", "b", {}, 2, "", 2}});
   CHECK(aut.on_gone("a", false).empty());
   CHECK(aut.on_value("a", "1", false, start).size() == 2);
-  CHECK(told(aut.on_gone("A", false)) == lines{"delete b"});
+  CHECK(texts_of(aut.on_gone("A", false)) == lines{"delete b"});
   CHECK(aut.on_gone("a", false).empty());
-  CHECK(told(aut.on_value("a", "2", false, start)) ==
+  CHECK(texts_of(aut.on_value("a", "2", false, start)) ==
         lines{"b = 2", "b.history = 0.000000,1\n0.000000,2\n"});
 }
 
 TEST_CASE("a history keeps the newest values", "[translate][SVC-09]") {
   translator aut({{"room.*", "", {}, 2, "", 2}});
-  CHECK(told(aut.on_value("room.light", "10", false, start + 1s)) ==
+  CHECK(texts_of(aut.on_value("room.light", "10", false, start + 1s)) ==
         lines{"room.light.history = 1.000000,10\n"});
-  CHECK(told(aut.on_value("room.light", "20", false, start + 2s)) ==
+  CHECK(texts_of(aut.on_value("room.light", "20", false, start + 2s)) ==
         lines{"room.light.history = 1.000000,10\n2.000000,20\n"});
-  CHECK(told(aut.on_value("room.light", "30", false, start + 3500ms)) ==
+  CHECK(texts_of(aut.on_value("room.light", "30", false, start + 3500ms)) ==
         lines{"room.light.history = 2.000000,20\n3.500000,30\n"});
-  CHECK(told(aut.on_value("room.door", "a \"b\", c\nd", false, start)) ==
+  CHECK(texts_of(aut.on_value("room.door", "a \"b\", c\nd", false, start)) ==
         lines{"room.door.history = 0.000000,\"a \"\"b\"\", c d\"\n"});
-  const auto cut = told(aut.on_value("room.door", std::string(500, 'z'), false, start));
+  const auto cut = texts_of(aut.on_value("room.door", std::string(500, 'z'), false, start));
   CHECK(cut.at(0).find(std::string(translator::history_text_max, 'z') + "\n") != std::string::npos);
   CHECK(cut.at(0).find(std::string(translator::history_text_max + 1, 'z')) == std::string::npos);
 }

@@ -72,7 +72,7 @@ public:
     return id;
   }
 
-  /// Its content tells who has sent it.
+  /// Its content names its sender.
   bool send(mote_address from, transport::tunnel_id id, std::uint32_t number) {
     byte_writer content;
     content.big(from.island.value).big(from.mote.value).big(nodes_[from].life).big(id.value);

@@ -360,7 +360,7 @@ TEST_CASE("a survivor learns of a restart with its next packet", "[transport][SY
 
 TEST_CASE("an opener that was started again opens a new tunnel, not the old one",
           "[transport][STR-19]") {
-  world x(20ms, 0, 1, 1); // so that the old one would be in the way
+  world x(20ms, 0, 1, 1); // so that the old one would collide
   x.connect(alice, bob);
   x.run_for(1s);
   const auto old = accepted(x, bob);

@@ -1,4 +1,4 @@
-// How often something may be done for those who have not shown who they are.
+// A rate limiter for work that unauthenticated senders can cause.
 #pragma once
 
 #include <algorithm>
@@ -8,11 +8,11 @@
 
 namespace rubicon::smepp {
 
-/// So many at once, and one more after each `pause`: a bound on the work that strangers can cause.
-class allowance {
+/// A token bucket: `burst` at once, and one more after each `pause`.
+class rate_limiter {
 public:
-  allowance() = default;
-  allowance(unsigned burst, duration pause) : burst_(burst), pause_(pause) {}
+  rate_limiter() = default;
+  rate_limiter(unsigned burst, duration pause) : burst_(burst), pause_(pause) {}
 
   /// @returns whether one more may be done now, and then counts it
   [[nodiscard]] bool take(instant now) {
