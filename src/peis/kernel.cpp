@@ -373,7 +373,7 @@ bool kernel::knows_present(peer_id host) const {
 }
 
 timestamp kernel::network_time(instant now) const {
-  return tuples_.clock().network_time(now);
+  return tuples_.drafts().clock().network_time(now);
 }
 
 kernel_counters kernel::counters() const {

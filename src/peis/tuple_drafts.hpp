@@ -30,6 +30,9 @@ public:
   [[nodiscard]] std::pair<cause, transmit> ask_to_delete(peer_id owner, const key& name,
                                                          request_id request, instant now) const;
 
+  /// Dates them.
+  [[nodiscard]] const tuple_clock& clock() const { return clock_; }
+
 private:
   peer_id self_;
   const tuple_clock& clock_;

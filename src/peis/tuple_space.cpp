@@ -304,10 +304,6 @@ const tuple_drafts& tuple_space::drafts() const {
   return parts_->drafts;
 }
 
-const tuple_clock& tuple_space::clock() const {
-  return parts_->clock;
-}
-
 bool tuple_space::is_waiting(const key& name) const {
   return parts_->feed.is_waiting(name);
 }

@@ -93,7 +93,6 @@ public:
   [[nodiscard]] tuple_audience audience() const;   ///< who watches our own
   /// What a user writes, for insert() and for other owners.
   [[nodiscard]] const tuple_drafts& drafts() const;
-  [[nodiscard]] const tuple_clock& clock() const;
   /// Does the present value of an own tuple still wait for room on its way to somebody? Another one
   /// would overtake it.
   [[nodiscard]] bool is_waiting(const key& name) const;
