@@ -219,29 +219,23 @@ void kernel::handle(arrived& x, instant now) {
 void kernel::dispatch(arrived& x, instant now) {
   const bool for_us_only = !x.broadcast;
   switch (x.port) {
-  case port::push:
-    if (for_us_only)
-      perform(tuples_.on_push(x.source, std::move(x.octets), now), now);
-    return;
   case port::set:
     if (for_us_only)
       on_set(x.source, std::move(x.octets), now);
     return;
+  case port::push:
   case port::append_request:
-    if (for_us_only)
-      perform(tuples_.on_append_request(x.source, std::move(x.octets), now), now);
-    return;
   case port::append_notice:
     if (for_us_only)
-      perform(tuples_.on_append_notice(x.source, std::move(x.octets), now), now);
+      perform(tuples_.on_message(x.port, x.source, std::move(x.octets), now), now);
     return;
   case port::subscribe:
     if (const auto message = decode_subscribe(x.octets, network_time(now)))
       refresh_statistics(message->wanted.name, now);
-    perform(tuples_.on_subscribe(x.source, x.octets, now), now);
+    perform(tuples_.on_message(x.port, x.source, std::move(x.octets), now), now);
     return;
   case port::unsubscribe:
-    perform(tuples_.on_unsubscribe(x.source, x.octets), now);
+    perform(tuples_.on_message(x.port, x.source, std::move(x.octets), now), now);
     return;
   }
   if (hooked_.test(x.port))
@@ -379,12 +373,13 @@ bool kernel::knows_present(peer_id host) const {
 }
 
 timestamp kernel::network_time(instant now) const {
-  return tuples_.network_time(now);
+  return tuples_.drafts().clock().network_time(now);
 }
 
 kernel_counters kernel::counters() const {
   kernel_counters all{network_.counters(), tuples_.counters(), unhooked_};
   all.tuples.refused += refused_;
+  all.tuples.bad_meta_tuples = bad_meta_tuples_;
   return all;
 }
 

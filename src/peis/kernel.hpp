@@ -311,10 +311,10 @@ public:
   /// Keys and patterns, in lower case, by which somebody subscribes to our tuples and whose first
   /// part is this one; catch-all patterns name nothing. @param first_part in lower case
   [[nodiscard]] std::set<std::string> subscribed(std::string_view first_part) const {
-    return tuples_.subscribed(first_part);
+    return tuples_.audience().subscribed(first_part);
   }
   /// Changes whenever subscribed() may.
-  [[nodiscard]] std::uint64_t subscribers_version() const { return tuples_.subscribers_version(); }
+  [[nodiscard]] std::uint64_t subscribers_version() const { return tuples_.audience().version(); }
 
   /// Known hosts, ourselves included, ascending by id (API-01).
   [[nodiscard]] std::vector<const host_record*> hosts() const;
@@ -414,6 +414,7 @@ private:
   std::bitset<port::count> hooked_;
   std::uint64_t unhooked_ = 0;
   std::uint64_t refused_ = 0;
+  std::uint64_t bad_meta_tuples_ = 0;
   work_units events_made_ = 0; ///< by the tuple space, for the message that is handled
   outputs out_;
 };

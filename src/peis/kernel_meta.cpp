@@ -49,8 +49,8 @@ outputs kernel::watch_indirectly(peer_id owner, std::string_view name, tuple_spa
   auto why = refusal(parsed);
   if (why == cause::none && (owner == any_peer || parsed->is_pattern()))
     why = cause::abstract;
-  if (why == cause::none &&
-      (id.value >= own_ids_first || indirections_.contains(id) || tuples_.has_subscription(id)))
+  if (why == cause::none && (id.value >= own_ids_first || indirections_.contains(id) ||
+                             tuples_.audience().has_subscription(id)))
     why = cause::bad_handle;
   if (why != cause::none) {
     report(request, why);
@@ -63,7 +63,7 @@ outputs kernel::watch_indirectly(peer_id owner, std::string_view name, tuple_spa
     meta_watches_[meta_watch] = id;
     perform(std::move(todo), now); // the reference itself, if we hold it
     if (kind == tuple_space::interest::callback) {
-      if (const auto held = tuples_.find(owner, *parsed))
+      if (const auto held = tuples_.stored().content(owner, *parsed))
         on_meta_tuple(meta_watch, held.get(), now);
     }
   }
@@ -84,7 +84,7 @@ void kernel::on_meta_tuple(subscription_id meta_watch, const tuple* content, ins
     if (auto parsed = read_meta(*content))
       target = std::move(*parsed);
     else
-      tuples_.count_bad_meta_tuple();
+      ++bad_meta_tuples_;
   }
   if (target == x.target)
     return;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 namespace rubicon::peis {
 
@@ -62,7 +63,7 @@ std::string routes_text(const p2p& network) {
 
 std::string subscribers_text(const tuple_space& tuples) {
   std::string text = "(\n";
-  for (const auto& [host, wanted] : tuples.subscribers()) {
+  for (const auto& [host, wanted] : tuples.audience().subscribers()) {
     if (text.size() > list_max) {
       text += "  ...\n";
       break;
@@ -73,13 +74,14 @@ std::string subscribers_text(const tuple_space& tuples) {
   return text + ")\n";
 }
 
-std::string all_keys_text(const tuple_space& tuples) {
+std::string all_keys_text(const tuple_space& tuples, peer_id self) {
   std::string text = "(";
-  tuples.for_own([&](const tuple& x) {
+  std::string after;
+  static_cast<void>(tuples.stored().walk_on(self, key(), after, [&](const auto& x) {
     const bool room = text.size() <= list_max;
-    text += room ? x.name.text() + ' ' : "... ";
+    text += room ? x.content->name.text() + ' ' : "... ";
     return room;
-  });
+  }));
   if (text.size() > 1)
     text.pop_back();
   return text + ')';
@@ -96,17 +98,17 @@ kernel_statistics::kernel_statistics(instant now) {
 }
 
 void kernel_statistics::follow(const tuple_space& tuples) {
-  if (followed_version_ == tuples.subscribers_version())
+  const auto audience = tuples.audience();
+  if (std::exchange(followed_version_, audience.version()) == audience.version())
     return;
-  followed_version_ = tuples.subscribers_version();
   for (auto& x : items_)
-    x.watched = tuples.is_watched(x.name);
+    x.watched = audience.is_watched(x.name);
 }
 
 /// Zero for those that are computed periodically.
 std::uint64_t kernel_statistics::version_of(kind which, const tuple_space& tuples) {
   if (which == kind::subscribers)
-    return tuples.subscribers_version();
+    return tuples.audience().version();
   return which == kind::all_keys ? tuples.own_keys_version() : 0;
 }
 
@@ -188,7 +190,7 @@ std::string kernel_statistics::text_of(kind which, const p2p& network, const tup
   case kind::subscribers:
     return subscribers_text(tuples);
   case kind::all_keys:
-    return all_keys_text(tuples);
+    return all_keys_text(tuples, network.config().id);
   }
   return {};
 }

@@ -15,7 +15,8 @@ outputs kernel::set_tuple(std::string_view name, tuple_content content, instant 
     why = verdict;
     perform(std::move(todo), now);
     if (why == cause::none && parsed->folded() == debug_key)
-      out_.emplace_back(debug_requested{std::string(tuples_.find(id(), *parsed)->text())});
+      out_.emplace_back(
+          debug_requested{std::string(tuples_.stored().content(id(), *parsed)->text())});
   }
   report(request, why);
   return finish(now);
@@ -35,7 +36,7 @@ outputs kernel::insert_tuple(tuple draft, instant now, request_id request) {
       return ask({why, {}}, request, now);
     if (quits)
       expect_quit(draft, request);
-    return ask(tuples_.ask_to_set(std::move(draft), request, now), request, now);
+    return ask(tuples_.drafts().ask_to_set(std::move(draft), request, now), request, now);
   }
   return finish(now);
 }
@@ -93,13 +94,13 @@ outputs kernel::set_remote_tuple(peer_id owner, std::string_view name, tuple_con
   auto why = refusal(parsed);
   if (why != cause::none)
     return ask({why, {}}, request, now);
-  auto x = tuples_.draft(owner, *parsed, std::move(content));
+  auto x = tuples_.drafts().draft(owner, *parsed, std::move(content));
   if (!x || parsed->is_pattern())
     return ask({x ? cause::bad_key : cause::bad_value, {}}, request, now);
   if (why = refusal_of_owner(owner, *parsed, true); why != cause::none)
     return ask({why, {}}, request, now);
   expect_quit(*x, request);
-  return ask(tuples_.ask_to_set(std::move(*x), request, now), request, now);
+  return ask(tuples_.drafts().ask_to_set(std::move(*x), request, now), request, now);
 }
 
 outputs kernel::delete_remote_tuple(peer_id owner, std::string_view name, request_id request,
@@ -112,7 +113,7 @@ outputs kernel::delete_remote_tuple(peer_id owner, std::string_view name, reques
     why = refusal_of_owner(owner, *parsed, false);
   if (why != cause::none)
     return ask({why, {}}, request, now);
-  return ask(tuples_.ask_to_delete(owner, *parsed, request, now), request, now);
+  return ask(tuples_.drafts().ask_to_delete(owner, *parsed, request, now), request, now);
 }
 
 /// What every kernel of our kind refuses is not sent: an acknowledgement says that it has arrived,
@@ -221,7 +222,7 @@ reading kernel::get_tuple(const prototype& wanted, read_mode mode, instant now) 
 void kernel::get_tuples(const prototype& wanted, result_set& into, instant now, read_mode mode) {
   if (wanted.owner == id() || wanted.owner == any_peer)
     refresh_statistics(wanted.name, now);
-  tuples_.read(wanted, now, [&](const tuple_pointer& x, bool is_new) {
+  tuples_.stored().read(wanted, now, [&](const tuple_pointer& x, bool is_new) {
     const bool taken = is_new || mode == read_mode::keep_old;
     if (taken)
       into.append({x, is_new, cause::none});
@@ -231,16 +232,17 @@ void kernel::get_tuples(const prototype& wanted, result_set& into, instant now, 
 
 tuple_pointer kernel::find_tuple(peer_id owner, std::string_view name) const {
   const auto parsed = key::parse(name);
-  return parsed ? tuples_.find(owner, *parsed) : nullptr;
+  return parsed ? tuples_.stored().content(owner, *parsed) : nullptr;
 }
 
 std::vector<tuple_pointer> kernel::own_tuples() const {
-  return tuples_.find_all(prototype_of(id(), key()));
+  return tuples_.stored().find_all(prototype_of(id(), key()));
 }
 
 std::vector<tuple_pointer> kernel::find_tuples(peer_id owner, std::string_view pattern) const {
   const auto parsed = key::parse(pattern);
-  return parsed ? tuples_.find_all(prototype_of(owner, *parsed)) : std::vector<tuple_pointer>();
+  return parsed ? tuples_.stored().find_all(prototype_of(owner, *parsed))
+                : std::vector<tuple_pointer>();
 }
 
 bool kernel::is_waiting(std::string_view name) const {
@@ -250,7 +252,7 @@ bool kernel::is_waiting(std::string_view name) const {
 
 bool kernel::has_subscriber(std::string_view name) const {
   const auto parsed = key::parse(name);
-  return parsed && tuples_.has_subscriber(*parsed);
+  return parsed && tuples_.audience().has_subscriber(*parsed);
 }
 
 } // namespace rubicon::peis

@@ -1,6 +1,7 @@
 #include "peis/subscriber_table.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <type_traits>
 
 namespace rubicon::peis {
@@ -10,6 +11,7 @@ namespace {
 /// What a record takes beyond the octets that the subscriber has chosen: nodes of three trees, the
 /// prototype and the key.
 constexpr std::size_t record_overhead = 720;
+constexpr std::size_t few_subscriptions = 64; ///< of one host: walked
 
 std::size_t weight_of(const prototype& x, const std::string& identity) {
   return record_overhead + 2 * identity.size() + x.name.text().size() +
@@ -77,11 +79,13 @@ subscriber* subscriber_table::add(peer_id host, const prototype& wanted,
                 .first->second;
   of_host.by_number.emplace_hint(of_host.by_number.end(), x.number, &x);
   index_.insert(wanted.name, &x);
+  ++version_;
   return &x;
 }
 
 void subscriber_table::erase(const subscriber& x) {
   const auto of_host = hosts_.find(x.host);
+  ++version_;
   index_.erase_if(x.wanted.name, [&](const subscriber* other) { return other == &x; });
   count_.remove(x.host, 1);
   octets_.remove(x.host, x.weight);
@@ -111,6 +115,7 @@ std::size_t subscriber_table::erase_host(peer_id host) {
   if (of_host == hosts_.end())
     return 0;
   const auto count = of_host->second.by_number.size();
+  ++version_;
   for (const auto& [number, x] : of_host->second.by_number)
     index_.erase_if(x->wanted.name, [gone = x](const subscriber* other) { return other == gone; });
   count_.remove(host, count);
@@ -135,6 +140,68 @@ subscriber_table::expired subscriber_table::find_expired(instant now) {
 const subscriber_table::records* subscriber_table::of(peer_id host) const {
   const auto at = hosts_.find(host);
   return at == hosts_.end() ? nullptr : &at->second.by_number;
+}
+
+std::vector<peer_id> subscriber_table::hosts_for(const tuple& x) const {
+  std::vector<peer_id> hosts;
+  for_matching(x.name, [&](const subscriber& s) {
+    if (x.expiry == deleted || s.wanted.matches(x))
+      hosts.push_back(s.host);
+  });
+  std::sort(hosts.begin(), hosts.end());
+  hosts.erase(std::unique(hosts.begin(), hosts.end()), hosts.end());
+  return hosts;
+}
+
+/// Looks at what the host wants or at what is wanted of the tuple: others make either long.
+bool subscriber_table::wants(peer_id host, const tuple& x) const {
+  const auto* theirs = of(host);
+  if (theirs == nullptr)
+    return false;
+  if (theirs->size() <= few_subscriptions) {
+    return std::ranges::any_of(*theirs, [&](const auto& record) {
+      const auto& wanted = record.second->wanted;
+      return x.expiry == deleted ? wanted.name.matches(x.name) : wanted.matches(x);
+    });
+  }
+  bool found = false;
+  for_matching(x.name, [&](const subscriber& s) {
+    found = found || (s.host == host && (x.expiry == deleted || s.wanted.matches(x)));
+  });
+  return found;
+}
+
+bool subscriber_table::covers(const key& name) const {
+  bool found = false;
+  for_matching(name, [&](const subscriber&) { found = true; });
+  return found;
+}
+
+std::vector<prototype> subscriber_table::lasting_of(peer_id host, std::size_t count_max,
+                                                    std::size_t octets_max) const {
+  std::vector<prototype> lasting;
+  const auto* theirs = of(host);
+  if (theirs == nullptr)
+    return lasting;
+  std::size_t octets = 0;
+  for (const auto& [number, s] : *theirs) {
+    octets += s->weight;
+    if (lasting.size() >= count_max || octets > octets_max)
+      break;
+    if (!s->expiry)
+      lasting.push_back(s->wanted);
+  }
+  return lasting;
+}
+
+std::vector<std::pair<peer_id, prototype>> subscriber_table::all() const {
+  std::vector<std::pair<peer_id, prototype>> found;
+  for_all([&](const subscriber& x) { found.emplace_back(x.host, x.wanted); });
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.first, a.second.owner, a.second.name.folded()) <
+           std::tie(b.first, b.second.owner, b.second.name.folded());
+  });
+  return found;
 }
 
 } // namespace rubicon::peis

@@ -7,6 +7,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "core/time.hpp"
 #include "peis/fair_share.hpp"
@@ -81,8 +84,26 @@ public:
   /// All of a host; null if there is none.
   [[nodiscard]] const records* of(peer_id host) const;
 
+  /// Whom a tuple of ours is sent to, ascending: each once, however many of its subscriptions
+  /// match. A deletion concerns those too who asked for a certain value.
+  [[nodiscard]] std::vector<peer_id> hosts_for(const tuple& x) const;
+  /// Is this host one of them?
+  [[nodiscard]] bool wants(peer_id host, const tuple& x) const;
+  /// Has anybody subscribed to this key?
+  [[nodiscard]] bool covers(const key& name) const;
+
+  /// Prototypes of a host without lifetime, in the order in which they came, within both limits.
+  [[nodiscard]] std::vector<prototype> lasting_of(peer_id host, std::size_t count_max,
+                                                  std::size_t octets_max) const;
+
+  /// Who has subscribed to what, ascending by host, owner, key.
+  [[nodiscard]] std::vector<std::pair<peer_id, prototype>> all() const;
+
   [[nodiscard]] std::size_t size() const { return index_.size(); }
   [[nodiscard]] std::size_t octets() const { return octets_.total(); }
+  [[nodiscard]] std::uint64_t version() const {
+    return version_;
+  } ///< of each set of records another
 
 private:
   struct host_records {
@@ -96,6 +117,7 @@ private:
   std::map<peer_id, host_records> hosts_; ///< none without records
   subscription_index<subscriber*> index_;
   std::uint64_t next_number_ = 0;
+  std::uint64_t version_ = 0;
 };
 
 /// Octets that are equal for equal prototypes, and for no others.

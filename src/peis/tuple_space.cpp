@@ -1,332 +1,337 @@
-// Own tuples, held tuples, and telling the local subscribers (peis-wire.md 15.3, 15.4).
 #include "peis/tuple_space.hpp"
 
-#include <algorithm>
-#include <limits>
-
+#include "peis/held_tuples.hpp"
+#include "peis/own_tuples.hpp"
 #include "peis/package.hpp"
+#include "peis/subscriber_feed.hpp"
+#include "peis/tuple_hosts.hpp"
 
 namespace rubicon::peis {
 
 namespace {
 
-/// Network time of an ecology time; nothing where seconds have meanings of their own: `deleted` and
-/// all below.
-std::optional<timestamp> to_timestamp(instant x, duration offset) {
-  const auto since = x.time_since_epoch() + offset;
-  const auto whole = std::chrono::floor<std::chrono::seconds>(since);
-  if (whole.count() <= deleted.seconds)
-    return std::nullopt;
-  const auto rest = std::chrono::duration_cast<std::chrono::microseconds>(since - whole);
-  return timestamp{whole.count(), static_cast<std::int32_t>(rest.count())};
-}
+// What is kept of a host that may come back.
+constexpr std::size_t suspended_subscriptions_max = 256;
+constexpr std::size_t suspended_octets_max = std::size_t{1} << 18U;
 
 } // namespace
 
-tuple_space::tuple_space(tuple_space_config config, peer_id self, duration clock_offset)
-    : config_(config), self_(self), clock_offset_(clock_offset),
-      others_(std::make_shared<fair_share>(config.others_octets_max)),
-      store_({config.written_octets_max, config.held_octets_max, others_}),
-      channels_(config.appends_waiting_max, config.appends_waiting_octets_max),
-      subscribers_({config.subscribers_max, config.subscribers_octets_max, others_,
-                    config.subscribers_per_key_max}),
-      window_(config.pushes) {}
+struct tuple_space::parts {
+  parts(const tuple_space_config& limits, peer_id id, duration clock_offset)
+      : config(limits), self(id), clock(clock_offset),
+        memory(std::make_shared<fair_share>(limits.others_octets_max)),
+        store({limits.written_octets_max, limits.held_octets_max, memory}), drafts(id, clock),
+        hosts(limits.strangers_max, limits.stranger_age),
+        local(id, limits.subscriptions_max, limits.lifetime), own(limits, id, store, hosts, clock),
+        held(limits, id, store, hosts, local, clock), feed(limits, id, own, hosts, local, memory) {}
 
-timestamp tuple_space::network_time(instant now) const {
-  return to_timestamp(now, clock_offset_).value_or(never);
+  void publish(const std::optional<own_change>& change, instant now, tuple_events& out);
+  void notify(const own_value_deleted& x, tuple_events& out) { local.notify_deleted(x.gone, out); }
+  void notify(const auto& x, tuple_events& out) { local.notify_changed(x.content, out); }
+  [[nodiscard]] cause append(const tuple_pointer& x, const payload& added,
+                             std::optional<peer_id> writer, instant now, tuple_events& out);
+  void on_subscribe(peer_id source, byte_view octets, instant now, tuple_events& out);
+  void on_unsubscribe(peer_id source, byte_view octets);
+  void on_append_request(peer_id source, const payload& octets, instant now, tuple_events& out);
+  void forget_host(peer_id host, instant now, tuple_events& out);
+
+  tuple_space_config config;
+  peer_id self;
+  tuple_clock clock;
+  std::shared_ptr<fair_share> memory; ///< octets of all that others have put here
+  tuple_store store;
+  tuple_drafts drafts;
+  tuple_hosts hosts;
+  local_subscriptions local;
+  own_tuples own;
+  held_tuples held;
+  subscriber_feed feed;
+  tuple_counters counters; ///< what none of them counts
+};
+
+tuple_space::tuple_space() : tuple_space({}, {}, {}) {}
+tuple_space::tuple_space(const tuple_space_config& config, peer_id self, duration clock_offset)
+    : parts_(std::make_unique<parts>(config, self, clock_offset)) {}
+tuple_space::~tuple_space() = default;
+tuple_space::tuple_space(tuple_space&&) noexcept = default;
+tuple_space& tuple_space::operator=(tuple_space&&) noexcept = default;
+
+void tuple_space::parts::publish(const std::optional<own_change>& change, instant now,
+                                 tuple_events& out) {
+  if (!change)
+    return;
+  feed.publish(*change, now, out);
+  std::visit([&](const auto& x) { notify(x, out); }, *change);
 }
 
-std::optional<instant> tuple_space::expiry_of(const tuple& x) const {
-  if (x.expiry == never)
-    return std::nullopt;
-  if (x.expiry == deleted)
-    return instant::min();
-  return instant(std::chrono::seconds(x.expiry.seconds) +
-                 std::chrono::microseconds(x.expiry.microseconds) - clock_offset_);
-}
-
-bool tuple_space::full(const key& name, peer_id owner) const {
-  return store_.size() >= config_.tuples_max && store_.find(owner, name) == nullptr;
-}
-
-std::optional<tuple> tuple_space::draft(peer_id owner, const key& name,
-                                        tuple_content content) const {
-  tuple x;
-  x.owner = owner;
-  x.name = name;
-  x.form = content.form;
-  x.mimetype = std::move(content.mimetype);
-  x.value = std::move(content.value);
-  if (content.expiry) {
-    const auto expiry = to_timestamp(*content.expiry, clock_offset_);
-    if (!expiry)
-      return std::nullopt;
-    x.expiry = *expiry;
-  }
-  return x;
-}
-
-/// Checks what a user has filled in and fills in the rest.
-cause tuple_space::prepare(tuple& x, instant now) const {
-  if (x.owner == any_peer || x.name.is_pattern() || is_wildcard(x.user_time) ||
-      is_wildcard(x.expiry) || x.form == encoding::any || x.mimetype.empty())
-    return cause::abstract;
-  if (x.owner.value <= 0 || x.mimetype.size() > mimetype_length_max)
-    return cause::bad_value;
-  if (x.value.size() > tuple_value_max)
-    return cause::too_long;
-  const auto written = network_time(now);
-  if (x.expiry.seconds > written.seconds + std::numeric_limits<std::int32_t>::max())
-    return cause::bad_value; // others would take it for a time in the past
-  if (x.value.empty())
-    x.mimetype = empty_mimetype;
-  x.creator = self_;
-  x.written = written;
-  x.seqno = x.append_seqno = 0;
-  x.stale = false;
-  return cause::none;
+cause tuple_space::parts::append(const tuple_pointer& x, const payload& added,
+                                 std::optional<peer_id> writer, instant now, tuple_events& out) {
+  const auto result = own.append(x, added, writer, feed.takes_notices(*x));
+  publish(result.change, now, out);
+  return result.why;
 }
 
 std::pair<cause, tuple_events> tuple_space::set(const key& name, tuple_content content,
                                                 instant now) {
-  auto x = draft(self_, name, std::move(content));
-  if (x && !name.is_pattern())
-    return insert(std::move(*x), now);
-  ++counters_.refused;
-  return {x ? cause::bad_key : cause::bad_value, {}};
+  tuple_events out;
+  const auto result = parts_->own.set(name, std::move(content), now);
+  parts_->publish(result.change, now, out);
+  return {result.why, std::move(out)};
 }
 
 std::pair<cause, tuple_events> tuple_space::insert(tuple x, instant now) {
-  auto why = prepare(x, now);
-  if (why == cause::none && full(x.name, self_))
-    why = cause::space_full;
-  if (why != cause::none) {
-    ++counters_.refused;
-    return {why, {}};
-  }
-  if (x.expiry == deleted)
-    return {why, remove(x.name, now)};
-  return {why, store_own(std::move(x), {}, now)};
-}
-
-tuple_pointer tuple_space::put_own(tuple x, tuple_store::source by) {
-  const auto held = store_.size();
-  const auto expiry = expiry_of(x);
-  auto stored = store_.put(std::move(x), expiry, by);
-  own_keys_version_ += store_.size() != held ? 1 : 0;
-  return stored;
-}
-
-tuple_events tuple_space::store_own(tuple x, tuple_store::source by, instant now) {
-  ++counters_.sets;
-  const auto* held = store_.find(self_, x.name);
-  x.seqno = held != nullptr ? held->content->seqno + 1 : first_seqno_;
-  x.append_seqno = 0;
-  static_cast<void>(channels_.abandon(x.name)); // the whole value goes to everybody
-  const auto stored = put_own(std::move(x), by);
   tuple_events out;
-  push(*stored, now, out);
-  tell_changed(stored, out);
-  return out;
+  const auto result = parts_->own.insert(std::move(x), now);
+  parts_->publish(result.change, now, out);
+  return {result.why, std::move(out)};
 }
 
-void tuple_space::forget_own(const tuple& gone) {
-  first_seqno_ = std::max(first_seqno_, gone.seqno + 2); // a deletion may have had one of its own
-  ++own_keys_version_;
-  static_cast<void>(channels_.abandon(gone.name));
-}
-
-/// Deleting is setting with an expiry in the past and a value of one octet (peis-wire.md 15.4).
 tuple_events tuple_space::remove(const key& name, instant now) {
   tuple_events out;
-  const auto gone = store_.remove(self_, name);
-  if (!gone)
-    return out;
-  forget_own(*gone);
-  auto last = *gone;
-  last.seqno = gone->seqno + 1;
-  last.written = network_time(now);
-  last.expiry = deleted;
-  last.value = payload(bytes{0});
-  last.from = {};
-  push(last, now, out);
-  tell_deleted(gone, out);
+  parts_->publish(parts_->own.remove(name, now), now, out);
   return out;
 }
 
-std::pair<cause, transmit> tuple_space::ask_to_set(tuple x, request_id request, instant now) const {
-  const auto why = prepare(x, now);
-  if (why != cause::none)
-    return {why, {}};
-  return {cause::none,
-          {x.owner,
-           port::set,
-           {encode_tuple_head(x, tuple_message_kind::set), encode_tuple_value(x)},
-           request}};
+std::pair<cause, tuple_events> tuple_space::append(const prototype& wanted, const payload& added,
+                                                   instant now) {
+  tuple_events out;
+  auto why = cause::none;
+  auto own = wanted;
+  own.owner = parts_->self;
+  for (const auto& x : parts_->store.find_all(own)) {
+    if (const auto failed = parts_->append(x, added, {}, now, out); failed != cause::none)
+      why = failed;
+  }
+  return {why, std::move(out)};
 }
 
-std::pair<cause, transmit> tuple_space::ask_to_delete(peer_id owner, const key& name,
-                                                      request_id request, instant now) const {
-  if (name.is_pattern())
-    return {cause::bad_key, {}};
-  tuple x;
-  x.owner = owner;
-  x.name = name;
-  x.expiry = deleted;
-  x.value = payload(bytes{0});
-  return ask_to_set(std::move(x), request, now);
+std::pair<cause, tuple_events> tuple_space::subscribe(const prototype& wanted, subscription_id id,
+                                                      interest kind, instant now) {
+  const auto added = parts_->local.add(wanted, id, kind);
+  if (added.why != cause::none) {
+    ++parts_->counters.refused;
+    return {added.why, {}};
+  }
+  if (kind == interest::callback)
+    return {};
+  tuple_events out;
+  for (auto& held : parts_->store.find_all(wanted))
+    out.push_back(tuple_changed{id, std::move(held)});
+  parts_->feed.ask(added.unasked, now, out);
+  return {cause::none, std::move(out)};
+}
+
+std::pair<cause, tuple_events> tuple_space::unsubscribe(subscription_id id) {
+  tuple_events out;
+  const auto gone = parts_->local.remove(id);
+  if (!gone)
+    return {cause::bad_handle, {}};
+  if (gone->kind == interest::callback)
+    return {};
+  // The message names owner and key only: it would end the others of that name too.
+  const auto owner = gone->wanted.owner;
+  if (!parts_->local.subscribes_to(owner, gone->wanted.name)) {
+    auto message = encode_unsubscribe(gone->wanted);
+    if (owner == any_peer)
+      out.push_back(transmit_all{port::unsubscribe, std::move(message)});
+    else if (parts_->hosts.knows(owner))
+      out.push_back(transmit{owner, port::unsubscribe, {std::move(message), {}}, no_request});
+  }
+  parts_->held.on_unsubscribed(gone->wanted);
+  return {cause::none, std::move(out)};
+}
+
+tuple_events tuple_space::on_message(std::uint16_t port, peer_id source, const payload& octets,
+                                     instant now) {
+  tuple_events out;
+  switch (port) {
+  case port::push:
+    parts_->held.on_push(source, octets, now, out);
+    break;
+  case port::append_notice:
+    parts_->held.on_append_notice(source, octets, now, out);
+    break;
+  case port::append_request:
+    parts_->on_append_request(source, octets, now, out);
+    break;
+  case port::subscribe:
+    parts_->on_subscribe(source, octets.view(), now, out);
+    break;
+  case port::unsubscribe:
+    parts_->on_unsubscribe(source, octets.view());
+    break;
+  }
+  return out;
+}
+
+void tuple_space::parts::on_subscribe(peer_id source, byte_view octets, instant now,
+                                      tuple_events& out) {
+  const auto message = decode_subscribe(octets, clock.network_time(now));
+  const bool is_for_us =
+      message && (message->wanted.owner == any_peer || message->wanted.owner == self);
+  if (is_for_us && source != self)
+    feed.subscribe(source, message->wanted, message->lifetime, now, out);
+  else
+    ++counters.malformed;
+}
+
+/// Only owner and key of the message mean anything (peis-wire.md 15.2).
+void tuple_space::parts::on_unsubscribe(peer_id source, byte_view octets) {
+  if (const auto unwanted = decode_unsubscribe(octets))
+    feed.unsubscribe(source, unwanted->owner, unwanted->name);
+  else
+    ++counters.malformed;
+}
+
+void tuple_space::parts::on_append_request(peer_id source, const payload& octets, instant now,
+                                           tuple_events& out) {
+  const auto request = decode_append_request(octets, clock.network_time(now));
+  if (!request || request->wanted.owner != self) {
+    ++counters.malformed;
+    return;
+  }
+  const auto found = own.find_appendable(request->wanted);
+  if (!found) {
+    ++counters.appends_refused;
+    return;
+  }
+  if (found->empty() || !hosts.admit(source, now))
+    return;
+  for (const auto& x : *found) {
+    if (x->value.size() + request->added.size() > config.append_octets_max)
+      ++counters.appends_refused;
+    else
+      static_cast<void>(append(x, request->added, source, now, out));
+  }
 }
 
 std::optional<tuple> tuple_space::decode_set(const payload& octets, instant now) {
-  auto x = decode_tuple_message(octets, network_time(now));
-  if (!x || x->owner != self_) {
-    ++counters_.malformed;
-    return std::nullopt;
-  }
-  return std::move(*x);
+  return parts_->own.decode_set(octets, now);
 }
 
 tuple_events tuple_space::on_set(peer_id source, const tuple& x, bool may_write, instant now) {
-  if (!may_write) {
-    ++counters_.refused;
-    return {};
-  }
-  if (x.expiry == deleted) {
-    ++counters_.remote_sets;
-    return remove(x.name, now);
-  }
-  const tuple_store::source by{tuple_store::origin::written, source};
-  if (full(x.name, self_) || !store_.admits(x, by)) {
-    ++counters_.overflow;
-    return {};
-  }
-  if (!acquainted(source, now))
-    return {};
-  ++counters_.remote_sets;
-  auto own = x;
-  own.written = network_time(now);
-  return store_own(std::move(own), by, now);
-}
-
-/// Does a pushed tuple replace the one held? A number restarts at zero when a real owner restarts
-/// or creates the tuple anew, hence the time (peis-wire.md 15.3); a deletion that was overtaken by
-/// a newer value must not remove it. What was asked for because ours is incomplete or stale has
-/// the same number and time.
-bool tuple_space::replaces(const tuple& x, const tuple& held, bool deletion) const {
-  if (x.written > held.written)
-    return true;
-  if (x.seqno > held.seqno)
-    return !deletion || x.written == held.written;
-  const bool asked_for = held.stale || incomplete_.contains({held.owner, held.name.folded()});
-  return asked_for && x.seqno == held.seqno && x.written == held.written;
-}
-
-tuple_events tuple_space::on_push(peer_id source, const payload& octets, instant now) {
-  ++counters_.pushes_received;
-  auto x = decode_tuple_message(octets, network_time(now));
-  if (!x || x->owner != source || source == self_) {
-    ++counters_.malformed;
-    return {};
-  }
-  const auto expiry = expiry_of(*x);
-  const bool deletion = expiry && *expiry <= now;
-  const auto* held = store_.find(source, x->name);
-  if (!wanted(deletion && held != nullptr ? *held->content : *x)) {
-    ++counters_.unwanted;
-    return {};
-  }
-  if (held == nullptr ? deletion : !replaces(*x, *held->content, deletion)) {
-    ++counters_.outdated;
-    return {};
-  }
   tuple_events out;
-  const tuple_store::source by{tuple_store::origin::held, source};
-  const bool room = deletion || (!full(x->name, source) && store_.admits(*x, by));
-  counters_.overflow += room ? 0 : 1;
-  if ((deletion || !room) && held != nullptr) { // better none than one that its owner has replaced
-    incomplete_.erase({source, x->name.folded()});
-    tell_deleted(store_.remove(source, x->name), out);
-  } else if (room && acquainted(source, now)) {
-    check_completeness(*x);
-    tell_changed(store_.put(std::move(*x), expiry, by), out);
-  }
+  parts_->publish(parts_->own.on_set(source, x, may_write, now), now, out);
   return out;
 }
 
-/// Local subscriptions and callbacks that a tuple concerns, in the order of their ids.
-std::vector<subscription_id> tuple_space::interested(const tuple& x) const {
-  std::vector<subscription_id> ids;
-  wanted_.for_matching(x.name, [&](const subscription& s) {
-    if (s.wanted.matches(x))
-      ids.push_back(s.id);
-  });
-  std::sort(ids.begin(), ids.end());
-  return ids;
+tuple_events tuple_space::on_host_appeared(peer_id host, bool marked, instant now,
+                                           std::int32_t incarnation) {
+  tuple_events out;
+  const auto resumed = parts_->hosts.appear(host, marked, incarnation);
+  parts_->feed.on_host_appeared(host, now, out);
+  for (const auto& wanted : resumed)
+    parts_->feed.subscribe(host, wanted, std::nullopt, now, out);
+  return out;
 }
 
-bool tuple_space::wanted(const tuple& x) const {
-  bool found = false;
-  wanted_.for_matching(x.name, [&](const subscription& s) {
-    found = found || (s.kind == interest::subscription && s.wanted.matches(x));
-  });
-  return found;
+tuple_events tuple_space::on_host_vanished(peer_id host, instant now) {
+  tuple_events out;
+  const auto& subscribers = parts_->feed.subscribers();
+  parts_->hosts.vanish(
+      host, subscribers.lasting_of(host, suspended_subscriptions_max, suspended_octets_max));
+  parts_->forget_host(host, now, out);
+  return out;
 }
 
-void tuple_space::tell_changed(const tuple_pointer& x, tuple_events& out) const {
-  for (const auto id : interested(*x))
-    out.push_back(tuple_changed{id, x});
+/// What it has put here goes; what it wrote into our own tuples stays for a while (orphans).
+void tuple_space::parts::forget_host(peer_id host, instant now, tuple_events& out) {
+  held.on_owner_gone(host, out);
+  feed.on_host_gone(host);
+  own.on_writer_gone(host, now);
 }
 
-void tuple_space::tell_deleted(const tuple_pointer& x, tuple_events& out) const {
-  for (const auto id : interested(*x))
-    out.push_back(tuple_deleted{id, x});
+tuple_events tuple_space::renew(peer_id host, instant now) {
+  tuple_events out;
+  parts_->feed.ask_all(host, true, now, out);
+  return out;
+}
+
+tuple_events tuple_space::on_delivered(request_id request, instant now) {
+  tuple_events out;
+  parts_->feed.on_delivered(request, now, out);
+  return out;
+}
+
+void tuple_space::on_undelivered(peer_id destination, std::uint16_t port, byte_view head,
+                                 request_id request, instant now) {
+  parts_->feed.on_undelivered(destination, port, head, request, now);
 }
 
 tuple_events tuple_space::on_time(instant now) {
   tuple_events out;
-  while (const auto gone = store_.take_expired(now)) {
-    ++counters_.expired;
-    if (gone->owner == self_)
-      forget_own(*gone);
-    else
-      incomplete_.erase({gone->owner, gone->name.folded()});
-    tell_deleted(gone, out);
+  auto& all = *parts_;
+  while (const auto gone = all.store.take_expired(now)) {
+    ++all.counters.expired;
+    if (gone->owner == all.self) {
+      all.own.on_expired(*gone);
+      all.feed.on_expired(gone->name);
+    } else {
+      all.held.on_expired(*gone);
+    }
+    all.local.notify_deleted(gone, out);
   }
-  if (next_stranger_ && *next_stranger_ <= now)
-    forget_strangers(now, out);
-  if (next_orphan_ && *next_orphan_ <= now)
-    remove_orphans(now, out);
-  if (next_refresh_ && *next_refresh_ <= now)
-    refresh(now, out);
-  if (next_repair_ && *next_repair_ <= now)
-    repair_appends(now, out);
-  if (next_work_ && *next_work_ <= now)
-    work(now, out);
+  for (const auto host : all.hosts.take_silent(now))
+    all.forget_host(host, now, out);
+  for (const auto& name : all.own.take_orphans(now))
+    all.publish(all.own.remove(name, now), now, out);
+  all.feed.refresh(now, out);
+  all.held.on_time(now, out);
+  all.feed.serve_pending(now, out);
   return out;
 }
 
 std::optional<instant> tuple_space::deadline() const {
-  const auto of_others = earliest(next_stranger_, next_orphan_);
-  const auto soon = earliest(earliest(store_.deadline(), next_repair_), next_work_);
-  return earliest(soon, earliest(of_others, next_refresh_));
+  const auto& all = *parts_;
+  const auto of_tuples = earliest(all.store.deadline(), all.held.deadline());
+  const auto of_hosts = earliest(all.hosts.deadline(), all.own.deadline());
+  return earliest(all.feed.deadline(), earliest(of_tuples, of_hosts));
 }
 
-tuple_pointer tuple_space::find(peer_id owner, const key& name) const {
-  const auto* x = store_.find(owner, name);
-  return x != nullptr ? x->content : nullptr;
+void tuple_space::set_clock_offset(duration offset) {
+  parts_->clock.set_offset(offset);
+}
+
+const tuple_store& tuple_space::stored() const {
+  return parts_->store;
+}
+
+tuple_audience tuple_space::audience() const {
+  return {parts_->local, parts_->feed.subscribers()};
+}
+
+const tuple_drafts& tuple_space::drafts() const {
+  return parts_->drafts;
+}
+
+bool tuple_space::is_waiting(const key& name) const {
+  return parts_->feed.is_waiting(name);
+}
+
+std::uint64_t tuple_space::own_keys_version() const {
+  return parts_->own.keys_version();
 }
 
 tuple_counters tuple_space::counters() const {
-  auto all = counters_;
-  all.tuples = store_.size();
-  all.subscriptions = subscriptions_.size();
-  all.subscribers = subscribers_.size();
-  all.subscribers_octets = subscribers_.octets();
-  all.held_octets = store_.held().total();
-  all.written_octets = store_.written().total();
-  all.pushes_octets = window_.octets();
-  all.debtors = debts_.size();
+  auto all = parts_->counters;
+  all += parts_->own.counters();
+  all += parts_->held.counters();
+  all += parts_->feed.counters();
+  all.tuples = parts_->store.size();
+  all.held_octets = parts_->store.held().total();
+  all.written_octets = parts_->store.written().total();
+  all.subscriptions = parts_->local.size();
+  all.strangers_refused = parts_->hosts.strangers_refused();
+  all.absent_forgotten = parts_->hosts.suspended_forgotten();
   return all;
+}
+
+const std::shared_ptr<fair_share>& tuple_space::memory() const {
+  return parts_->memory;
+}
+
+work_units tuple_space::take_work() {
+  return parts_->own.take_work() + parts_->held.take_work() + parts_->feed.take_work();
 }
 
 } // namespace rubicon::peis

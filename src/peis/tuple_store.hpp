@@ -54,7 +54,11 @@ public:
   tuple_store() = default;
   explicit tuple_store(const limits& x) : written_(x.written, x.pool), held_(x.held, x.pool) {}
 
-  [[nodiscard]] const entry* find(peer_id owner, const key& name) const;
+  [[nodiscard]] const entry* find(peer_id owner, const key& name) const; ///< null if none
+  [[nodiscard]] tuple_pointer content(peer_id owner, const key& name) const {
+    const auto* x = find(owner, name);
+    return x != nullptr ? x->content : nullptr;
+  }
 
   /// Is there room for a tuple of this content, in the place of the one of its name?
   [[nodiscard]] bool admits(const tuple& x, source by) const;
@@ -76,6 +80,16 @@ public:
       if (wanted.matches(*x->content))
         visit(*x);
     }
+  }
+
+  /// Calls `visit(const tuple_pointer&, bool is_new)` for each match that has not expired,
+  /// ascending by key, then owner, and marks those as read for which it returns true (TUP-12).
+  template <class Visitor>
+  void read(const prototype& wanted, instant now, Visitor visit) const {
+    for_matching(wanted, [&](const entry& x) {
+      if (x.expiry > now && visit(x.content, x.is_new))
+        x.is_new = false;
+    });
   }
 
   /// Goes through the tuples of one owner that may match, in pieces: begins behind the folded key

@@ -286,10 +286,10 @@ TEST_CASE("appends of a real kernel extend what its pushes gave", "[peis][TUP-07
   static_cast<void>(x.on_host_appeared(peer_id{10}, false, instant{}));
   static_cast<void>(x.subscribe(prototype_of(peer_id{10}, *key::parse("foo")), subscription_id{1},
                                 tuple_space::interest::subscription, instant{}));
-  CHECK(x.on_push(peer_id{10}, only("push-update").data, instant{}).size() == 1);
+  CHECK(x.on_message(port::push, peer_id{10}, only("push-update").data, instant{}).size() == 1);
   for (const auto& notice : packages("push-appended"))
-    CHECK(x.on_append_notice(peer_id{10}, notice.data, instant{}).size() == 1);
-  CHECK(x.find(peer_id{10}, *key::parse("foo"))->text().starts_with("worldand more"));
+    CHECK(x.on_message(port::append_notice, peer_id{10}, notice.data, instant{}).size() == 1);
+  CHECK(x.stored().content(peer_id{10}, *key::parse("foo"))->text().starts_with("worldand more"));
 }
 
 TEST_CASE("an expiring and a deleted tuple say so", "[peis][TUP-15][TUP-16]") {

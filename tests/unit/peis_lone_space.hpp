@@ -90,7 +90,7 @@ struct lone_space {
       set(numbered("a.k", i));
   }
   std::size_t subscribe(peer_id who, std::string_view pattern) {
-    return take(x.on_subscribe(who, subscription(pattern), now));
+    return take(x.on_message(port::subscribe, who, subscription(pattern), now));
   }
   /// What is due at the next deadline.
   std::size_t turn() {

@@ -46,42 +46,6 @@ struct pair_with_log {
   }
 };
 
-/// A subscriber alone, which holds "log" of the other as "one".
-struct lone_subscriber {
-  tuple_space x{tuple_space_config{}, peer_id{1}, 1'000'000'000s};
-  tuple content;
-
-  explicit lone_subscriber(bool marked) {
-    static_cast<void>(x.on_host_appeared(robot, marked, start));
-    static_cast<void>(x.subscribe(log_of(any_peer), subscription_id{1},
-                                  tuple_space::interest::subscription, start));
-    content.owner = content.creator = robot;
-    content.name = *key::parse("log");
-    content.written = {1000, 0};
-    content.append_seqno = 77123; // garbage, as real kernels send
-    value("one");
-    CHECK(push().size() == 1);
-  }
-  void value(std::string_view text) { content.value = text_content(text).value; }
-  tuple_events push() {
-    auto octets = encode_tuple_head(content, tuple_message_kind::push);
-    const auto body = encode_tuple_value(content);
-    octets.insert(octets.end(), body.view().begin(), body.view().end());
-    return x.on_push(robot, octets, start);
-  }
-  tuple_events notice(std::string_view before, std::string_view added) {
-    auto old = content;
-    old.value = text_content(before).value;
-    const auto tail = text_content(added).value;
-    auto octets = encode_append_notice_head(old, tail.size());
-    octets.insert(octets.end(), tail.view().begin(), tail.view().end());
-    return x.on_append_notice(robot, octets, start);
-  }
-  [[nodiscard]] std::string held() const {
-    return std::string(x.find(robot, *key::parse("log"))->text());
-  }
-};
-
 } // namespace
 
 TEST_CASE("appends of owner and writer reach everybody in one order", "[peis][TUP-07]") {
@@ -266,74 +230,6 @@ TEST_CASE("who asked for a certain value is not told of appends it may not hold"
   CHECK(p.held(p.b) == "0123");
   CHECK(p.held(c) == "012");
   CHECK(p.sent(port::append_notice) == 0);
-}
-
-TEST_CASE("notices that fit are applied, whatever number the append has", "[peis][TUP-07]") {
-  lone_subscriber s(GENERATE(false, true));
-  const auto told = s.notice("one", " two");
-  REQUIRE(told.size() == 1);
-  CHECK(std::get<tuple_changed>(told[0]).content->text() == "one two");
-  CHECK(s.notice("one two", " three").size() == 1);
-  CHECK(s.held() == "one two three");
-}
-
-TEST_CASE("a notice that comes twice or after a newer set changes nothing", "[peis][TUP-07]") {
-  lone_subscriber s(false);
-  static_cast<void>(s.notice("one", " two"));
-  CHECK(s.notice("one", " two").empty());
-  CHECK(s.held() == "one two");
-  const auto old = s.content;
-  s.content.seqno = 1;
-  s.content.written = {1001, 0};
-  s.value("new");
-  static_cast<void>(s.push());
-  s.content = old;
-  CHECK(s.notice("one two", " three").empty());
-  CHECK(s.held() == "new");
-  CHECK(s.x.counters().outdated == 2);
-  CHECK(s.x.counters().append_gaps == 0);
-}
-
-TEST_CASE("a missing notice is made up for by a fresh value from the owner", "[peis][TUP-07]") {
-  lone_subscriber s(GENERATE(false, true));
-  const auto asked = s.notice("one two", " three"); // " two" was overtaken
-  REQUIRE(asked.size() == 1);
-  const auto& question = std::get<transmit>(asked[0]);
-  CHECK(question.destination == robot);
-  const auto message = decode_subscribe(question.content.head.view(), {});
-  REQUIRE(message);
-  CHECK(message->wanted == log_of(robot));
-  CHECK(s.held() == "one");
-  s.value("one two"); // written before the last append: still incomplete
-  CHECK(s.push().size() == 1);
-  REQUIRE(s.x.deadline());
-  CHECK(s.x.on_time(start + 2s).size() >= 1);
-  s.value("one two three"); // same number and time: taken only because it was asked for
-  CHECK(s.push().size() == 1);
-  CHECK(s.held() == "one two three");
-  CHECK(s.push().empty());
-  for (int i = 4; i < 15; ++i)
-    CHECK(s.x.on_time(start + i * 1s).empty()); // nothing to repair any more
-}
-
-TEST_CASE("repairs end after some attempts", "[peis][TUP-07]") {
-  lone_subscriber s(false);
-  CHECK(s.notice("one two", " three").size() == 1);
-  std::size_t asked = 0;
-  for (int i = 1; i < 60; ++i)
-    asked += s.x.on_time(start + i * 1s).size();
-  CHECK(asked == 4);
-  CHECK(s.x.counters().append_gaps_given_up == 1);
-}
-
-TEST_CASE("notices of nobody's interest or in somebody's name are dropped", "[peis][TUP-07]") {
-  lone_subscriber s(false);
-  static_cast<void>(s.x.unsubscribe(subscription_id{1}));
-  CHECK(s.notice("one", " two").empty());
-  CHECK(s.x.counters().unwanted == 1);
-  CHECK(s.x.on_append_notice(peer_id{3}, encode_append_notice_head(s.content, 0), start).empty());
-  CHECK(s.x.on_append_notice(robot, bytes(3), start).empty());
-  CHECK(s.x.counters().malformed == 2);
 }
 
 } // namespace rubicon::peis

@@ -29,14 +29,15 @@ TEST_CASE("subscribers have a limit of octets", "[peis][TUP-08][TUP-24]") {
   config.subscribers_octets_max = 1'000'000;
   lone_space b(config);
   for (std::size_t i = 0; i < 100; ++i)
-    b.take(b.x.on_subscribe(hostile, subscription(numbered("k", i), payload(bytes(50'000, 'v'))),
-                            b.now));
+    b.take(b.x.on_message(port::subscribe, hostile,
+                          subscription(numbered("k", i), payload(bytes(50'000, 'v'))), b.now));
   CHECK(b.counted().subscribers_octets <= 800'000);
   CHECK(b.counted().subscribers_octets > 600'000);
   CHECK(b.counted().subscribers_refused > 80);
   b.subscribe(robot, "x");
-  CHECK(b.x.has_subscriber(name_of("x")));
-  b.take(b.x.on_unsubscribe(robot, encode_unsubscribe(prototype_of(any_peer, name_of("x")))));
+  CHECK(b.x.audience().has_subscriber(name_of("x")));
+  b.take(b.x.on_message(port::unsubscribe, robot,
+                        encode_unsubscribe(prototype_of(any_peer, name_of("x"))), b.now));
   b.take(b.x.on_host_vanished(hostile, b.now));
   CHECK(b.counted().subscribers_octets == 0);
 }
@@ -53,10 +54,11 @@ TEST_CASE("all that others put into a space has one limit together", "[peis][TUP
     return all.held_octets + all.written_octets + all.subscribers_octets;
   };
   for (std::size_t i = 0; i < 20; ++i) {
-    b.take(b.x.on_push(hostile, message_of(tuple_of(hostile, numbered("t", i), 20'000)), b.now));
+    b.take(b.x.on_message(port::push, hostile,
+                          message_of(tuple_of(hostile, numbered("t", i), 20'000)), b.now));
     b.set_by(hostile, numbered("w", i), 20'000);
-    b.take(b.x.on_subscribe(hostile, subscription(numbered("k", i), payload(bytes(6'000, 'v'))),
-                            b.now));
+    b.take(b.x.on_message(port::subscribe, hostile,
+                          subscription(numbered("k", i), payload(bytes(6'000, 'v'))), b.now));
   }
   CHECK(octets() > 700'000);
   CHECK(octets() <= 800'000);
@@ -64,14 +66,15 @@ TEST_CASE("all that others put into a space has one limit together", "[peis][TUP
   CHECK(b.counted().overflow > 0);
   b.subscribe(robot, "x"); // there is room for others, of each kind
   b.set_by(robot, "fan", 3);
-  CHECK(b.x.has_subscriber(name_of("x")));
-  CHECK(b.x.find(me, name_of("fan")) != nullptr);
+  CHECK(b.x.audience().has_subscriber(name_of("x")));
+  CHECK(b.x.stored().content(me, name_of("fan")) != nullptr);
 }
 
 TEST_CASE("one host may have 64 prototypes for one key", "[peis][TUP-08][TUP-20]") {
   lone_space b;
   const auto ask = [&](peer_id who, std::size_t i) {
-    b.take(b.x.on_subscribe(who, subscription("k", payload(bytes(i + 1, 'v'))), b.now));
+    b.take(
+        b.x.on_message(port::subscribe, who, subscription("k", payload(bytes(i + 1, 'v'))), b.now));
   };
   for (std::size_t i = 0; i < 64; ++i)
     ask(hostile, i);
@@ -101,8 +104,8 @@ TEST_CASE("what hosts that are away had subscribed to is kept within limits",
   come(hostile, 8); // another incarnation wants nothing yet
   CHECK(b.counted().subscribers == 0);
   for (std::size_t i = 0; i < 100; ++i)
-    b.take(b.x.on_subscribe(hostile, subscription(numbered("k", i), payload(bytes(10'000, 'v'))),
-                            b.now));
+    b.take(b.x.on_message(port::subscribe, hostile,
+                          subscription(numbered("k", i), payload(bytes(10'000, 'v'))), b.now));
   go(hostile);
   come(hostile, 8);
   CHECK(b.counted().subscribers > 2);
@@ -146,14 +149,17 @@ TEST_CASE("tuples of another owner have a limit of octets and go with it", "[pei
                                   tuple_space::interest::subscription, b.now));
   b.take(b.x.on_host_appeared(hostile, false, b.now));
   for (std::size_t i = 0; i < 150; ++i)
-    b.take(b.x.on_push(hostile, message_of(tuple_of(hostile, numbered("k", i), 100'000)), b.now));
+    b.take(b.x.on_message(port::push, hostile,
+                          message_of(tuple_of(hostile, numbered("k", i), 100'000)), b.now));
   CHECK(b.counted().held_octets <= 800'000);
   CHECK(b.counted().held_octets > 650'000);
   CHECK(b.counted().overflow == 143);
-  b.take(b.x.on_push(robot, message_of(tuple_of(robot, "t", 100)), b.now)); // still room for others
-  CHECK(b.x.find(robot, name_of("t")) != nullptr);
+  b.take(b.x.on_message(port::push, robot, message_of(tuple_of(robot, "t", 100)),
+                        b.now)); // still room for others
+  CHECK(b.x.stored().content(robot, name_of("t")) != nullptr);
   // What grows beyond the limit is told as gone: its old value would be wrong.
-  const auto grown = b.x.on_push(hostile, message_of(tuple_of(hostile, "k0", 900'000, 1)), b.now);
+  const auto grown =
+      b.x.on_message(port::push, hostile, message_of(tuple_of(hostile, "k0", 900'000, 1)), b.now);
   REQUIRE(grown.size() == 1);
   CHECK(std::holds_alternative<tuple_deleted>(grown[0]));
   b.take(b.x.on_host_vanished(hostile, b.now));
@@ -172,12 +178,12 @@ TEST_CASE("own tuples that others write have a limit of octets", "[peis][TUP-05]
   b.set_by(hostile, "k0", 90'000); // in the place of the old one
   CHECK(b.counted().overflow == 143);
   b.set_by(robot, "fan", 3);
-  CHECK(b.x.find(me, name_of("fan")) != nullptr);
+  CHECK(b.x.stored().content(me, name_of("fan")) != nullptr);
   const auto before = b.counted().written_octets;
   b.set("k0", 500'000); // our own values are ours
   CHECK(b.counted().written_octets < before - 90'000);
   b.set("ours", 5'000'000);
-  CHECK(b.x.find(me, name_of("ours")) != nullptr);
+  CHECK(b.x.stored().content(me, name_of("ours")) != nullptr);
 }
 
 TEST_CASE("what a writer leaves behind stays if it is little", "[peis][TUP-05][TUP-19]") {
@@ -200,11 +206,11 @@ TEST_CASE("what a writer leaves behind stays if it is little", "[peis][TUP-05][T
   b.take(b.x.on_time(b.now));
   CHECK(b.counted().orphans_removed == 9);
   for (const auto* kept : {"switch", "task", "from-robot"})
-    CHECK(b.x.find(me, name_of(kept)) != nullptr);
+    CHECK(b.x.stored().content(me, name_of(kept)) != nullptr);
   b.take(b.x.on_host_vanished(robot, b.now));
   b.now += 30s;
   b.take(b.x.on_time(b.now));
-  CHECK(b.x.find(me, name_of("from-robot")) == nullptr);
+  CHECK(b.x.stored().content(me, name_of("from-robot")) == nullptr);
 }
 
 TEST_CASE("hosts that nobody knows are few, and forgotten when they fall silent",
@@ -233,10 +239,10 @@ TEST_CASE("a request of another appends to 256 tuples at most, or to none", "[pe
   lone_space b;
   for (std::size_t i = 0; i < 256; ++i)
     b.set(numbered("a.k", i));
-  b.take(b.x.on_append_request(hostile, append_request_for("a.*", 1), b.now));
+  b.take(b.x.on_message(port::append_request, hostile, append_request_for("a.*", 1), b.now));
   CHECK(b.counted().appends == 256);
   b.set("a.one-more");
-  b.take(b.x.on_append_request(hostile, append_request_for("a.*", 1), b.now));
+  b.take(b.x.on_message(port::append_request, hostile, append_request_for("a.*", 1), b.now));
   CHECK(b.counted().appends == 256);
   CHECK(b.counted().appends_refused == 1);
 }
@@ -244,10 +250,10 @@ TEST_CASE("a request of another appends to 256 tuples at most, or to none", "[pe
 TEST_CASE("others may not make a value longer than a mebibyte by appending", "[peis][TUP-07]") {
   lone_space b;
   b.set("log", (1U << 20U) - 10);
-  b.take(b.x.on_append_request(hostile, append_request_for("log", 10), b.now));
-  CHECK(b.x.find(me, name_of("log"))->value.size() == 1U << 20U);
-  b.take(b.x.on_append_request(hostile, append_request_for("log", 1), b.now));
-  CHECK(b.x.find(me, name_of("log"))->value.size() == 1U << 20U);
+  b.take(b.x.on_message(port::append_request, hostile, append_request_for("log", 10), b.now));
+  CHECK(b.x.stored().content(me, name_of("log"))->value.size() == 1U << 20U);
+  b.take(b.x.on_message(port::append_request, hostile, append_request_for("log", 1), b.now));
+  CHECK(b.x.stored().content(me, name_of("log"))->value.size() == 1U << 20U);
   CHECK(b.counted().appends_refused == 1);
   const auto own = b.x.append(prototype_of(me, name_of("log")), payload(bytes(10, 'z')), b.now);
   CHECK(own.first == cause::none);

@@ -43,46 +43,12 @@ void subscribe(tuple_space& x, std::string_view pattern) {
 
 } // namespace
 
-TEST_CASE("an older value never replaces a newer one", "[peis][TUP-17]") {
-  auto x = space();
-  subscribe(x, "x");
-  const auto text = [&] { return std::string(x.find(robot, *key::parse("x"))->text()); };
-  static_cast<void>(x.on_push(robot, pushed(5, 1000, "five"), start));
-  static_cast<void>(x.on_push(robot, pushed(4, 999, "four"), start));
-  CHECK(text() == "five");
-  static_cast<void>(x.on_push(robot, pushed(5, 1000, "again"), start));
-  CHECK(text() == "five");
-  CHECK(x.counters().outdated == 2);
-  static_cast<void>(x.on_push(robot, pushed(0, 1001, "restarted"), start)); // peis-wire.md 15.3
-  CHECK(text() == "restarted");
-}
-
-TEST_CASE("a late deletion does not remove a newer value", "[peis][TUP-16][TUP-17]") {
-  auto x = space();
-  subscribe(x, "x");
-  static_cast<void>(x.on_push(robot, pushed(0, 1001, "created anew"), start));
-  CHECK(x.on_push(robot, pushed(9, 1000, "", deleted), start).empty());
-  CHECK(x.find(robot, *key::parse("x")) != nullptr);
-  CHECK(x.on_push(robot, pushed(1, 1002, "", deleted), start).size() == 1);
-  CHECK(x.find(robot, *key::parse("x")) == nullptr);
-}
-
-TEST_CASE("pushes of nobody's interest or in somebody's name are dropped", "[peis][TUP-08]") {
-  auto x = space();
-  CHECK(x.on_push(robot, pushed(0, 1, "v"), start).empty());
-  CHECK(x.counters().unwanted == 1);
-  subscribe(x, "");
-  CHECK(x.on_push(peer_id{3}, pushed(0, 1, "v"), start).empty());
-  CHECK(x.counters().malformed == 1);
-  CHECK(x.on_push(robot, pushed(0, 1, "v"), start).size() == 1);
-}
-
 TEST_CASE("a repeated subscription of a real kernel pushes again but is stored once",
           "[peis][TUP-08]") {
   auto x = space();
   static_cast<void>(x.set(*key::parse("a.b"), text_content("1"), start));
-  CHECK(x.on_subscribe(robot, subscription_for("A.*"), start).size() == 1);
-  CHECK(x.on_subscribe(robot, subscription_for("a.*"), start).size() == 1);
+  CHECK(x.on_message(port::subscribe, robot, subscription_for("A.*"), start).size() == 1);
+  CHECK(x.on_message(port::subscribe, robot, subscription_for("a.*"), start).size() == 1);
   CHECK(x.counters().subscribers == 1);
   CHECK(x.set(*key::parse("a.b"), text_content("2"), start).second.size() == 1);
 }
@@ -91,8 +57,8 @@ TEST_CASE("a refresh of an unknown subscription counts as a new one", "[peis][TU
   auto x = space();
   static_cast<void>(x.set(*key::parse("a"), text_content("1"), start));
   const auto refresh = subscription_for("a", lifetime_tag{true, 60});
-  CHECK(x.on_subscribe(robot, refresh, start).size() == 1);
-  CHECK(x.on_subscribe(robot, refresh, start + 20s).empty());
+  CHECK(x.on_message(port::subscribe, robot, refresh, start).size() == 1);
+  CHECK(x.on_message(port::subscribe, robot, refresh, start + 20s).empty());
   REQUIRE(x.deadline());
   while (x.deadline() && *x.deadline() <= start + 120s)
     static_cast<void>(x.on_time(*x.deadline()));
@@ -120,17 +86,17 @@ TEST_CASE("real kernels are told nothing of lifetimes and nothing twice", "[peis
 TEST_CASE("subscribers of a vanished host are forgotten", "[peis][TUP-19]") {
   auto x = space();
   static_cast<void>(x.on_host_appeared(robot, false, start));
-  static_cast<void>(x.on_subscribe(robot, subscription_for("a"), start));
-  static_cast<void>(x.on_subscribe(robot, subscription_for("*"), start));
-  CHECK(x.has_subscriber(*key::parse("a")));
+  static_cast<void>(x.on_message(port::subscribe, robot, subscription_for("a"), start));
+  static_cast<void>(x.on_message(port::subscribe, robot, subscription_for("*"), start));
+  CHECK(x.audience().has_subscriber(*key::parse("a")));
   static_cast<void>(x.on_host_vanished(robot, start));
-  CHECK(!x.has_subscriber(*key::parse("a")));
+  CHECK(!x.audience().has_subscriber(*key::parse("a")));
 }
 
 TEST_CASE("a subscriber to whom no route is known yet gets its values later", "[peis][TUP-18]") {
   auto x = space();
   static_cast<void>(x.set(*key::parse("x"), text_content("1"), start));
-  auto sent = x.on_subscribe(robot, subscription_for("x"), start);
+  auto sent = x.on_message(port::subscribe, robot, subscription_for("x"), start);
   REQUIRE(sent.size() == 1);
   const auto& push = std::get<transmit>(sent[0]);
   x.on_undelivered(robot, push.port, push.content.head.view(), push.request, start);
@@ -141,26 +107,18 @@ TEST_CASE("a subscriber to whom no route is known yet gets its values later", "[
   CHECK(std::get<transmit>(again[0]).port == port::push);
 }
 
-TEST_CASE("a full tuple space refuses new tuples, not new values", "[peis][TUP-24]") {
-  tuple_space x({.tuples_max = 2}, me, 1'000'000'000s);
-  CHECK(x.set(*key::parse("a"), text_content("1"), start).first == cause::none);
-  CHECK(x.set(*key::parse("b"), text_content("1"), start).first == cause::none);
-  CHECK(x.set(*key::parse("c"), text_content("1"), start).first == cause::space_full);
-  CHECK(x.set(*key::parse("b"), text_content("2"), start).first == cause::none);
-}
-
 TEST_CASE("everything held is found in order of key and owner", "[peis][TUP-13]") {
   auto x = space();
   subscribe(x, "");
-  static_cast<void>(x.on_push(robot, pushed(0, 1, "v"), start));
+  static_cast<void>(x.on_message(port::push, robot, pushed(0, 1, "v"), start));
   for (const auto* name : {"x", "b.c", "A.z"})
     static_cast<void>(x.set(*key::parse(name), text_content("1"), start));
   std::string order;
-  for (const auto& t : x.find_all(prototype()))
+  for (const auto& t : x.stored().find_all(prototype()))
     order += t->name.text() + to_string(t->owner) + ' ';
   CHECK(order == "A.z1 b.c1 x1 x2 ");
-  CHECK(x.find_all(prototype_of(any_peer, *key::parse("*.*"))).size() == 2);
-  CHECK(x.find_all(prototype_of(robot, *key::parse("X"))).size() == 1);
+  CHECK(x.stored().find_all(prototype_of(any_peer, *key::parse("*.*"))).size() == 2);
+  CHECK(x.stored().find_all(prototype_of(robot, *key::parse("X"))).size() == 1);
 }
 
 } // namespace rubicon::peis
