@@ -125,8 +125,8 @@ struct packet_stream::state : std::enable_shared_from_this<state> {
 
   ssize_t write_some() {
     const auto rest = output.front().view().subspan(gone);
-    const auto size = ::send(socket.native_handle(), rest.data(),
-                             std::min(rest.size(), packet_size), no_wait);
+    const auto size =
+        ::send(socket.native_handle(), rest.data(), std::min(rest.size(), packet_size), no_wait);
     if (size < 0)
       return size;
     gone += static_cast<std::size_t>(size);

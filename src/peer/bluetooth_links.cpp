@@ -183,8 +183,7 @@ void bluetooth_links::on_asker(io::descriptor x) {
   auto& hello = arrived_.try_emplace(number, *loop_).first->second;
   hello.stream = io::packet_stream(*loop_, std::move(x), room);
   hello.stream.start({[this, number](byte_view octets) { on_question(number, octets); },
-                      ignore_sent,
-                      [this, number](const std::string&) { arrived_.erase(number); }});
+                      ignore_sent, [this, number](const std::string&) { arrived_.erase(number); }});
   hello.patience.start(config_.hello_timeout, [this, number] { arrived_.erase(number); });
 }
 

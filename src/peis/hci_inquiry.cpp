@@ -15,6 +15,7 @@ constexpr std::uint8_t inquiry_complete = 0x01;
 constexpr std::uint8_t command_status = 0x0f;
 constexpr std::uint8_t result_with_rssi = 0x22;
 constexpr std::uint8_t extended_result = 0x2f;
+constexpr std::uint8_t disallowed = 0x0c; ///< status: an inquiry of another program is in progress
 
 constexpr std::size_t address_size = 6;
 constexpr std::size_t rssi_at = 13;         ///< in a result; in old ones one octet further
@@ -46,9 +47,13 @@ std::vector<seen_device> devices_of(byte_view results) {
 
 bytes inquiry_command(duration length) {
   const auto units = std::clamp<std::int64_t>(length / inquiry_unit, 1, 48);
-  return {command_packet, 0x01, 0x04, // opcode 0x0401
+  return {command_packet,
+          0x01,
+          0x04, // opcode 0x0401
           5,
-          0x33,           0x8b, 0x9e, // the general inquiry access code
+          0x33,
+          0x8b,
+          0x9e, // the general inquiry access code
           static_cast<std::uint8_t>(units),
           0};
 }
@@ -62,7 +67,7 @@ inquiry_event decode_inquiry_event(byte_view packet) {
   if (code == inquiry_complete && content.size() == 1)
     return inquiry_ended{content[0] == 0};
   const bool is_refusal = code == command_status && content.size() == 4 && content[0] != 0 &&
-                          content[2] == 0x01 && content[3] == 0x04;
+                          content[0] != disallowed && content[2] == 0x01 && content[3] == 0x04;
   if (is_refusal)
     return inquiry_ended{false};
   if (code == result_with_rssi)

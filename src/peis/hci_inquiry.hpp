@@ -24,7 +24,8 @@ struct inquiry_ended {
 using inquiry_event = std::variant<std::vector<seen_device>, inquiry_ended>;
 
 /// Events Inquiry Complete (7.7.1), Command Status (7.7.15), Inquiry Result with RSSI (7.7.33) and
-/// Extended Inquiry Result (7.7.38). Results without signal strength are ignored: whether a link is
+/// Extended Inquiry Result (7.7.38). A refusal because of another program's inquiry is ignored: its
+/// results arrive here too. Results without signal strength are ignored: whether a link is
 /// possible could not be judged.
 [[nodiscard]] inquiry_event decode_inquiry_event(byte_view packet);
 
