@@ -11,6 +11,7 @@ rubicon_unit_test(unit.peis SOURCES
 rubicon_fuzz(peis_package_stream SOURCE fuzz/peis_package_stream.cpp NEEDS rubicon_peis)
 rubicon_fuzz(peis_tuple_messages SOURCE fuzz/peis_tuple_messages.cpp NEEDS rubicon_peis)
 rubicon_fuzz(peis_udp_datagram SOURCE fuzz/peis_udp_datagram.cpp NEEDS rubicon_peis)
+rubicon_fuzz(peis_hci_event SOURCE fuzz/peis_hci_event.cpp NEEDS rubicon_peis)
 rubicon_fuzz(peis_meta_tuple SOURCE fuzz/peis_meta_tuple.cpp NEEDS rubicon_peis)
 rubicon_fuzz(peis_services SOURCE fuzz/peis_services.cpp NEEDS rubicon_peis)
 rubicon_fuzz(peis_routing_page SOURCE fuzz/peis_routing_page.cpp NEEDS rubicon_peis)
