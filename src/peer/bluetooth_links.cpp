@@ -14,6 +14,7 @@ namespace rubicon::peer {
 namespace {
 
 constexpr std::size_t ports_max = 16; ///< peers that share an adapter
+constexpr duration inquiry_margin = 5s; ///< an inquiry that has not ended then has failed
 
 /// A package, or what comes before the first one.
 std::size_t size_of_first(byte_view octets) {
@@ -258,7 +259,7 @@ void bluetooth_links::carry_out(const peis::scan_adapter& x) {
   controller_.start({[this](byte_view packet) { on_inquiry(packet); }, ignore_sent,
                      [this](const std::string&) { end_scan(false); }});
   static_cast<void>(controller_.send(peis::inquiry_command(config_.inquiry))); // its queue is empty
-  inquiry_end_.start(2 * config_.inquiry, [this] { end_scan(false); });
+  inquiry_end_.start(config_.inquiry + inquiry_margin, [this] { end_scan(false); });
 }
 
 void bluetooth_links::on_inquiry(byte_view packet) {

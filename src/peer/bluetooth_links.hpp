@@ -27,11 +27,11 @@
 namespace rubicon::peer {
 
 struct bluetooth_links_config {
-  std::string adapter; ///< `hci0`
-  duration connect_timeout = 5s;
-  duration hello_timeout = 5s; ///< of the answer; a device that connects is closed after it
-  duration inquiry = 5s;       ///< length of a scan
-  peis::link_id first_link{1}; ///< links are numbered from here on
+  std::string adapter;            ///< `hci0`
+  duration connect_timeout = 20s; ///< an adapter calls one device after the other, for 5 s each
+  duration hello_timeout = 5s;    ///< of the answer; a device that connects is closed after it
+  duration inquiry = 5s;          ///< length of a scan
+  peis::link_id first_link{1};    ///< links are numbered from here on
 };
 
 struct bluetooth_counters {
