@@ -13,7 +13,7 @@ namespace rubicon::peer {
 
 namespace {
 
-constexpr std::size_t ports_max = 16; ///< peers that share an adapter
+constexpr std::size_t ports_max = 16;   ///< peers that share an adapter
 constexpr duration inquiry_margin = 5s; ///< an inquiry that has not ended then has failed
 
 /// A package, or what comes before the first one.
