@@ -20,7 +20,7 @@ void ask_for_link(peer_pointer self, const peis::connect_to& x) {
     self->send(arguments.bluetooth,
                bluetooth_connect{arguments.station, x.attempt.value, *device, url->port});
   else if (!peer && self->state.real != nullptr)
-    self->state.real->links().carry_out(x);
+    self->state.real->carry_out(x);
   else
     self->send(self, attempt_failed{x.attempt.value});
 }

@@ -32,6 +32,7 @@ namespace {
 
 /// Of a link of limited bandwidth: what is urgent overtakes all but these octets.
 constexpr std::size_t slow_link_window = 8192;
+constexpr duration inquiry_max = 5s;               ///< of a real adapter, which its links share
 constexpr std::size_t bluetooth_link_window = 512; ///< a quarter of a second at 2 kB/s
 
 ecology_actor ecology_handle(ecology_pointer self) {
@@ -65,7 +66,7 @@ config::peer_description description_of(ecology_pointer self, const supervised_p
 
 /// Whether a peer has anything to do with the real network; never in virtual time.
 bool is_real(ecology_pointer self, const config::peer_description& peer) {
-  return self->state.process.loop != nullptr && (peer.tcp || !peer.connect.empty() || peer.lan);
+  return self->state.process.loop != nullptr && config::has_real_links(peer);
 }
 
 /// Unplaced peers have a machine of their own, unless they can be met on this one or are a
@@ -96,12 +97,17 @@ duration full_package_time(const config::bluetooth_description& x) {
 
 void add_bluetooth(ecology_pointer self, const config::peer_description& peer,
                    peis::p2p_config& network) {
-  if (peer.bluetooth.empty())
-    return;
   const auto& given = self->state.description.peis.bluetooth;
-  network.bluetooth.adapters = peer.bluetooth;
+  if (!peer.adapter.empty() && is_real(self, peer))
+    network.bluetooth.adapters = {peer.adapter};
+  else if (!peer.bluetooth.empty())
+    network.bluetooth.adapters = peer.bluetooth;
+  else
+    return;
   network.bluetooth.scan_period = given.scan_period;
   network.bluetooth.threshold_dbm = static_cast<int>(std::ceil(given.threshold_dbm));
+  if (peer.bluetooth.empty()) // the address of a real adapter is known when it is open
+    return;
   const auto port = bluetooth_port_of(self, peer);
   for (const auto& adapter : peer.bluetooth)
     network.addresses.push_back(peis::bluetooth_interface(
@@ -161,6 +167,9 @@ std::optional<real_links_config> real_links_of(ecology_pointer self,
   else if (!peer.tcp && !peer.lan)
     x.links.first_port.reset();
   x.port_is_given = peer.tcp && peer.tcp->port;
+  x.adapter = peer.adapter;
+  x.inquiry =
+      std::min<duration>(inquiry_max, self->state.description.peis.bluetooth.scan_period / 2);
   return x;
 }
 

@@ -39,7 +39,7 @@ void leave(peer_pointer self) {
   state.links.clear();
   state.tcp_links.clear();
   if (state.real != nullptr)
-    state.real->links().close_all();
+    state.real->close_all();
 }
 
 /// Ends the process of this peer.
@@ -132,7 +132,7 @@ struct peis_peer_performer {
     if (x.link.value < first_real_link)
       transmit(self, x.link, std::move(x.octets));
     else if (self->state.real != nullptr)
-      self->state.real->links().carry_out(std::move(x));
+      self->state.real->carry_out(std::move(x));
   }
 
   void operator()(const peis::close_link& x) const {
@@ -140,7 +140,7 @@ struct peis_peer_performer {
     log_closing(self, x);
     ++state.links_closed[std::string(peis::to_string(x.why))];
     if (state.tcp_links.erase(x.link) > 0 && state.real != nullptr) {
-      state.real->links().carry_out(x);
+      state.real->carry_out(x);
       state.real->hold(x.link, false);
       self->send(state.arguments.ecology, outside_link_changed{});
     }
@@ -165,7 +165,7 @@ struct peis_peer_performer {
   /// Simulated links take packages as a whole.
   void operator()(const peis::pace_link& x) const {
     if (x.link.value >= first_real_link && self->state.real != nullptr)
-      self->state.real->links().carry_out(x);
+      self->state.real->carry_out(x);
   }
 
   void operator()(const peis::connect_to& x) const { ask_for_link(self, x); }
@@ -177,7 +177,7 @@ struct peis_peer_performer {
     if (self->state.real != nullptr) {
       auto octets = to_bytes(x.octets.view());
       peis::hide_inproc_of_announcement(octets);
-      self->state.real->links().carry_out(peis::announce{std::move(octets)});
+      self->state.real->carry_out(peis::announce{std::move(octets)});
     }
   }
 
@@ -185,6 +185,8 @@ struct peis_peer_performer {
     const auto& arguments = self->state.arguments;
     if (arguments.bluetooth)
       self->send(arguments.bluetooth, scan_bluetooth{arguments.station, std::move(x.adapter)});
+    else if (self->state.real != nullptr)
+      self->state.real->carry_out(x);
   }
 
   void operator()(peis::say_hello& x) const {
@@ -192,6 +194,8 @@ struct peis_peer_performer {
     if (arguments.bluetooth)
       self->send(arguments.bluetooth,
                  send_hello{arguments.station, {std::move(x.adapter), x.to, std::move(x.octets)}});
+    else if (self->state.real != nullptr)
+      self->state.real->carry_out(std::move(x));
   }
 
   void operator()(const peis::traced&) const {} // nobody here asks
@@ -325,6 +329,12 @@ struct server {
     self->delayed_send(x.sender, state.arguments.network.delay,
                        hello_answer{x.question.adapter, x.question.device, state.kernel.hello()});
   }
+  void operator()(const real_hello& x) const {
+    if (state.left || state.real == nullptr)
+      return;
+    perform(self, state.kernel.on_hello(x.octets.view(), at));
+    state.real->answer_hello(x.connection, state.kernel.hello());
+  }
   void operator()(const hello_answer& x) const {
     perform(self, state.kernel.on_hello_answer(x.adapter, x.device, x.octets.view(), at));
   }
@@ -341,11 +351,13 @@ struct server {
     if (!state.real)
       return;
     auto& all = state.arguments.config.network.addresses;
-    std::erase_if(all, [](const auto& each) {
+    std::erase_if(all, [&](const auto& each) {
       using kind = peis::low_level_address::kind;
-      return each.type == kind::tcp_ipv4 || each.type == kind::udp_ipv4;
+      const bool is_adapter =
+          each.type == kind::bluetooth && !state.arguments.real->adapter.empty();
+      return each.type == kind::tcp_ipv4 || each.type == kind::udp_ipv4 || is_adapter;
     });
-    for (auto& each : state.real->links().addresses())
+    for (auto& each : state.real->addresses())
       all.push_back(std::move(each));
     perform(self, state.kernel.set_addresses(all, at));
   }
@@ -472,15 +484,15 @@ void open_real_links(peer_pointer self) {
   auto opened = real_links::open(*state.arguments.real, handle_of<peis_peer_actor>(self));
   if (const auto* why = std::get_if<std::string>(&opened)) {
     self->send(state.arguments.ecology,
-               request_unmet{self->path(), "cannot listen: " + *why, state.arguments.is_first});
+               request_unmet{self->path(), *why, state.arguments.is_first});
     return;
   }
   state.real = std::get<std::unique_ptr<real_links>>(std::move(opened));
-  auto& links = state.real->links();
   auto& network = state.arguments.config.network;
-  for (auto& address : links.addresses())
+  for (auto& address : state.real->addresses())
     network.addresses.push_back(std::move(address));
-  network.link_window = peer::tcp_links::window;
+  network.link_window = state.real->over_bluetooth() == nullptr ? peer::tcp_links::window
+                                                                : peer::bluetooth_links::window;
   network.outside_from = peis::link_id{first_real_link};
 }
 
@@ -527,6 +539,7 @@ peis_peer_actor::behavior_type peis_peer(peer_pointer self, peis_peer_arguments 
       served<bluetooth_opened>(self),
       served<bluetooth_seen>(self),
       served<hello_arrived>(self),
+      served<real_hello>(self),
       served<hello_answer>(self),
       [self](const condition_changed& x) { on_condition(self, x); },
       served<attempt_failed>(self),

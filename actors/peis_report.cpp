@@ -100,6 +100,9 @@ void send_status(peer_pointer self) {
     report::add_counters<peer::links_counters>(peer.counters, "tcp", at_links);
     if (const auto* udp = state.real->links().over_udp())
       report::add_counters<peis::udp_counters>(peer.counters, "udp", udp->counters());
+    if (const auto* bluetooth = state.real->over_bluetooth())
+      report::add_counters<peer::bluetooth_counters>(peer.counters, "bluetooth",
+                                                     bluetooth->counters());
     if (at_links.refused > 0)
       peer.limits["connections_refused"] = at_links.refused;
     if (at_links.foreign > 0)

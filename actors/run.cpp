@@ -143,8 +143,8 @@ bool has_init(const config::ecology_description& x) {
 }
 
 bool has_real_links(const config::ecology_description& x) {
-  return std::ranges::any_of(
-      x.peers, [](const auto& peer) { return peer.tcp || peer.lan || !peer.connect.empty(); });
+  return std::ranges::any_of(x.peers,
+                             [](const auto& peer) { return config::has_real_links(peer); });
 }
 
 /// What the run is to do, the command line's word before the file's.

@@ -166,6 +166,13 @@ struct hello_arrived {
 };
 RUBICON_FIELDS(hello_arrived, question, sender);
 
+/// The same at a real adapter; the answer goes back over the connection of this number.
+struct real_hello {
+  std::uint64_t connection = 0;
+  payload octets;
+};
+RUBICON_FIELDS(real_hello, connection, octets);
+
 /// A link over Bluetooth is up.
 struct bluetooth_opened {
   link_opened link;

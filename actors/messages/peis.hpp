@@ -191,10 +191,11 @@ RUBICON_FIELDS(guard_kernel, init);
 /// One PEIS kernel.
 struct peis_peer_interface
     : extends<lan_user_interface, addresses_changed, bluetooth_seen, hello_answer, hello_arrived,
-              bluetooth_opened, link_sent, set_tuple, delete_tuple, set_remote_tuple, watch_tuples,
-              declare_meta_tuple, set_meta_tuple, watch_indirectly, watch_subscribers, watch_clock,
-              hook_port, send_peis_message, broadcast_peis_message, pause_peer, resume_peer,
-              step_clock, leave_network, quit_peer, guard_kernel, timer_expired, status_request> {};
+              real_hello, bluetooth_opened, link_sent, set_tuple, delete_tuple, set_remote_tuple,
+              watch_tuples, declare_meta_tuple, set_meta_tuple, watch_indirectly, watch_subscribers,
+              watch_clock, hook_port, send_peis_message, broadcast_peis_message, pause_peer,
+              resume_peer, step_clock, leave_network, quit_peer, guard_kernel, timer_expired,
+              status_request> {};
 using peis_peer_actor = ref<peis_peer_interface>;
 
 } // namespace rubicon

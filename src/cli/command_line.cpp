@@ -269,7 +269,8 @@ CLI::App& add_host(CLI::App& app, host_command& x) {
   host.add_flag("--allow-commands", x.access.commands,
                 "Let files start programs here, as commands of an init");
   host.add_option("--allow-devices", x.access.devices,
-                  "Serial ports that files may open here, and pseudo-terminals: '/dev/ttyUSB*'")
+                  "Serial ports, pseudo-terminals and Bluetooth adapters that files may open here: "
+                  "'/dev/ttyUSB*,hci0'")
       ->delimiter(',')
       ->type_name("PATH");
   add_path(host, "--state", "DIR", x.state_folder,

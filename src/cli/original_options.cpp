@@ -161,9 +161,7 @@ bool is_used(peer_id id, const config::peer_description& except,
 
 /// Whom the options are about.
 config::peer_description* peer_of(config::ecology_description& x) {
-  const auto is_real = [](const auto& each) {
-    return each.lan || each.tcp || !each.connect.empty();
-  };
+  const auto is_real = [](const auto& each) { return config::has_real_links(each); };
   if (x.peers.size() == 1)
     return &x.peers.front();
   if (std::ranges::count_if(x.peers, is_real) != 1)

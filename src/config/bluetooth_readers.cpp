@@ -4,6 +4,7 @@
 
 #include "config/file_readers.hpp"
 #include "peis/bluetooth.hpp"
+#include "peis/link_url.hpp"
 
 namespace rubicon::config {
 
@@ -51,6 +52,64 @@ void need_bluetooth(const table_reader& in, std::string_view key) {
                                   "build it with -DRUBICON_BLUETOOTH=ON");
 }
 
+constexpr about bluetooth_meaning = {
+    "adapters of its computer that it uses, in simulation; peers of one host share them, and the "
+    "first to start announces all of them. A table: a real adapter",
+    "none"};
+
+/// bluetooth = ["hci0"], or bluetooth = { adapter = "hci0" }
+void read_adapter_names(table_reader& in, peer_description& out) {
+  const list_of<adapter_name> names{{}, 1, adapters_max};
+  const auto* given = in.value("bluetooth");
+  if (given == nullptr || given->as<node_table>() != nullptr) {
+    in.table("bluetooth", "[peer.bluetooth]", bluetooth_meaning, [&out](table_reader& x) {
+      x.required("adapter", adapter_name{}, out.adapter,
+                 "real Bluetooth adapter of its computer that it uses; needs `mode = \"wall\"`");
+    });
+    in.instead_of_table("bluetooth", names);
+    return;
+  }
+  std::vector<located<std::string>> adapters;
+  in.optional("bluetooth", names, adapters, bluetooth_meaning);
+  claims<std::string> named;
+  for (const auto& each : adapters)
+    named.claim(each.value, "the adapter `" + each.value + '`', each.at, in.problems(),
+                "is already listed");
+  out.bluetooth = values_of(std::move(adapters));
+}
+
+/// A real adapter is there in wall time only, and `bt://` addresses need one.
+void check_real_adapter(const table_reader& in, run_mode mode, const peer_description& x) {
+  if (mode == run_mode::virtual_time && !x.adapter.empty())
+    in.problems().add(in.at("bluetooth"), "an `adapter` needs mode = \"wall\": in virtual time "
+                                          "there is no real Bluetooth");
+  for (const auto& each : x.connect) {
+    const auto url = peis::parse_link_url(each);
+    if (mode == run_mode::virtual_time || !url || !peis::bluetooth_device(*url))
+      continue;
+    if (x.adapter.empty())
+      in.problems().add(in.at("connect"),
+                        '`' + each + "` needs `bluetooth = { adapter = \"hci0\" }`");
+    else if (url->port == peis::hello_port)
+      in.problems().add(in.at("connect"), '`' + each +
+                                              "` is where HELLOs arrive: give the port of the "
+                                              "peer's links, as in `bt://" +
+                                              url->host + ";8193`");
+  }
+}
+
+/// What a place is for.
+void check_place(const table_reader& in, const peer_description& x) {
+  const bool is_simulated = in.has("bluetooth") && x.adapter.empty() &&
+                            in.value("bluetooth")->as<node_table>() == nullptr;
+  if (is_simulated && !in.has("position_m"))
+    in.problems().add(in.at("bluetooth"), "`bluetooth` needs a `position_m`");
+  if (in.has("position_m") && !in.has("bluetooth"))
+    in.problems().add(in.at("position_m"), "`position_m` has no effect without `bluetooth`");
+  if (in.has("position_m") && in.has("bluetooth") && !is_simulated)
+    in.problems().add(in.at("position_m"), "`position_m` has no effect with a real adapter");
+}
+
 } // namespace
 
 void read_bluetooth(table_reader& in, bluetooth_description& out) {
@@ -91,29 +150,19 @@ std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root) {
   return out;
 }
 
-void read_adapters(table_reader& in, machine_places& places, peer_description& out) {
+void read_adapters(table_reader& in, run_mode mode, machine_places& places, peer_description& out) {
   need_bluetooth(in, "bluetooth");
-  std::vector<located<std::string>> adapters;
-  in.optional("bluetooth", list_of<adapter_name>{{}, 1, adapters_max}, adapters,
-              {"adapters of its computer that it uses; peers of one host share them, and the first "
-               "to start announces all of them",
-               "none"});
-  claims<std::string> named;
-  for (const auto& each : adapters)
-    named.claim(each.value, "the adapter `" + each.value + '`', each.at, in.problems(),
-                "is already listed");
-  out.bluetooth = values_of(std::move(adapters));
+  read_adapter_names(in, out);
   const bool placed = in.optional(
       "position_m", place{}, out.place,
-      {"position of its computer; needed by `bluetooth`, and the same for all peers of a host",
+      {"position of its computer; needed by simulated `bluetooth`, and the same for all peers of "
+       "a host",
        "none"});
   in.optional("wired", flag{}, out.wired,
               "it is on the simulated network between hosts; `false`: it has links over Bluetooth "
               "only, or over the real network");
-  if (in.has("bluetooth") && !in.has("position_m"))
-    in.problems().add(in.at("bluetooth"), "`bluetooth` needs a `position_m`");
-  if (in.has("position_m") && !in.has("bluetooth"))
-    in.problems().add(in.at("position_m"), "`position_m` has no effect without `bluetooth`");
+  check_place(in, out);
+  check_real_adapter(in, mode, out);
   const bool meets_others = in.has("bluetooth") || !out.connect.empty() || out.tcp || out.lan;
   if (!out.wired && !meets_others)
     in.problems().add(in.at("wired"), "without `bluetooth` it would have no links at all");

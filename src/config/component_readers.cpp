@@ -107,7 +107,7 @@ public:
   /// @returns whether this host has no other init
   bool take_host(const placed_init& x) {
     const auto& peer = *peer_at(x.peer);
-    const bool here = peer.tcp || peer.lan || !peer.connect.empty();
+    const bool here = has_real_links(peer);
     const auto host = !peer.host.empty() ? "host `" + peer.host + '`'
                       : here             ? std::string("this computer")
                                          : "peer `" + peer.name + '`';

@@ -25,6 +25,10 @@ peer_description& peer_description::operator=(const peer_description&) = default
 peer_description::peer_description(peer_description&&) noexcept = default;
 peer_description& peer_description::operator=(peer_description&&) noexcept = default;
 
+bool has_real_links(const peer_description& x) {
+  return x.tcp || x.lan || !x.connect.empty() || !x.adapter.empty();
+}
+
 ecology_description::ecology_description() = default;
 ecology_description::~ecology_description() = default;
 ecology_description::ecology_description(const ecology_description&) = default;

@@ -242,7 +242,7 @@ struct peer_description {
   std::string table; ///< name of several peers of one table, which have numbers; else empty
   std::string host;
   std::vector<std::string> links;     ///< names of peers or gateways; always kept (AUT-01)
-  std::vector<std::string> connect;   ///< `tcp://host:port` or `udp://...`, always kept
+  std::vector<std::string> connect;   ///< `tcp://host:port`, `udp://...`, `bt://...`, always kept
   std::optional<tcp_listener> tcp;    ///< wall time only, as are `connect` and `lan`
   bool lan = false;                   ///< meets whoever the computer's real LAN has (A-78)
   bool udp = false;                   ///< has links over UDP too (UDP-01)
@@ -252,13 +252,17 @@ struct peer_description {
   bool time_master = false;           ///< its clock is everybody's (CLK-06)
   duration clock_offset{};            ///< by which its own clock is ahead of the true time,
   double clock_ppm = 0;               ///< and runs fast
-  std::vector<std::string> bluetooth; ///< adapters, which peers of one host share (BT-01, BT-03)
+  std::vector<std::string> bluetooth; ///< simulated adapters, which peers of one host share (BT-03)
+  std::string adapter;                ///< a real one, in wall time only (BT-01); empty: none
   position place;                     ///< means something if it has adapters
   bool wired = true;             ///< is in the simulated network; false: links over Bluetooth only
   std::vector<peer_id> managers; ///< may stop it by its tuple kernel.do-quit (TUP-22)
   std::vector<peer_app> apps;
   std::optional<peer_id> init; ///< whose component it is: that peer starts and stops it
 };
+
+/// Whether it has links over the real network or a real adapter.
+[[nodiscard]] bool has_real_links(const peer_description& x);
 
 /// Simulated Bluetooth. Received strength falls with distance as radio::log_distance has it
 /// by default, from 0 dBm sent.

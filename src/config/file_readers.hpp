@@ -91,7 +91,7 @@ void read_bluetooth(table_reader& in, bluetooth_description& out);
 using machine_places = std::map<std::string, position>;
 
 /// bluetooth, position and wired of a peer whose other connections are read.
-void read_adapters(table_reader& in, machine_places& places, peer_description& out);
+void read_adapters(table_reader& in, run_mode mode, machine_places& places, peer_description& out);
 
 /// [[peer]], ascending by id. `islands` are those that a proxy manager serves by default.
 [[nodiscard]] std::vector<peer_description>

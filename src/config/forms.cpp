@@ -166,7 +166,7 @@ form way::takes() {
 }
 
 form peer_url::takes() {
-  return {"URL", pattern_schema("(tcp|udp)://.+")};
+  return {"URL", pattern_schema("(tcp|udp|bt)://.+")};
 }
 
 form interface_address::takes() {

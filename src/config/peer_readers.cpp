@@ -273,7 +273,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
                "each peer has a computer of its own",
                "host on which the run is started"});
   read_connections(in, with, peers, apps, like);
-  read_adapters(in, apps.places, like);
+  read_adapters(in, with.mode, apps.places, like);
   end_claims ends;
   in.shared().seen.peer = like.name;
   in.tables("apps", "apps of a peer", {"its programs", "none"}, [&](table_reader& x) {

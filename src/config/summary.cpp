@@ -86,6 +86,8 @@ std::string connections(const peer_description& x) {
     words.emplace_back("udp");
   if (!x.bluetooth.empty())
     words.push_back("bluetooth " + joined(x.bluetooth));
+  if (!x.adapter.empty())
+    words.push_back("real bluetooth " + x.adapter);
   if (!x.wired)
     words.emplace_back("not wired");
   if (x.leaf)

@@ -23,8 +23,7 @@ bool is_of_kernel(std::string_view key) {
 
 bool strangers_may_come(const ecology_description& all) {
   return std::ranges::any_of(all.peers, [](const peer_description& x) {
-    return x.tcp || x.lan || !x.connect.empty() ||
-           std::ranges::any_of(x.apps, [](const peer_app& app) {
+    return has_real_links(x) || std::ranges::any_of(x.apps, [](const peer_app& app) {
              const auto* init = std::get_if<init_app>(&app);
              return init != nullptr && std::ranges::any_of(init->components, [](const auto& y) {
                       return y.peer.empty();

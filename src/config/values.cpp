@@ -318,7 +318,7 @@ std::optional<std::string> peer_url::read(const node& x, const asker& who) {
   const auto url =
       found == nullptr ? result<peis::link_url>(errc::bad_value) : peis::parse_link_url(*found);
   using scheme = peis::link_url::scheme;
-  if (!url || (url->medium != scheme::tcp && url->medium != scheme::udp))
+  if (!url || url->medium == scheme::inproc)
     return who.refuse(x, "the address of a peer, as in \"tcp://192.168.1.7:8000\"");
   return to_string(*url);
 }

@@ -111,6 +111,9 @@ std::vector<std::string> refusals(const config::ecology_description& part,
                     "` would be written outside the part's folder: give a path within it");
   for (const auto& island : part.islands)
     judge_island(island, access, out);
+  for (const auto& peer : part.peers)
+    if (!peer.adapter.empty() && !is_allowed(peer.adapter, access.devices))
+      out.push_back("peer `" + peer.name + "`: " + how_to_allow(peer.adapter));
   const bool has_commands = std::ranges::any_of(part.peers, [](const auto& peer) {
     return std::ranges::any_of(peer.apps, [](const auto& app) {
       const auto* init = std::get_if<config::init_app>(&app);

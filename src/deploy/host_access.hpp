@@ -10,8 +10,9 @@
 namespace rubicon::deploy {
 
 struct host_access {
-  bool commands = false;            ///< components may be started as programs
-  std::vector<std::string> devices; ///< patterns of paths, as a shell has them; `*` is any text
+  bool commands = false; ///< components may be started as programs
+  /// Patterns of paths and of Bluetooth adapters, as a shell has them; `*` is any text.
+  std::vector<std::string> devices;
 };
 
 /// Relative, and not above or beside where it starts: `readings/kitchen.csv`.

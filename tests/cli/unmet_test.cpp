@@ -96,6 +96,18 @@ TEST_CASE("a port that is taken ends the run with an error", "[cli]") {
   CHECK(has_violation(report, asked_for, "give this peer another `tcp.port`"));
 }
 
+TEST_CASE("a Bluetooth adapter that is not there ends the run with an error", "[cli][BT-01]") {
+  const peer_folder folder;
+  const auto x = output_of("run --json " + folder.peer("bluetooth.adapter = \"hci65000\"\n"));
+  CHECK(x.status == 1);
+  const auto report = nlohmann::json::parse(x.out);
+  CAPTURE(x.out);
+  CHECK(report.at("complete") == false);
+  const std::string why = "cannot open Bluetooth adapter hci65000: ";
+  CHECK(report.at("reason").get<std::string>().find(why) != std::string::npos);
+  CHECK(has_violation(report, asked_for, why));
+}
+
 TEST_CASE("a peer that is away is everyday", "[cli]") {
   const peer_folder folder;
   unsigned free_port = 0;

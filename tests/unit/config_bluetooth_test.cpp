@@ -87,3 +87,31 @@ TEST_CASE("Bluetooth that cannot be is refused", "[config][GEN-06][BT-01]") {
                    "position_m = [3, 4]\n[[host]]\nname = \"h\"\naddress = \"a\"\n") ==
         "14:14: the peers of host `h` share its adapters: they must have the same position");
 }
+
+TEST_CASE("a real adapter is for wall time", "[config][BT-01]") {
+  const std::string wall =
+      "[ecology]\nname = \"t\"\nmode = \"wall\"\n[[peer]]\nname = \"pc\"\nid = 300\n";
+  const std::string adapter = "bluetooth = { adapter = \"hci0\" }\n";
+  const auto x = good(wall + adapter + "connect = [\"bt://00:1b:44:11:3A:B7;8193\"]\n");
+  CHECK(x.peers.at(0).adapter == "hci0");
+  CHECK(x.peers.at(0).bluetooth.empty());
+  CHECK(x.peers.at(0).connect == std::vector<std::string>{"bt://00:1b:44:11:3A:B7;8193"});
+  CHECK(has_real_links(x.peers.at(0)));
+  CHECK(summary(x).find("real bluetooth hci0") != std::string::npos);
+  CHECK(good(wall).peers.at(0).adapter.empty());
+  CHECK_FALSE(has_real_links(good(wall).peers.at(0)));
+  CHECK(problem_after(head, adapter) ==
+        "6:13: an `adapter` needs mode = \"wall\": in virtual time there is no real Bluetooth");
+  const auto refused = [&](const std::string& keys) { return problem_after(wall, keys); };
+  CHECK(refused(adapter) == "none");
+  CHECK(refused(adapter + "wired = false\n") == "none");
+  CHECK(refused("bluetooth = {}\n").ends_with("`adapter` is missing in [peer.bluetooth]"));
+  CHECK(refused("bluetooth = { adapter = \"eth0\" }\n")
+            .find("must be the name of a Bluetooth adapter") != std::string::npos);
+  CHECK(refused(adapter + "position_m = [1, 2]\n")
+            .ends_with("`position_m` has no effect with a real adapter"));
+  CHECK(refused("connect = [\"bt://00:1B:44:11:3A:B7;8193\"]\n")
+            .ends_with("needs `bluetooth = { adapter = \"hci0\" }`"));
+  CHECK(refused(adapter + "connect = [\"bt://00:1B:44:11:3A:B7\"]\n")
+            .ends_with("give the port of the peer's links, as in `bt://00:1B:44:11:3A:B7;8193`"));
+}

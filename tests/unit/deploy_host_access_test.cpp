@@ -75,6 +75,14 @@ TEST_CASE("serial ports and pseudo-terminals are those that the host allows",
   CHECK(said_of(port, {false, {"/dev/ttyUSB*"}}).empty());
 }
 
+TEST_CASE("Bluetooth adapters are those that the host allows", "[deploy][security]") {
+  const auto adapter = "[[peer]]\nid = 40\nname = \"pc\"\nbluetooth = { adapter = \"hci0\" }\n";
+  CHECK(said_of(adapter).starts_with("peer `pc`: hci0 is not among the devices"));
+  CHECK_FALSE(said_of(adapter, {false, {"hci1", "/dev/ttyUSB*"}}).empty());
+  CHECK(said_of(adapter, {false, {"/dev/ttyUSB*", "hci0"}}).empty());
+  CHECK(said_of(adapter, {false, {"hci?"}}).empty());
+}
+
 TEST_CASE("commands and locks of an init are the host's to allow", "[deploy][security]") {
   const auto init = [](const std::string& more) {
     return "[[peer]]\nid = 41\nname = \"init\"\napps = [{ app = \"init\", components = [{ name = "
