@@ -155,6 +155,8 @@ void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error&
   }
   const auto plan = note_end(self, path, path, reason);
   self->send(mote.arguments->air, radio_power{mote.arguments->radio, radio::power::off});
+  if (mote.arguments->backbone)
+    self->send(mote.arguments->backbone, attach_backbone{true, {}});
   const auto next = plan ? state.successors.find(plan->fault) : state.successors.end();
   if (next != state.successors.end() && next->second->address == mote.arguments->address) {
     const auto& crash =
@@ -182,6 +184,8 @@ void on_sink_down(ecology_pointer self, island_id island, supervised_sink& sink,
   self->send(sink.arguments->air, radio_power{sink.arguments->radio, radio::power::off});
   for (const auto& each : sink.arguments->lines)
     self->send(each.line, attach_serial{serial::direction::to_mote, {}});
+  for (const auto& each : sink.arguments->backbones)
+    self->send(each.link, attach_backbone{false, {}});
   self->delayed_send(self, outage(note_end(self, sink.path, event_source(sink), reason)),
                      restart_sink{island});
 }
@@ -500,6 +504,10 @@ struct fault_applier : peer_fault_applier {
   }
 
   void operator()(const config::unplug_fault& x) const {
+    if (x.further_sink) {
+      unplug(self->state.backbones.at(*x.further_sink), x.length);
+      return;
+    }
     auto& lines = self->state.lines;
     if (x.island == config::any_island) {
       if (const auto* line = draw(self, lines, [](const serial_line_actor&) { return true; }))
@@ -515,7 +523,8 @@ struct fault_applier : peer_fault_applier {
       unplug(real->second, x.length);
   }
 
-  void unplug(const serial_line_actor& line, duration length) const {
+  template <class Line>
+  void unplug(const Line& line, duration length) const {
     self->send(line, plug_serial{false});
     self->delayed_send(line, length, plug_serial{true});
   }
@@ -820,6 +829,7 @@ void begin_collecting(ecology_pointer self) {
     x.address = address;
     x.name = mote.arguments->name.substr(mote.arguments->name.find('/') + 1);
     x.type = mote.type;
+    x.further_sink = static_cast<bool>(mote.arguments->backbone);
     x.joins = mote.arguments->stack == config::stack::full;
     x.joined = mote.joined;
     x.alive = !mote.flat && mote.handle != nullptr;
@@ -1079,6 +1089,9 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
           island_of(self, x.island).smepp += x.smepp;
       },
       [self](const serial_status& x) { island_of(self, x.island).serial += x.serial; },
+      [self](const backbone_status& x) {
+        island_of(self, x.island).network.backbone += x.backbone;
+      },
       [self](const real_line_status& x) { island_of(self, x.island).real += x.real; },
       [self](const devices_status& x) {
         self->state.listed[x.island] = x.listed;
