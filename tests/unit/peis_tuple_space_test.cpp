@@ -93,20 +93,6 @@ TEST_CASE("subscribers of a vanished host are forgotten", "[peis][TUP-19]") {
   CHECK(!x.audience().has_subscriber(*key::parse("a")));
 }
 
-TEST_CASE("a subscriber to whom no route is known yet gets its values later", "[peis][TUP-18]") {
-  auto x = space();
-  static_cast<void>(x.set(*key::parse("x"), text_content("1"), start));
-  auto sent = x.on_message(port::subscribe, robot, subscription_for("x"), start);
-  REQUIRE(sent.size() == 1);
-  const auto& push = std::get<transmit>(sent[0]);
-  x.on_undelivered(robot, push.port, push.content.head.view(), push.request, start);
-  REQUIRE(x.deadline() == start + 1s);
-  const auto again = x.on_time(start + 1s);
-  REQUIRE(again.size() == 1);
-  CHECK(std::get<transmit>(again[0]).destination == robot);
-  CHECK(std::get<transmit>(again[0]).port == port::push);
-}
-
 TEST_CASE("everything held is found in order of key and owner", "[peis][TUP-13]") {
   auto x = space();
   subscribe(x, "");
