@@ -395,7 +395,7 @@ TEST_CASE("at network level a question is taken once a minute", "[smepp][SMP-03]
 TEST_CASE("who asks in many names takes nothing from those that were there", "[smepp][SMP-03]") {
   source_table x(4, 2);
   const auto at = instant{} + 1h;
-  x.hear(mote_id{1}, 5, at);
+  x.note(mote_id{1}, 5, at);
   int granted = 0;
   for (std::uint16_t i = 2; i < 1000; ++i)
     granted += x.take(mote_id{i}, at) ? 1 : 0;
