@@ -18,6 +18,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(control::octets_of(*found) == to_bytes(content));
   if (const auto* news = std::get_if<deploy::news>(&*found))
     for (const auto& life : news->lives)
-      static_cast<void>(report::to_json(life.told.report));
+      static_cast<void>(report::to_json(life.newest.report));
   return 0;
 }

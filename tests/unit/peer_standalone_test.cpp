@@ -4,13 +4,13 @@
 namespace rubicon::peer {
 namespace {
 
-struct two_peers {
+struct standalone_peers {
   io::loop loop;
   std::vector<std::string> warnings;
   std::unique_ptr<standalone> a;
   std::unique_ptr<standalone> b;
 
-  two_peers() {
+  standalone_peers() {
     a = test::open(loop, test::config_of(1));
     b = test::open(loop, joining(2));
     REQUIRE(run([&] { return a->hosts().size() == 2 && b->hosts().size() == 2; }));
@@ -43,7 +43,7 @@ bool is_watch(const standalone::watch_result& x) {
 } // namespace
 
 TEST_CASE("tuples pass between two peers in every way", "[peer][TUP-04][TUP-05][TUP-07]") {
-  two_peers p;
+  standalone_peers p;
   std::vector<std::string> seen;
   REQUIRE(is_watch(p.b->subscribe(
       peer_id{1}, "room.*", [&](const auto& x) { seen.emplace_back(x->text()); },
@@ -67,7 +67,7 @@ TEST_CASE("tuples pass between two peers in every way", "[peer][TUP-04][TUP-05][
 }
 
 TEST_CASE("a tuple is set with all its fields", "[peer][TUP-06]") {
-  two_peers p;
+  standalone_peers p;
   peis::tuple draft;
   draft.owner = peer_id{1};
   draft.name = *peis::key::parse("a.b");
@@ -80,7 +80,7 @@ TEST_CASE("a tuple is set with all its fields", "[peer][TUP-06]") {
 }
 
 TEST_CASE("a blocking read ends when the tuple comes, or with its time", "[peer][TUP-12]") {
-  two_peers p;
+  standalone_peers p;
   using peis::read_mode;
   CHECK(!p.b->get_tuple(peer_id{1}, "slow", read_mode::keep_old, 30ms));
   CHECK(p.b->get_tuple(any_peer, "slow", read_mode::keep_old, 1h).why == peis::cause::abstract);
@@ -97,7 +97,7 @@ TEST_CASE("a blocking read ends when the tuple comes, or with its time", "[peer]
 }
 
 TEST_CASE("messages reach all hooks of a port in their order", "[peer][API-02][API-05][API-07]") {
-  two_peers p;
+  standalone_peers p;
   std::vector<std::string> heard;
   CHECK(p.a->register_hook(
       30, [&](const auto& x) { heard.push_back("1" + to_string(x.octets.view())); }));
@@ -116,7 +116,7 @@ TEST_CASE("messages reach all hooks of a port in their order", "[peer][API-02][A
 }
 
 TEST_CASE("callbacks may call, wait and watch", "[peer][CB-03][CB-04]") {
-  two_peers p;
+  standalone_peers p;
   std::optional<peis::subscription_id> mine;
   bool answered = false;
   const auto watch = p.b->subscribe(peer_id{1}, "question", [&](const auto&) {
@@ -136,14 +136,14 @@ TEST_CASE("callbacks may call, wait and watch", "[peer][CB-03][CB-04]") {
 }
 
 TEST_CASE("a way is traced", "[peer][API-12]") {
-  two_peers p;
+  standalone_peers p;
   const auto way = p.b->trace(peer_id{1}, test::patience); // the other answers on the same loop
   REQUIRE(way);
   CHECK(*way == std::vector<peer_id>{peer_id{2}, peer_id{1}, peer_id{2}});
 }
 
 TEST_CASE("who leaves is forgotten at once and may come back", "[peer][KH-04]") {
-  two_peers p;
+  standalone_peers p;
   std::vector<bool> changes;
   p.a->on_host_change([&](peer_id, bool is_there) { changes.push_back(is_there); });
   p.b->leave();
@@ -157,7 +157,7 @@ TEST_CASE("who leaves is forgotten at once and may come back", "[peer][KH-04]") 
 }
 
 TEST_CASE("large values flow through bounded queues", "[peer][TUP-21]") {
-  two_peers p;
+  standalone_peers p;
   std::size_t size = 0;
   REQUIRE(
       is_watch(p.b->subscribe(peer_id{1}, "scan", [&](const auto& x) { size = x->value.size(); })));
