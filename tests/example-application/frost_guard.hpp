@@ -30,7 +30,7 @@ public:
       return;
     is_cold_ = cold;
     warnings_ += cold ? 1 : 0;
-    tell(cold ? "frost!" : "it is warmer");
+    notify(cold ? "frost!" : "it is warmer");
     const rubicon::bytes message{cold ? std::uint8_t{1} : std::uint8_t{0}};
     layer().send_numbered(rubicon::apps::own_gateway, message, true, 7); // reliably, on channel 7
   }
