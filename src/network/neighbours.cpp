@@ -123,8 +123,7 @@ admission neighbours::on_beacon(const link_report& x, instant now) {
     ++counters_.repeated;
     return admission::repeated;
   }
-  if (is_restart(x.sequence, gap)) {
-    ++counters_.restarted;
+  if (gap > config_.sequence_gap_max) { // what was known of the link is of another time
     const neighbour old = *known;
     *known = neighbour{};
     known->mote = old.mote;
@@ -132,10 +131,12 @@ admission neighbours::on_beacon(const link_report& x, instant now) {
     known->in = start_quality;
     take_report(*known, x, now);
     refresh_deadline();
+    if (!is_restart(x.sequence, gap))
+      return admission::added;
+    ++counters_.restarted;
     return admission::restarted;
   }
-  const int missed = std::min(gap, config_.sequence_gap_max) - 1;
-  for (int lost = missed - known->missed; lost > 0; --lost)
+  for (int lost = gap - 1 - known->missed; lost > 0; --lost)
     sample(*known, false); // the overdue ones are in already
   const auto was_due = known->due;
   take_report(*known, x, now);

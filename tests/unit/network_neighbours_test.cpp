@@ -266,9 +266,13 @@ TEST_CASE("beacons that were not received are no restart, however many", "[netwo
   neighbours at;
   sender a{mote_id{7}};
   a.beacons(at, 6);
-  for (const int missed : {31, 32, 500, 30'000}) {
+  a.sequence = static_cast<std::uint16_t>(a.sequence + 31);
+  CHECK(a.beacon(at) == admission::known);
+  CHECK(at.find(a.mote)->samples == 38);
+  for (const int missed : {32, 500, 30'000}) {
     a.sequence = static_cast<std::uint16_t>(a.sequence + missed);
-    CHECK(a.beacon(at) == admission::known);
+    CHECK(a.beacon(at) == admission::added);
+    CHECK(at.find(a.mote)->samples == 1); // what it was before says nothing any more
   }
   CHECK(at.find(a.mote)->sequence > 30'000);
   a.sequence = 0; // less than half of all numbers ahead, but one of the first
