@@ -27,12 +27,11 @@ constexpr quality start_quality = quality_max / 2;
 constexpr duration young_gap_max = 24s;
 constexpr quality crowd_discount = quality_of(0.75);
 
-/// Numbers start at 1 after a restart: it is a jump back, or to one of the first numbers. Others
-/// were only missed.
+/// Numbers start at 1 after a restart: a long gap is one if it is a jump back, or to one of the
+/// first numbers. Otherwise so many beacons were missed.
 bool is_restart(std::uint16_t sequence, std::uint16_t gap) {
-  constexpr auto gap_max = neighbours_config::sequence_gap_max;
   const bool is_back = gap > std::numeric_limits<std::uint16_t>::max() / 2;
-  return gap > gap_max && (is_back || sequence <= gap_max);
+  return is_back || sequence <= neighbours_config::sequence_gap_max;
 }
 
 } // namespace

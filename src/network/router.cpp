@@ -469,6 +469,7 @@ void router::take(channels_outputs todo, router_outputs& out) {
 // Beacons.
 
 void router::send_beacon(router_outputs& out, instant now, bool again, bool asks) {
+  again = again && beacon_sequence_ > 0;                 // the first one has a number to count
   const bool is_extra = again && config_.duty.enabled(); // others sleep: one in their window is due
   if (!is_extra) {
     beacon_due_ = false;
@@ -658,10 +659,10 @@ void router::search_time(router_outputs& out, instant now) {
   switch (search_.on_time(now, knowledge(now), clock_)) {
   case time_search::beacon_due::ask:
     ++counters_.asks;
-    send_beacon(out, now, beacon_sequence_ > 0, true); // few are on to count it
+    send_beacon(out, now, true, true); // few are on to count it
     break;
   case time_search::beacon_due::plain:
-    send_beacon(out, now, beacon_sequence_ > 0);
+    send_beacon(out, now, true);
     break;
   case time_search::beacon_due::none:
     break;
@@ -838,7 +839,7 @@ router_outputs router::on_time(instant now) {
   const bool is_turn = turn_ <= now && (beacon_due_ || (relay_due_ && *relay_due_ <= now));
   // Who sleeps cannot count answers, which leave at any time.
   if (is_turn || (answer_due_ && *answer_due_ <= now))
-    send_beacon(out, now, !is_turn && config_.duty.enabled() && beacon_sequence_ > 0);
+    send_beacon(out, now, !is_turn && config_.duty.enabled());
   search_time(out, now);
   request_period(out, now);
   take(packets_.on_time(now), out, now);
