@@ -42,7 +42,8 @@ struct neighbours_config {
   static constexpr std::uint8_t unmentioned_max = 6;
   duration beacon_gap_max = 12min; ///< longest between two beacons: 1.5 intervals of 8 min
   duration beacon_slack = 250ms;   ///< by which a beacon may come late
-  /// A longer gap of sequence numbers, back or to one of the first so many, is a restart.
+  /// After a longer gap of sequence numbers the link is estimated anew. Back, or to one of the
+  /// first so many, it is a restart.
   static constexpr std::uint16_t sequence_gap_max = 32;
   /// Least between evictions for links that do not matter.
   static constexpr duration replacement_gap = 10s;
@@ -81,7 +82,7 @@ struct neighbour {
 /// What has become of a beacon's sender.
 enum class admission : std::uint8_t {
   known,
-  added,     ///< new in the table: beacon soon, so that the link gets to work
+  added,     ///< new in the table, or after a long gap: beacon soon, so that the link gets to work
   replaced,  ///< new in the table, for another that was evicted; no hurry
   restarted, ///< its sequence number leapt: all that was known about it is forgotten; beacon soon
   repeated,  ///< the same beacon again: nothing learnt

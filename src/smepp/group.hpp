@@ -74,7 +74,7 @@ struct group {
   instant guess_from;
   duration guess_pause = refuser_pause_min;
   instant fetch_from; ///< no catch-up before, what is said by a member included
-  /// Our time is not sent before this to a part of the group that goes by another time.
+  /// Our time is not sent before this to a part of the group that has a different time.
   instant out_of_step_from;
   /// When all members were last sent to each neighbour, the longest ago first.
   std::vector<std::pair<mote_id, instant>> members_sent;

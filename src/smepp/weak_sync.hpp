@@ -89,7 +89,7 @@ public:
   /// @param at when its start-of-frame delimiter was received
   news on_stamp(mote_id from, const sync_stamp& x, instant at);
 
-  /// Somebody goes by another time: listens for a while for what it is.
+  /// A member has a different time: receives for a while to learn it.
   void chase(instant now) { chasing_until_ = now + 5 * config_.period / 2; }
 
   /// Somebody needs the time soon.
