@@ -14,10 +14,10 @@ using std::chrono::microseconds;
 constexpr std::uint64_t window_key = std::numeric_limits<std::uint64_t>::max();
 
 /// The channel whose packet a frame carries.
-std::optional<network::channel_id> channel_in(const network::frame_out& x) {
-  if (x.am_type != network::am::channel)
+std::optional<network::channel_id> channel_in(std::uint8_t am_type, byte_view payload) {
+  if (am_type != network::am::channel)
     return std::nullopt;
-  const auto message = network::decode_channel_message(x.payload);
+  const auto message = network::decode_channel_message(payload);
   if (!message || !std::holds_alternative<network::data_message>(message->content))
     return std::nullopt;
   return message->channel;
@@ -33,18 +33,28 @@ void duty_cycle::reserve(const network::channel_reserved& x) {
     schedule_.remove(key);
     return;
   }
-  channels_[x.channel] = x;
+  channels_[x.channel].reserved = x;
   schedule_.set(key, {x.schedule.first, interval, in_us(config_.before), in_us(config_.after)});
 }
 
-void duty_cycle::on_sent(std::uint64_t token, instant now) {
+void duty_cycle::on_sent(std::uint64_t token) {
   const auto sent = in_flight_.extract(token);
   if (sent && *sent)
-    served_.emplace_back(now, **sent);
+    served_.push_back(**sent);
 }
 
-void duty_cycle::on_received(network::channel_id channel, instant now) {
-  served_.emplace_back(now + config_.linger, channel);
+void duty_cycle::on_frame(std::uint8_t am_type, byte_view payload, instant now) {
+  if (channels_.empty())
+    return;
+  const auto channel = channel_in(am_type, payload);
+  if (const auto found = channel ? channels_.find(*channel) : channels_.end();
+      found != channels_.end())
+    found->second.repeats_until = now + config_.linger;
+}
+
+instant duty_cycle::repeats_until(network::channel_id channel) const {
+  const auto found = channels_.find(channel);
+  return found == channels_.end() ? instant{} : found->second.repeats_until;
 }
 
 microseconds duty_cycle::guard(instant now, const network::clock_sync& clock) const {
@@ -63,16 +73,16 @@ instant duty_cycle::next_departure(const network::channel_reserved& x, instant n
 std::optional<instant> duty_cycle::next_turn(network::channel_id channel, instant now,
                                              const network::clock_sync& clock) const {
   const auto found = channels_.find(channel);
-  if (found == channels_.end() || found->second.previous || !applies(now, clock))
+  if (found == channels_.end() || found->second.reserved.previous || !applies(now, clock))
     return std::nullopt;
-  return next_departure(found->second, now, clock);
+  return next_departure(found->second.reserved, now, clock);
 }
 
 /// Now, unless the next mote wakes up for this packet a little later. What goes back to a channel's
 /// source keeps to no schedule, nor does what goes in a common window.
 instant duty_cycle::departure(const held& x, instant now, const network::clock_sync& clock) const {
   const auto found = x.channel ? channels_.find(*x.channel) : channels_.end();
-  if (found == channels_.end() || found->second.previous == x.frame.next_hop ||
+  if (found == channels_.end() || found->second.reserved.previous == x.frame.next_hop ||
       !applies(now, clock))
     return now;
   const auto into = clock.at(now).time_since_epoch() % in_us(config_.period);
@@ -80,8 +90,9 @@ instant duty_cycle::departure(const held& x, instant now, const network::clock_s
     return now;
   // One that has come through a window is far ahead of its time; who is late has missed half a
   // turn.
-  const auto next = next_departure(found->second, now, clock);
-  return next - now <= found->second.schedule.interval / 2 ? next : now;
+  const auto& reserved = found->second.reserved;
+  const auto next = next_departure(reserved, now, clock);
+  return next - now <= reserved.schedule.interval / 2 ? next : now;
 }
 
 duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock,
@@ -92,7 +103,7 @@ duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock,
   for (auto x = held_.begin(); x != held_.end();) {
     if (!x->due) {
       if (config_.enabled)
-        x->channel = channel_in(x->frame);
+        x->channel = channel_in(x->frame.am_type, x->frame.payload);
       x->due = departure(*x, now, clock);
     }
     if (*x->due > now) {
@@ -117,16 +128,16 @@ bool duty_cycle::is_due(instant now, const network::clock_sync& clock) {
   const auto margin = guard(now, clock);
   schedule_.set(window_key, {island_time{}, in_us(config_.period), in_us(config_.before),
                              in_us(config_.window)});
-  std::erase_if(served_, [&](const auto& x) {
-    if (x.first > now)
+  std::erase_if(served_, [&](network::channel_id x) {
+    if (repeats_until(x) > now)
       return false;
-    schedule_.served(network::number_of(x.second), time, margin);
+    schedule_.served(network::number_of(x), time, margin);
     return true;
   });
   if (const auto next = schedule_.next_change(time, margin))
     due_ = earliest(due_, clock.when(*next));
-  for (const auto& x : served_)
-    due_ = earliest(due_, x.first);
+  for (const auto x : served_)
+    due_ = earliest(due_, repeats_until(x));
   return schedule_.is_on(time, margin);
 }
 

@@ -46,10 +46,14 @@ public:
   void submit(network::frame_out x) { held_.push_back({std::move(x)}); }
 
   /// A frame that came out has ended.
-  void on_sent(std::uint64_t token, instant now);
+  void on_sent(std::uint64_t token);
+
+  /// A frame arrived. One that carries a packet of a channel may come again: its sender repeats it
+  /// when our acknowledgement was lost.
+  void on_frame(std::uint8_t am_type, byte_view payload, instant now);
 
   /// A packet of this channel has come to its end here.
-  void on_received(network::channel_id channel, instant now);
+  void on_received(network::channel_id channel) { served_.push_back(channel); }
 
   /// A mote sleeps only while it is a member, or rests from a search.
   void set_member(bool x) { is_member_ = x; }
@@ -67,6 +71,10 @@ public:
   [[nodiscard]] static std::size_t footprint(std::size_t channels) { return 24 + channels * 16; }
 
 private:
+  struct passing { ///< a channel
+    network::channel_reserved reserved;
+    instant repeats_until = {}; ///< of the packet that arrived last
+  };
   struct held {
     network::frame_out frame;
     std::optional<instant> due = {};                 ///< nothing: not looked at yet
@@ -85,14 +93,15 @@ private:
   void switch_radio(bool sends, duty_outputs& out, instant now, const network::clock_sync& clock,
                     const network::time_search& search);
   [[nodiscard]] bool is_due(instant now, const network::clock_sync& clock);
+  [[nodiscard]] instant repeats_until(network::channel_id channel) const;
 
   duty_config config_;
   bool is_sink_ = false;
   network::radio_schedule schedule_;
-  small_map<network::channel_id, network::channel_reserved> channels_;
+  small_map<network::channel_id, passing> channels_;
   std::vector<held> held_;
   small_map<std::uint64_t, std::optional<network::channel_id>> in_flight_; ///< by token
-  std::vector<std::pair<instant, network::channel_id>> served_; ///< to be told to the schedule
+  std::vector<network::channel_id> served_; ///< their packets have gone on, the schedule does not know
   bool is_member_ = false;
   std::optional<instant> due_;
   bool on_ = true;

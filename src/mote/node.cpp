@@ -205,6 +205,7 @@ std::optional<instant> node::next_notice(instant now) {
 node_outputs node::on_frame(mote_id source, std::uint8_t am_type, byte_view payload, instant sfd,
                             instant now) {
   node_outputs out;
+  duty_.on_frame(am_type, payload, now);
   take(packets_.on_frame(source, am_type, payload, sfd, now), out, now);
   settle(out, now);
   return out;
@@ -212,7 +213,7 @@ node_outputs node::on_frame(mote_id source, std::uint8_t am_type, byte_view payl
 
 node_outputs node::on_sent(std::uint64_t token, bool acked, unsigned transmissions, instant now) {
   node_outputs out;
-  duty_.on_sent(token, now);
+  duty_.on_sent(token);
   take(packets_.on_sent(token, acked, transmissions, now), out, now);
   settle(out, now);
   return out;
@@ -388,7 +389,7 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
       },
       [&](const network::channel_reserved& x) { duty_.reserve(x); },
       [&](const network::channel_received& x) {
-        duty_.on_received(x.channel, now);
+        duty_.on_received(x.channel);
         use_layer().on_channel_octets(handle_of(x.channel), x.content, now);
       },
       [&](const network::channel_ended& x) {

@@ -49,7 +49,7 @@ sink_outputs sink::on_frame(mote_id source, std::uint8_t am_type, byte_view payl
 }
 
 sink_outputs sink::on_sent(std::uint64_t token, bool acked, unsigned transmissions, instant now) {
-  duty_.on_sent(token, now);
+  duty_.on_sent(token);
   return finish(take(packets_.on_sent(token, acked, transmissions, now), now), now);
 }
 
