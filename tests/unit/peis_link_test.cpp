@@ -1,4 +1,4 @@
-// The octet stream of a link, and what must be refused (docs/peis-wire.md 3.4, 23).
+// The octet stream of a link, and what must be refused (docs/peis-wire.md 3.4, 20).
 #include "core/random.hpp"
 #include "peis/acknowledgement.hpp"
 #include "peis/host_record.hpp"
