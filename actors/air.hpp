@@ -1,4 +1,4 @@
-// The air: the radio medium of one place and the radios in it (design.md section 4).
+// The air: the radio medium of one place and the radios in it (docs/architecture.md, Actors).
 #pragma once
 
 #include <vector>

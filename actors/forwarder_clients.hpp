@@ -1,4 +1,4 @@
-// A serial forwarder's clients: programs of TinyOS that take it for a sink (tinyos.md 2).
+// A serial forwarder's clients: programs of TinyOS that take it for a sink (docs/tinyos.md 2).
 #pragma once
 
 #include <cstdint>

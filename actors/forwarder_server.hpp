@@ -1,4 +1,4 @@
-// A serial forwarder beside a gateway, for programs of TinyOS (tinyos.md 2).
+// A serial forwarder beside a gateway, for programs of TinyOS (docs/tinyos.md 2).
 #pragma once
 
 #include <cstdint>

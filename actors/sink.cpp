@@ -39,7 +39,7 @@ struct sink_performer {
 
   void operator()(mote::to_gateway& x) const {
     // As a TinyOS base station writes it: destination, source and type as on the radio, the group
-    // is the island (tinyos.md 3).
+    // is the island (docs/tinyos.md 3).
     const auto& address = self->state.arguments.address;
     serial::am_packet packet{address.mote.value, x.source.value,
                              static_cast<std::uint8_t>(address.island.value), x.am_type,

@@ -29,7 +29,7 @@ target_compile_options(rubicon_options INTERFACE
   "$<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wconversion;-Werror>"
   # In a batch a local name shadows that of another file.
   $<BUILD_INTERFACE:$<$<NOT:$<BOOL:${RUBICON_BATCHES}>>:-Wshadow>>
-  -ffp-contract=off) # same bits on every machine (design.md section 5)
+  -ffp-contract=off) # same bits on every machine (docs/architecture.md, Time)
 target_include_directories(rubicon_options INTERFACE
   "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src;${PROJECT_SOURCE_DIR}>"
   $<INSTALL_INTERFACE:include/rubicon>)

@@ -16,10 +16,10 @@ namespace rubicon::cli {
 /// Where to search, and for how long.
 struct search_area {
   std::uint16_t first_port = 8000; ///< of this computer's loopback address
-  std::uint16_t ports = 10;        ///< so many from there on, as peers count up (peis-wire.md 3.1)
-  duration try_max = 2s;           ///< for each of them to answer
-  /// Announcements received within `listen_for` (peis-wire.md 4). At the loopback interface those
-  /// of this computer are received, and nothing leaves it.
+  std::uint16_t ports = 10; ///< so many from there on, as peers count up (docs/peis-wire.md 3.1)
+  duration try_max = 2s;    ///< for each of them to answer
+  /// Announcements received within `listen_for` (docs/peis-wire.md 4). At the loopback interface
+  /// those of this computer are received, and nothing leaves it.
   io::udp_group_config group = {.interfaces = {"127.0.0.1"}};
   duration listen_for = 2500ms; ///< peers announce themselves every second
 };

@@ -39,8 +39,8 @@ struct ecology_graph {
 };
 inline constexpr std::size_t graph_subscriptions_max = 20'000;
 
-/// The subscriptions at one peer, as it says in its tuple `kernel.subscribers` (peis-wire.md 18).
-/// Malformed lines are skipped: any peer may have written the text.
+/// The subscriptions at one peer, as it says in its tuple `kernel.subscribers` (docs/peis-wire.md
+/// 18). Malformed lines are skipped: any peer may have written the text.
 [[nodiscard]] std::vector<graph_subscription> read_subscribers(std::string_view text);
 
 /// @param names of the peers

@@ -43,7 +43,7 @@ std::string end_text(const serial::raw_end& x) {
 }
 
 /// The active message in a packet. Of one with more octets than its header says it is what the
-/// header says, as motes take it (tinyos.md 1.4).
+/// header says, as motes take it (docs/tinyos.md 1.4).
 std::optional<serial::am_packet> message_in(byte_view packet) {
   constexpr std::size_t length_at = 5;
   auto x = serial::decode_any_packet(packet);

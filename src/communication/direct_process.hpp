@@ -68,7 +68,7 @@ private:
   std::size_t number_;
   communication_events* events_ = nullptr; ///< nullptr: it has left
   std::string name_;                       ///< for layer::observe(); empty: not observed
-  std::vector<pending_send> sends_;        ///< ack() keeps their order (A-56)
+  std::vector<pending_send> sends_;        ///< ack() keeps their order
 };
 
 } // namespace rubicon::communication

@@ -74,7 +74,7 @@ public:
 
   // 5.3.3 Connectionless
   virtual void ack(status /*success*/) {} ///< of reliable sends in the order of their ends
-  /// Extension: of the send that returned this number. Comes beside ack().
+  /// Extension: of the send that returned this number. Comes beside ack().
   virtual void ackOf(std::uint32_t /*number*/, status /*success*/) {}
   virtual void receive(island_octet /*src_island_addr*/, std::uint16_t /*src_mote_addr*/,
                        byte_view /*buf*/, std::uint8_t /*am_type*/, status /*success*/) {}
@@ -99,7 +99,7 @@ public:
   virtual void initCommunicationsDone(status /*success*/) {}
   virtual void joined(island_octet /*island_addr*/, std::uint16_t /*mote_addr*/,
                       status /*success*/) {}
-  /// At the sink's PC: a mote has joined.
+  /// At the sink's PC: a mote has joined.
   virtual void moteJoined(std::uint16_t /*mote_addr*/, byte_view /*description*/) {}
 };
 
@@ -110,7 +110,7 @@ public:
   explicit interface(process& below) : below_(&below) {}
 
   // 5.3.1. Done events follow a SUCCESS. FAIL: no room, already open, size, not joined.
-  /// @param dest mote; its island is params[0..1]
+  /// @param dest mote; its island is params[0..1]
   status create_syn_channel_out(std::uint16_t dest, std::uint8_t size, syn_params params);
   status create_syn_channel_in(std::uint16_t src, std::uint8_t size, syn_params params);
   /// Extension: to or from anybody; the descriptor of the Done event, or -1.
@@ -122,7 +122,7 @@ public:
   status start_syn_channel(int channel);
   status stop_syn_channel(int channel);
   status write_output(int channel, std::uint8_t k, float val);
-  /// NaN, and counted, for what is no element of an open in channel.
+  /// NaN, and counted, for what is no element of an open in channel.
   float read_input(int channel, std::uint8_t index);
 
   // 5.3.2. A descriptor is 1 or more.
@@ -148,7 +148,7 @@ public:
   /// False for what is no stream.
   [[nodiscard]] bool has_ended(int desc) const;
   /// Extension: a record that arrives over this remote stream has been in flight for no longer,
-  /// from write() to readDone() of a read that waited for it (IF-05, A-52). Nothing before
+  /// from write() to readDone() of a read that waited for it (IF-05). Nothing before
   /// openRemoteDone(), for other streams, and for one from this node to itself.
   [[nodiscard]] std::optional<duration> latency_bound(int desc) const;
 

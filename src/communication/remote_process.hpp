@@ -23,7 +23,7 @@ struct remote_counters {
   std::uint64_t refused = 0;     ///< commands that returned FAIL
   std::uint64_t before_join = 0; ///< of them, for want of a join (MCK-16)
   std::uint64_t no_room = 0;     ///< of them, because too many were in flight
-  std::uint64_t bad_reads = 0;   ///< read_input() without a value (A-07)
+  std::uint64_t bad_reads = 0;   ///< read_input() without a value
 };
 RUBICON_FIELDS(remote_counters, refused, before_join, no_room, bad_reads);
 
@@ -169,7 +169,7 @@ private:
   std::map<std::uint16_t, channel_row> channels_;
   std::uint16_t last_stream_ = 0;
   std::uint16_t last_channel_ = 0;
-  std::deque<pending_send> sends_; ///< ack() keeps their order (A-56)
+  std::deque<pending_send> sends_; ///< ack() keeps their order
   std::uint32_t last_number_ = 0;
   std::set<std::uint8_t> types_;
   std::set<std::uint8_t> held_;         ///< of these, by the program

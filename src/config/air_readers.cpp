@@ -12,7 +12,7 @@ class island_airs {
 public:
   explicit island_airs(const std::vector<island_description>& islands) : islands_(islands) {}
 
-  /// One medium cannot be in two places: islands that share an air share a host (design.md 4).
+  /// One medium cannot be in two places: islands that share an air share a host.
   void place(const std::vector<located<island_id>>& members, complaints& problems) {
     const island_description* first = nullptr;
     for (const auto& each : members) {

@@ -11,7 +11,7 @@ namespace rubicon::config {
 namespace {
 
 constexpr std::size_t adapters_max = 4;
-constexpr std::size_t adapter_name_max = 8; // peis-wire.md 5
+constexpr std::size_t adapter_name_max = 8; // docs/peis-wire.md 5
 
 /// "hci0"
 struct adapter_name {

@@ -117,7 +117,7 @@ enum class stack : std::uint8_t {
   return x != stack::mac;
 }
 
-/// A further gateway of an island, at a further serial line of its sink (GW-14, A-49).
+/// A further gateway of an island, at a further serial line of its sink (GW-14).
 struct alias_description {
   peer_id id;       ///< addresses the island too: 1..254
   std::string name; ///< PEIS name; default NAME-gateway-2, NAME-gateway-3, ...
@@ -244,7 +244,7 @@ struct peer_description {
   std::vector<std::string> links;     ///< names of peers or gateways; always kept (AUT-01)
   std::vector<std::string> connect;   ///< `tcp://host:port`, `udp://...`, `bt://...`, always kept
   std::optional<tcp_listener> tcp;    ///< wall time only, as are `connect` and `lan`
-  bool lan = false;                   ///< meets whoever the computer's real LAN has (A-78)
+  bool lan = false;                   ///< meets whoever the computer's real LAN has
   bool udp = false;                   ///< has links over UDP too (UDP-01)
   bool leaf = false;                  ///< has no other links than those above (LEA-01)
   bool manager = true;                ///< makes and closes links as it sees fit (CM-12)
@@ -264,7 +264,7 @@ struct peer_description {
 /// Whether it has links over the real network or a real adapter.
 [[nodiscard]] bool has_real_links(const peer_description& x);
 
-/// Simulated Bluetooth. Received strength falls with distance as radio::log_distance has it
+/// Simulated Bluetooth. Received strength falls with distance as radio::log_distance has it
 /// by default, from 0 dBm sent.
 struct bluetooth_description {
   double range_m = 10;             ///< of class 2; scans, HELLOs and links reach as far

@@ -7,7 +7,7 @@ namespace rubicon::config {
 
 namespace {
 
-constexpr std::size_t network_octets_max = 62; ///< peis-wire.md 2
+constexpr std::size_t network_octets_max = 62; ///< docs/peis-wire.md 1
 constexpr duration tick_max = 8191ms;          ///< 13 bits of a clock stamp
 
 /// "07:30", or "now" for what the computer's clock shows.

@@ -309,7 +309,7 @@ bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
          !is_real;
 }
 
-/// Each mote that stands still must have a route to the sink, over others if need be.
+/// Each mote that stands still must have a route to the sink, over others if need be.
 void island_motes::check_reach(complaints& problems) const {
   if (!range_m_ || !joins() || island_.outside.has_sink())
     return;

@@ -199,7 +199,7 @@ std::optional<double> parse_bit_rate_bps(std::string_view text) {
 }
 
 std::optional<std::int64_t> parse_baud(std::string_view text) {
-  // as TinyOS's own tools call the rates of motes (tinyos.md 1.1)
+  // as TinyOS's own tools call the rates of motes (docs/tinyos.md 1.1)
   static constexpr std::pair<std::string_view, std::int64_t> platforms[] = {
       {"mica", 19200},    {"mica2dot", 19200},    {"mica2", 57600},    {"eyesIFX", 57600},
       {"micaz", 57600},   {"iris", 57600},        {"telos", 115200},   {"telosb", 115200},

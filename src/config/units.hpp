@@ -22,7 +22,7 @@ namespace rubicon::config {
 /// Metres, of cm, m or km.
 [[nodiscard]] std::optional<double> parse_length_m(std::string_view text);
 
-/// What energies are counted by: two AA cells, as the batteries of all platforms (tinyos.md 8.2).
+/// What energies are counted by: two AA cells, as all platforms have (docs/tinyos.md 7.2).
 inline constexpr double battery_v = 3;
 
 /// Milliampere hours, of mAh or Ah, or of J or kJ at battery_v.

@@ -27,7 +27,7 @@
 namespace rubicon::config {
 
 inline constexpr std::size_t path_octets_max = 4096;   ///< of a file's name
-inline constexpr std::size_t payload_octets_max = 100; ///< of a message (transport payload, A-51)
+inline constexpr std::size_t payload_octets_max = 100; ///< of a message (transport payload)
 
 /// Whose value is read, and what its reader knows.
 struct asker {

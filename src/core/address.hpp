@@ -1,4 +1,4 @@
-// Who is addressed: islands, motes and peers (D1.1 5.2, ADR-01..09, A-01).
+// Who is addressed: islands, motes and peers (D1.1 5.2, ADR-01..09).
 #pragma once
 
 #include <compare>
@@ -32,13 +32,13 @@ struct island_tag;
 struct mote_tag;
 struct peer_tag;
 
-/// An island: the PEIS id of its gateway. Motes carry it as one octet, 1..254 (ADR-03).
+/// An island: the PEIS id of its gateway. Motes carry it as one octet, 1..254 (ADR-03).
 using island_id = strong_id<island_tag, std::uint32_t>;
 
 /// A mote inside its island: its TinyOS id, 1..65532 (ADR-04).
 using mote_id = strong_id<mote_tag, std::uint16_t>;
 
-/// A PEIS kernel: 1..65535 (peis-wire.md 1); -1 stands for everybody or nobody known.
+/// A PEIS kernel: 1..65535 (docs/peis-wire.md 1); -1 stands for everybody or nobody known.
 using peer_id = strong_id<peer_tag, std::int32_t>;
 
 inline constexpr island_id own_island{255};      ///< "myself", ADR-03
@@ -67,7 +67,7 @@ RUBICON_FIELDS(mote_address, island, mote);
   return to_string(x.island) + '/' + to_string(x.mote);
 }
 
-/// The peer that is an island's gateway.
+/// The peer that is an island's gateway.
 [[nodiscard]] constexpr peer_id gateway_of(island_id x) {
   return peer_id{static_cast<std::int32_t>(x.value)};
 }

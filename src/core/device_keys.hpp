@@ -99,7 +99,7 @@ struct output_pattern {
 /// ascending. @returns errc::bad_value otherwise
 [[nodiscard]] result<std::vector<mote_id>> parse_device_list(std::string_view text);
 
-/// Value of `devices.$ID.type`: 4 octets in network byte order (GW-04, A-45).
+/// Value of `devices.$ID.type`: 4 octets in network byte order (GW-04).
 [[nodiscard]] bytes device_type_octets(std::uint32_t type);
 
 /// @returns errc::truncated or errc::too_long unless there are exactly 4 octets

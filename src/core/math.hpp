@@ -1,6 +1,6 @@
 // Transcendental functions with the same bits on every machine. libm's differ in the last place
-// from one machine to the next; what decides anything in a run must use these (design.md section
-// 5).
+// from one machine to the next; what decides anything in a run must use these
+// (docs/architecture.md, Time).
 #pragma once
 
 namespace rubicon::math {

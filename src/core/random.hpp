@@ -1,4 +1,4 @@
-// Dice: one seeded stream per actor, the same on every machine (design.md section 5).
+// Dice: one seeded stream per actor, the same on every machine (docs/architecture.md, Time).
 #pragma once
 
 #include <array>

@@ -174,7 +174,7 @@ inline constexpr std::uint16_t announcement_port = 20;
 ///   devices.$ID.input.$CH, devices.$ID.output.$CH.period                 written by others
 /// and, of one among several gateways of the island, devices.role and devices.gateways.
 /// It requests of motes the output channels that somebody subscribes to (GW-10), and publishes all
-/// that comes. Programs on the same PC have the same address; what they do not provide
+/// that comes. Programs on the same PC have the same address; what they do not provide
 /// becomes tuples.
 ///
 /// Of several gateways of an island one leads (gateway::leadership): it is the PC of the island.

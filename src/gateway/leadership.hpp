@@ -1,4 +1,4 @@
-// Whether this gateway leads its island, of several that are connected to it (GW-14, A-49).
+// Whether this gateway leads its island, of several that are connected to it (GW-14).
 #pragma once
 
 #include <cstdint>

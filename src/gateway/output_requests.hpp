@@ -1,5 +1,5 @@
 // Which motes are to send on which output channels: those that somebody subscribes to (D1.1 5.4;
-// GW-10, A-77), at the rate that somebody has asked for (IF-04).
+// GW-10), at the rate that somebody has asked for (IF-04).
 #pragma once
 
 #include <chrono>

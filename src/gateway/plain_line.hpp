@@ -1,5 +1,5 @@
 // The gateway's end of a line to motes with plain programs of TinyOS: which packets are theirs, and
-// how they are spoken to (tinyos.md 3). The serial port below it is its owner's.
+// how they are spoken to (docs/tinyos.md 3). The serial port below it is its owner's.
 #pragma once
 
 #include <cstddef>

@@ -26,8 +26,8 @@ sink_packet message_of(mote_id mote, std::uint8_t channel, byte_view payload) {
           encode(network::island_packet{own_island, no_mote, channel, encode(x)})};
 }
 
-/// What follows version and interval of the settings in packets of Oscilloscope and MViz (tinyos.md
-/// names their AM type only; the layouts are the programs' own), 2 octets each: address, count, ten
+/// What follows version and interval of the settings in packets of Oscilloscope and MViz
+/// (docs/tinyos.md 4.4), 2 octets each: address, count, ten
 /// readings; address, count, a reading, ETX, quality of the link, parent.
 constexpr std::size_t oscilloscope_rest = 2 + 2 + 10 * 2;
 constexpr std::size_t mviz_rest = 6 * 2;

@@ -1,5 +1,5 @@
 // Motes that know nothing of islands: what their programs send becomes what a sink would say of
-// members (tinyos.md 3).
+// members (docs/tinyos.md 3).
 #pragma once
 
 #include <cstdint>

@@ -38,7 +38,7 @@ struct plain_rule {
   std::uint8_t input_am_type = 0;   ///< of the packets that it becomes
   plain_form input_form = plain_form::octets;
   /// Where in the payload a mote's address is, 2 octets in network byte order; nothing: it is the
-  /// packet's source, which programs at a serial line leave at 0 (tinyos.md 1.2).
+  /// packet's source, which programs at a serial line leave at 0 (docs/tinyos.md 1.2).
   std::optional<std::uint8_t> id_offset = {};
 };
 

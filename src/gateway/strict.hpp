@@ -1,4 +1,4 @@
-// Messages to and from gateways that speak D1.1 5.4 to the letter (A-51, WIR-02, WIR-04).
+// Messages to and from gateways that speak D1.1 5.4 to the letter (WIR-02, WIR-04).
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // The event loop of the process: the one thread that waits for sockets, signals and the next
-// timeout (design.md section 5). Asio stays behind this header; io/context.hpp opens it for this
-// room.
+// timeout (docs/architecture.md, Time). Asio stays behind this header; io/context.hpp opens it for
+// this room.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// A real serial port, with a mote at its other end (tinyos.md 1.1).
+// A real serial port, with a mote at its other end (docs/tinyos.md 1.1).
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// A TCP port that others connect to (peis-wire.md 3.1).
+// A TCP port that others connect to (docs/peis-wire.md 3.1).
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ public:
   /// Binds the first free port from `first_port` on; 0 lets the system choose.
   ///
   /// Deviation: SO_REUSEADDR is set, so that a peer that starts again gets its old port, under
-  /// which others look for it (peis-wire.md 23, hazard 11); a port that somebody listens on stays
+  /// which others look for it (docs/peis-wire.md 4); a port that somebody listens on stays
   /// refused.
   /// @param address an IPv4 address of this machine, 0.0.0.0 for all
   /// @returns the listener, or why there is none: `cannot listen on 10.0.0.1:8000: ...`

@@ -1,4 +1,4 @@
-// One TCP connection as a stream of octets (peis-wire.md 3.4).
+// One TCP connection as a stream of octets (docs/peis-wire.md 3.4).
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// A group of machines that receive each other's datagrams: UDP multicast (peis-wire.md 4).
+// A group of machines that receive each other's datagrams: UDP multicast (docs/peis-wire.md 4).
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// Which of the gateways at its serial lines leads a sink's island (GW-14, A-49).
+// Which of the gateways at its serial lines leads a sink's island (GW-14).
 #pragma once
 
 #include <cstddef>

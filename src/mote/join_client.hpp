@@ -1,4 +1,4 @@
-// The mote's side of joining an island and staying in it (DIS-08, A-12).
+// The mote's side of joining an island and staying in it (DIS-08).
 #pragma once
 
 #include <cstdint>

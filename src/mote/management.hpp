@@ -1,5 +1,5 @@
 // Component management on the radio: the payload of frames of type am::component_management
-// (DIS-08, A-12). One octet of kind, then fields in network byte order.
+// (DIS-08). One octet of kind, then fields in network byte order.
 #pragma once
 
 #include <cstdint>

@@ -230,7 +230,7 @@ node_outputs node::on_battery_low(instant now) {
 /// A mote that is carried away is told by the signal of its parent long before frames get lost:
 /// then it is too late to say so.
 node_outputs node::on_signal(mote_id source, int rssi_dbm, instant now) {
-  constexpr int weak_below_dbm = -88; // radios hear down to -95 dBm at least (tinyos.md 8.1)
+  constexpr int weak_below_dbm = -88; // radios hear down to -95 dBm at least (docs/tinyos.md 7.1)
   constexpr int strong_from_dbm = -84;
   const bool is_weak = rssi_dbm < (condition_.links_weak ? strong_from_dbm : weak_below_dbm);
   if (source != packets_.router().tree().parent())

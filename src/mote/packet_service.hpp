@@ -1,6 +1,6 @@
 // What the Network module of an island carries for those above it: component management between a
 // mote and its sink, and packets with the header of D1.1 5.4 in as many fragments as they need
-// (A-39, NET-14).
+// (NET-14).
 #pragma once
 
 #include <cstddef>

@@ -36,7 +36,7 @@ using registrar_outputs = std::vector<registrar_output>;
 struct registrar_config {
   island_id island;
   std::vector<island_id> aliases = {}; ///< at most aliases_max; motes are told at their join
-  duration keep_alive_window = 10s;    ///< a mote silent for longer has left (part C)
+  duration keep_alive_window = 10s;    ///< a mote silent for longer has left
   duration confirm_wait = 500ms;       ///< for each hop of the route: the reply is repeated until
   unsigned replies_max = 5;            ///< confirmed, this often; then the mote is none we know
   /// Further requests get no answer and are counted, unless somebody has been silent for longer

@@ -63,7 +63,7 @@ enum class channel_end : std::uint8_t {
 struct connect_message {
   mote_id destination;
   std::optional<virtual_coordinates> place; ///< of the destination; nothing: look for it everywhere
-  bool flooded = false;                     ///< to all, since greedy forwarding has ended (A-38)
+  bool flooded = false;                     ///< to all, since greedy forwarding has ended
   std::uint8_t hops = 0;                    ///< made
   std::uint16_t expiry_s = 0;               ///< without packets the channel ends; 0: never (NET-08)
   channel_schedule schedule;
@@ -86,7 +86,7 @@ struct end_message {
   friend bool operator==(const end_message&, const end_message&) = default;
 };
 
-/// 4: to the previous mote: no neighbour of ours is nearer.
+/// 4: to the previous mote: no neighbour of ours is nearer.
 struct dead_end_message {
   friend bool operator==(const dead_end_message&, const dead_end_message&) = default;
 };

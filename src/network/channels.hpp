@@ -147,7 +147,7 @@ using channels_outputs = std::vector<channels_output>;
 /// The connect message goes greedily towards the destination's coordinates. At a dead end it goes
 /// back one mote, which sends it to another neighbour, and after `tries_max` of them back in turn;
 /// the source then waits once for a neighbour that has just started and tries again, and at last
-/// floods. Each mote on the path keeps previous and next hop, and refuses for a while what
+/// floods. Each mote on the path keeps previous and next hop, and refuses for a while what
 /// it has sent back.
 ///
 ///   source: connecting --connect-ack--> open --disconnect--> gone

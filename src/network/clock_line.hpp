@@ -1,5 +1,5 @@
 // How one clock is ahead of another: a straight line through the newest points at which both were
-// read, and how far it may be wrong (CLK-01, A-11).
+// read, and how far it may be wrong (CLK-01).
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
 // The clock that all motes of an island share: flooding time synchronisation with an estimate of
-// each mote's drift, as FTSP does it (CLK-01, CLK-04, A-11). The sink is the root.
+// each mote's drift, as FTSP does it (CLK-01, CLK-04). The sink is the root.
 #pragma once
 
 #include <array>

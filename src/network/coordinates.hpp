@@ -1,5 +1,5 @@
 // Virtual coordinates by hop distances to three elected anchors: VCap (Caruso, Chessa, De, Urpi,
-// "GPS free coordinate assignment and routing"; D1.1 3.3.3.1 [5], A-37, NET-10, NET-11).
+// "GPS free coordinate assignment and routing"; D1.1 3.3.3.1 [5], NET-10, NET-11).
 #pragma once
 
 #include <array>

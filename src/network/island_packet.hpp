@@ -18,7 +18,7 @@ inline constexpr std::size_t packet_max = 8 + body_max;
 
 /// WIR-01, mote to gateway: uint32 island, uint16 mote, uint16 channel, body; network byte order.
 /// The same layout carries a message from its gateway down to its mote; there `island` is where it
-/// comes from, since 5.4 has no field for that.
+/// comes from, since 5.4 has no field for that.
 struct island_packet {
   island_id island;          ///< up: the target island. Down: the source island.
   mote_id mote;              ///< the target mote in either direction

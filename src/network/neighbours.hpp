@@ -21,7 +21,7 @@ inline constexpr quality quality_max = 65535;
   return static_cast<quality>(share * quality_max);
 }
 
-/// Expected transmissions, in 128ths (A-41 needs a path metric; this is De Couto's ETX).
+/// Expected transmissions, in 128ths (the metric of paths over several hops: De Couto's ETX).
 using etx_cost = std::uint16_t;
 
 inline constexpr etx_cost etx_one = 128;

@@ -30,7 +30,7 @@ struct mote_joined {
   mote_id mote;
   std::uint32_t incarnation = 0; ///< counts the mote's starts
   std::uint32_t type = 0;        ///< its signature (PXY-13)
-  bytes descriptor;              ///< as the mote sent it, for proxies to read (A-48)
+  bytes descriptor;              ///< as the mote sent it, for proxies to read
 
   friend bool operator==(const mote_joined&, const mote_joined&) = default;
 };

@@ -15,7 +15,7 @@ namespace {
 
 /// Attempts of the program itself: above those that the kernel numbers from 1 on.
 constexpr std::uint64_t own_attempts = std::uint64_t{1} << 63;
-constexpr duration flush_max = 2s; ///< of a clean exit (peis-wire.md 20)
+constexpr duration flush_max = 2s; ///< of a clean exit (docs/peis-wire.md 19)
 
 std::uint64_t seed_of_system() {
   std::random_device device;

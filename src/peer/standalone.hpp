@@ -235,7 +235,7 @@ private:
   static void handle(const peis::debug_requested&) {} // it has no debug log
   static void handle(const peis::intercepted&) {}     // by a hook of the program itself
   static void handle(const peis::scan_adapter&) {}
-  static void handle(const peis::say_hello&) {} // without adapters
+  static void handle(const peis::say_hello&) {} // without adapters
 
   using watch_command =
       std::function<peis::outputs(peis::subscription_id, peis::request_id, instant)>;

@@ -1,5 +1,5 @@
-// Real links for a PEIS kernel: TCP connections and multicast announcements (peis-wire.md 3 and 4),
-// and UDP sessions where they are asked for (UDP-01).
+// Real links for a PEIS kernel: TCP connections and multicast announcements (docs/peis-wire.md 3
+// and 4), and UDP sessions where they are asked for (UDP-01).
 #pragma once
 
 #include <cstddef>
@@ -29,7 +29,7 @@ namespace rubicon::peer {
 
 struct links_config {
   /// Others on the network may find us and connect. Otherwise nothing leaves the machine unasked:
-  /// we listen on loopback and do not announce.
+  /// we listen on loopback and do not announce.
   bool lan = false;
   /// Counted up until one is free; unset: nobody can connect to us.
   std::optional<std::uint16_t> first_port = peis::tcp_port_default;

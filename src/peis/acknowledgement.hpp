@@ -1,4 +1,4 @@
-// The message of port 14: which packages have arrived (peis-wire.md 8.2).
+// The message of port 14: which packages have arrived (docs/peis-wire.md 8.2).
 #pragma once
 
 #include <cstddef>

@@ -20,7 +20,7 @@ namespace rubicon::peis {
 /// further one sends is acknowledged one by one.
 class acknowledger {
 public:
-  static constexpr std::size_t batch = 100; ///< as many are sent at once (part C)
+  static constexpr std::size_t batch = 100; ///< as many are sent at once
   static constexpr std::size_t sources_max = 4096;
   static constexpr duration memory = 2s; ///< of a source without news
 

@@ -1,4 +1,4 @@
-// The datagram by which peers find each other (peis-wire.md 4, TCP-03).
+// The datagram by which peers find each other (docs/peis-wire.md 4, TCP-03).
 #pragma once
 
 #include <cstddef>

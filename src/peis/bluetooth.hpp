@@ -19,7 +19,7 @@
 
 namespace rubicon::peis {
 
-/// L2CAP port of HELLO connections (A-18: decimal).
+/// L2CAP port of HELLO connections (D1.1 3.1.5.3); decimal, as 0x7315 is no legal PSM.
 inline constexpr std::uint16_t hello_port = bluetooth_port_default;
 
 /// Whether this build has Bluetooth (RUBICON_BLUETOOTH, LNK-04). Without it adapters do nothing.

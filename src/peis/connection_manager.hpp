@@ -1,4 +1,4 @@
-// Which link to open or to close next (A9, D1.1 3.1.6.4). Plain functions of what is known; p2p
+// Which link to open or to close next (D1.1 3.1.6.4). Plain functions of what is known; p2p
 // carries out what they decide.
 #pragma once
 
@@ -72,14 +72,14 @@ using link_decision = std::variant<std::monostate, open_link_to, close_worst>;
 
 /// V(h), CM-05: 100 x (metric - direct) + a random number 0..99.
 /// Deviation: minus 100 for every connection above `links_min` that the host has, as real kernels
-/// do (peis-wire.md 14); without it full hosts are asked again and again and close others instead.
+/// do (docs/peis-wire.md 14); else full hosts are asked again and again and close others instead.
 [[nodiscard]] int value_of(const host_option& x, const connection_config& config,
                            random_stream& rng);
 
 /// V(c), CM-04, comparable with V(h). @pre x.loss
 [[nodiscard]] int value_of(const link_option& x);
 
-/// CM-06 to CM-08, A-25. @param links all but those of `always`, closable or not
+/// CM-06 to CM-08 (docs/peis-wire.md 14). @param links all but those of `always`, closable or not
 [[nodiscard]] link_decision decide(std::span<const link_option> links,
                                    std::span<const host_option> hosts,
                                    const connection_config& config, random_stream& rng);
@@ -87,7 +87,7 @@ using link_decision = std::variant<std::monostate, open_link_to, close_worst>;
 /// The closable link of least value.
 [[nodiscard]] std::optional<link_option> worst_of(std::span<const link_option> links);
 
-/// Whether a connect request may be accepted (CM-09, peis-wire.md 3.2), and what for.
+/// Whether a connect request may be accepted (CM-09, docs/peis-wire.md 3.2), and what for.
 enum class admission : std::uint8_t { accept, replace_worst, refuse };
 [[nodiscard]] admission admit(std::uint32_t request_flags, std::span<const link_option> links,
                               const connection_config& config);

@@ -1,4 +1,4 @@
-// The message of port 9: a peer exits, or has been given up (peis-wire.md 11).
+// The message of port 9: a peer exits, or has been given up (docs/peis-wire.md 11).
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Reliable messages from the first transmission to the outcome (peis-wire.md 8.2, 8.3, A10).
+// Reliable messages from the first transmission to the outcome (docs/peis-wire.md 8.2, 8.3).
 #pragma once
 
 #include <array>
@@ -37,8 +37,8 @@ struct delivery_config {
   // What has not begun to leave, per destination: a stall of 50 ms at 100 000 messages a second.
   std::size_t waiting_max = 8192;                    ///< messages
   std::size_t waiting_octets_max = 64 * 1024 * 1024; ///< beyond the first message
-  /// A receiver drops a message 10 s after its last fragment (peis-wire.md 8.3). If none has left
-  /// for so long, the message is sent anew.
+  /// A receiver drops a message 10 s after its last fragment (docs/peis-wire.md 8.3). If none has
+  /// left for so long, the message is sent anew.
   duration pause_max = 9500ms;
   unsigned tries_max = 5; ///< to send a message from its first fragment
 };

@@ -16,9 +16,9 @@ bool held_tuples::is_full(const key& name, peer_id owner) const {
 }
 
 /// Does a pushed tuple replace the one held? A number restarts at zero when a real owner restarts
-/// or creates the tuple anew, hence the time (peis-wire.md 15.3); a deletion that was overtaken by
-/// a newer value must not remove it. What was asked for because ours is incomplete or stale has
-/// the same number and time.
+/// or creates the tuple anew, hence the time (docs/peis-wire.md 15.3); a deletion that was
+/// overtaken by a newer value must not remove it. What was asked for because ours is incomplete or
+/// stale has the same number and time.
 bool held_tuples::replaces(const tuple& x, const tuple& held, bool deletion) const {
   if (x.written > held.written)
     return true;

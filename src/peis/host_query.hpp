@@ -1,4 +1,4 @@
-// The message of port 12: who is the peer that this package is for (peis-wire.md 10, KH-01)?
+// The message of port 12: who is the peer that this package is for (docs/peis-wire.md 10, KH-01)?
 #pragma once
 
 #include <cstdint>

@@ -23,7 +23,7 @@ low_level_address decode_address(byte_view octets) {
   x.device = rubicon::to_string(device);
   x.device.resize(std::min(x.device.find('\0'), x.device.size())); // no NUL if 8 characters
   x.loopback = octets[8] != 0;
-  // The only integer of the record in little-endian order (peis-wire.md 5).
+  // The only integer of the record in little-endian order (docs/peis-wire.md 5).
   x.type = static_cast<low_level_address::kind>(
       byte_reader(octets.subspan(12, 4)).little<std::uint32_t>());
   std::copy_n(octets.begin() + 16, x.address.size(), x.address.begin());

@@ -1,4 +1,4 @@
-// Who a peer is and where it can be reached (peis-wire.md 5 and 6, KH-03).
+// Who a peer is and where it can be reached (docs/peis-wire.md 5 and 6, KH-03).
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace rubicon::peis {
 inline constexpr std::size_t host_record_size = 544;
 inline constexpr std::size_t host_record_message_size = 552;
 inline constexpr std::size_t low_level_addresses_max = 16;
-/// In the flags word of records of our own kind.
+/// In the flags word of records of our own kind; G6 kernels neither read nor change it.
 inline constexpr std::uint32_t liveness_mark = 0x52424e31;
 
 /// One interface of a peer.

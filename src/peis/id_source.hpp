@@ -1,4 +1,4 @@
-// Numbers for packages and for groups of fragments (peis-wire.md 1).
+// Numbers for packages and for groups of fragments (docs/peis-wire.md 1).
 #pragma once
 
 #include <cstdint>

@@ -14,7 +14,7 @@ constexpr std::string_view version_text = "v0.6.0.7 (proto 500)"; // what real k
 constexpr duration quit_patience = 6s;
 constexpr std::string_view id_taken_key = "kernel.id-taken"; ///< who else uses our id
 
-/// Any value but these asks to quit (peis-wire.md 18).
+/// Any value but these asks to quit (docs/peis-wire.md 18).
 bool asks_to_quit(const tuple& x) {
   const auto text = key::from_wire(x.text().substr(0, key_characters_max));
   return text && !text->folded().empty() && text->folded() != "no" && text->folded() != "nil";

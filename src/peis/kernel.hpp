@@ -1,5 +1,5 @@
 // One PEIS kernel: what a component of the ecology (gateway, proxy, robot, PC) joins the network
-// with. Byte-compatible with the G6 kernels (specs/peis-wire.md).
+// with. Byte-compatible with the G6 kernels (docs/peis-wire.md).
 #pragma once
 
 #include <bitset>
@@ -97,14 +97,14 @@ public:
   kernel(kernel&&) noexcept;
   kernel& operator=(kernel&&) noexcept;
 
-  /// Publishes kernel.hostname, .version, .name, .user, .id and .do-quit (peis-wire.md 18).
+  /// Publishes kernel.hostname, .version, .name, .user, .id and .do-quit (docs/peis-wire.md 18).
   /// @pre config.network.id is 1..65535
   kernel(kernel_config config, random_stream rng, instant now);
 
   // What the world does.
 
   /// A link is up. An initiator's request and greeting are among the outputs; an acceptor waits for
-  /// the other side's request and then answers with its greeting (peis-wire.md 3.2, 3.3).
+  /// the other side's request and then answers with its greeting (docs/peis-wire.md 3.2, 3.3).
   /// @param attempt the attempt that brought it about, if it was one of ours
   [[nodiscard]] outputs on_link_open(link_id link, link_role role, instant now,
                                      std::optional<attempt_id> attempt = std::nullopt);
@@ -171,7 +171,7 @@ public:
 
   /// [setRemoteTuple] Asks `owner` to set (TUP-05) or delete one of its tuples. The outcome says
   /// whether the owner has acknowledged the request; a real kernel may still have refused it
-  /// (peis-wire.md 15.3). An owner without route fails at once (API-02). Our own id acts locally.
+  /// (docs/peis-wire.md 15.3). An owner without route fails at once (API-02). Our own id: locally.
   [[nodiscard]] outputs set_remote_tuple(peer_id owner, std::string_view key, tuple_content content,
                                          request_id request, instant now);
   [[nodiscard]] outputs delete_remote_tuple(peer_id owner, std::string_view key, request_id request,
@@ -198,7 +198,7 @@ public:
   [[nodiscard]] outputs unsubscribe(subscription_id id, instant now,
                                     request_id request = no_request);
 
-  // Meta tuples (A12), in kernel_meta.cpp. A meta tuple is a tuple like others, usually our own.
+  // Meta tuples, in kernel_meta.cpp. A meta tuple is a tuple like others, usually our own.
 
   /// [declareMetaTuple] Makes an own tuple a meta tuple that points nowhere, unless it is one
   /// already (META-03).
@@ -272,7 +272,7 @@ public:
   [[nodiscard]] peer_id id() const;
 
   /// [getTuple] The tuple of that owner and full key, own or held because of a subscription, unless
-  /// it has expired; it counts as read then (TUP-12). Abstract: owner or key is a wildcard.
+  /// it has expired; it counts as read then (TUP-12). Abstract: owner or key is a wildcard.
   [[nodiscard]] reading get_tuple(peer_id owner, std::string_view key, read_mode mode, instant now);
   /// [getTupleByAbstract] Nothing also if the other fields of the prototype do not match.
   [[nodiscard]] reading get_tuple(const prototype& wanted, read_mode mode, instant now);

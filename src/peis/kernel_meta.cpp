@@ -1,4 +1,4 @@
-// Access to tuples through meta tuples (peis-wire.md 17, META-02, META-03).
+// Access to tuples through meta tuples (docs/peis-wire.md 17, META-02, META-03).
 #include <utility>
 
 #include "peis/kernel.hpp"

@@ -1,4 +1,4 @@
-// The tuples in which a kernel tells how it does (peis-wire.md 18, TUP-22, SCH-06).
+// The tuples in which a kernel tells how it does (docs/peis-wire.md 18, TUP-22, SCH-06).
 #pragma once
 
 #include <array>

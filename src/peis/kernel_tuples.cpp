@@ -1,4 +1,4 @@
-// The tuple commands of a kernel and looking at what it holds (requirements A11, A12).
+// The tuple commands of a kernel and looking at what it holds.
 #include <utility>
 
 #include "peis/kernel.hpp"

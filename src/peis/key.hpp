@@ -1,4 +1,4 @@
-// Names of tuples: dot-separated parts, compared without letter case (TUP-03, A-28).
+// Names of tuples: dot-separated parts, compared without letter case (TUP-03).
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ public:
   [[nodiscard]] static result<key> parse(std::string_view text);
 
   /// What came from the wire: text beyond the seventh part is dropped, `x*` is literal
-  /// (peis-wire.md 15.7). too_long above 127 characters.
+  /// (docs/peis-wire.md 15.7). too_long above 127 characters.
   [[nodiscard]] static result<key> from_wire(std::string_view text);
 
   [[nodiscard]] const std::string& text() const { return content().text; }

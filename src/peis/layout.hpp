@@ -1,4 +1,4 @@
-// Fixed layouts: fields at the offsets that the wire format's tables give (peis-wire.md 1).
+// Fixed layouts: fields at the offsets that the wire format's tables give (docs/peis-wire.md 1).
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// One link's octet stream: a connect request, then packages without separators (peis-wire.md 3.2 to
-// 3.4). The same over every medium.
+// One link's octet stream: a connect request, then packages without separators
+// (docs/peis-wire.md 3.2 to 3.4). The same over every medium.
 #pragma once
 
 #include <cstddef>

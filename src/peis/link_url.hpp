@@ -16,7 +16,7 @@
 namespace rubicon::peis {
 
 inline constexpr std::uint16_t tcp_port_default = 8000;
-inline constexpr std::uint16_t bluetooth_port_default = 7315;
+inline constexpr std::uint16_t bluetooth_port_default = 7315; // of HELLOs
 
 struct bluetooth_address {
   std::array<std::uint8_t, 6> octets{};

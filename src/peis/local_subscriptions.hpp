@@ -82,7 +82,7 @@ public:
   [[nodiscard]] const question* next_question(std::uint64_t serial) const;
 
   /// The message that asks a host. @param marked it is of our kind: the subscription has a lifetime
-  /// @param refresh it need not send what matches again if it knows the subscription
+  /// @param refresh it need not send what matches again if it knows the subscription
   [[nodiscard]] transmit request_to(peer_id host, bool marked, const prototype& wanted,
                                     bool refresh) const;
 

@@ -1,4 +1,4 @@
-// Meta tuples: values that name another tuple (peis-wire.md 17, META-01 to META-04).
+// Meta tuples: values that name another tuple (docs/peis-wire.md 17, META-01 to META-04).
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// The clock that all peers share (peis-wire.md 12, CLK-06, CLK-07).
+// The clock that all peers share (docs/peis-wire.md 12, CLK-06, CLK-07).
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ inline constexpr duration network_time_end = std::chrono::seconds(5'680'281'600)
 
 struct clock_config {
   bool master = false;  ///< its time is everybody's, forwards and backwards
-  duration period = 2s; ///< between two broadcasts (part C)
+  duration period = 2s; ///< between two broadcasts
   duration offset{};    ///< of the local clock: network time at ecology time zero
   std::int64_t ppb = 0; ///< by which the local clock runs fast, parts per billion
   duration quiet = 7s;  ///< no broadcast for so long after a better one was heard

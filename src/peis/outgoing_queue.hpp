@@ -1,4 +1,4 @@
-// What waits to be written to one link: five classes, strict order (P2P-02, P2P-03, A-13).
+// What waits to be written to one link: five classes, strict order (P2P-02, P2P-03).
 #pragma once
 
 #include <algorithm>
@@ -69,7 +69,7 @@ struct queues_memory {
 
 /// Bounded in each class and in octets; what is full refuses the newest. Below control, packages
 /// are given up at random as soon as this class and those above are more than half full: with f the
-/// share in use, with probability 2 (f - 0.5), as real kernels do (peis-wire.md 8.1).
+/// share in use, with probability 2 (f - 0.5), as real kernels do (docs/peis-wire.md 8.1).
 ///
 /// Origins take turns within a class. One of them may hold as much as is free beside it, so there
 /// is always room for another, and what is given up at random is of those that hold more than

@@ -1,4 +1,4 @@
-// The tuples that this peer owns, and who has written them (peis-wire.md 15.3 to 15.5).
+// The tuples that this peer owns, and who has written them (docs/peis-wire.md 15.3 to 15.5).
 #pragma once
 
 #include <cstddef>
@@ -106,7 +106,7 @@ public:
 
   // What becomes of them.
   void on_expired(const tuple& gone); ///< the store has it no more
-  /// Its tuples stay: a command is obeyed after the planner has gone (peis-wire.md 15.3).
+  /// Its tuples stay: a command is obeyed after the planner has gone (docs/peis-wire.md 15.3).
   void on_writer_gone(peer_id host, instant now);
   /// What writers that are gone have created beyond the limit, the largest first: to be removed.
   [[nodiscard]] std::vector<key> take_orphans(instant now);

@@ -53,7 +53,7 @@ bool is_legal(const package_header& header) {
     return false;
   if (header.seqlen == 0)
     return true;
-  // Fragment fields are signed 16 bit; only direct messages may be long (peis-wire.md 7.1, 8.3).
+  // Fragment fields are signed 16 bit; only direct messages are long (docs/peis-wire.md 7.1, 8.3).
   if (header.type != package_type::direct || header.seqlen > fragments_max ||
       header.seqnum >= header.seqlen)
     return false;

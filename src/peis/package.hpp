@@ -1,4 +1,4 @@
-// The package: a header of 40 octets and up to 1024 octets of data (peis-wire.md 6, P2P-06).
+// The package: a header of 40 octets and up to 1024 octets of data (docs/peis-wire.md 6, P2P-06).
 #pragma once
 
 #include <cstddef>
@@ -83,12 +83,12 @@ struct package_header {
 void encode(const package_header& header, bytes& out);
 
 /// Decodes the first 40 octets. An error means that the stream they come from is broken and must be
-/// closed (peis-wire.md 3.4): truncated; bad_value for a wrong sync word or a negative id; too_long
-/// for more than 1024 octets of data.
+/// closed (docs/peis-wire.md 3.4): truncated; bad_value for a wrong sync word or a negative id;
+/// too_long for more than 1024 octets of data.
 [[nodiscard]] result<package_header> decode_header(byte_view octets);
 
 /// May the package be handled and passed on? Checks what a real kernel fails to: type, port,
-/// source, fragment numbers (peis-wire.md 23).
+/// source, fragment numbers (docs/peis-wire.md 20).
 [[nodiscard]] bool is_legal(const package_header& header);
 
 } // namespace rubicon::peis

@@ -1,4 +1,4 @@
-// Long messages put together from fragments in any order (peis-wire.md 8.3, P2P-04).
+// Long messages put together from fragments in any order (docs/peis-wire.md 8.3, P2P-04).
 #pragma once
 
 #include <compare>

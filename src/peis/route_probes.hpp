@@ -1,4 +1,4 @@
-// Proof of ways that may lead in circles: hosts that are to give a sign of life in time.
+// Proof of ways that may lead in circles: hosts that are to give a sign of life in time.
 #pragma once
 
 #include <cstddef>

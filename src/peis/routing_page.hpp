@@ -1,4 +1,4 @@
-// One page of a peer's routing table, as neighbours exchange them (peis-wire.md 9.1, RTE-04).
+// One page of a peer's routing table, as neighbours exchange them (docs/peis-wire.md 9.1, RTE-04).
 #pragma once
 
 #include <cstddef>

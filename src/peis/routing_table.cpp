@@ -125,7 +125,7 @@ std::size_t routing_table::room_for(link_id link) {
 }
 
 /// A neighbour may know an earlier incarnation of ours with a higher number, which would hide our
-/// ways until we have caught up (peis-wire.md 9.6).
+/// ways until we have caught up (docs/peis-wire.md 9.6).
 void routing_table::note_own(const routing_entry& entry) {
   if (entry.magic != magic_ && entry.seqno >= seqno_ && entry.seqno <= seqno_believed_max) {
     seqno_ = entry.seqno;

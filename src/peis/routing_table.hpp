@@ -1,4 +1,4 @@
-// Who can be reached over which link (peis-wire.md 9, A8).
+// Who can be reached over which link (docs/peis-wire.md 9).
 #pragma once
 
 #include <cstddef>
@@ -50,10 +50,10 @@ using routing_changes = std::vector<routing_change>;
 /// entry is not in the tables; it is added when they are sent.
 ///
 /// When a way is lost, what neighbours still tell may lead back to us, in ever longer circles
-/// (count to infinity, peis-wire.md 9.4). A way is sound if it is told by newer information than
-/// the last one had, or by as new and from nearer to the host than we were. A real kernel takes
-/// any; we take an unsound one on probation: the owner probes the host, which a real kernel answers
-/// as well, and reports it unanswered(), or not.
+/// (count to infinity, docs/peis-wire.md 9.4). A way is sound if it is told by newer information
+/// than the last one had, or by as new and from nearer to the host than we were. A real kernel
+/// takes any; we take an unsound one on probation: the owner probes the host, which a real kernel
+/// answers as well, and reports it unanswered(), or not.
 class routing_table {
 public:
   routing_table() = default;
@@ -64,7 +64,7 @@ public:
                 std::size_t routes_max = std::numeric_limits<std::size_t>::max())
       : self_(self), magic_(magic), metric_limit_(metric_limit), routes_max_(routes_max) {}
 
-  /// A neighbour's whole table has arrived over a link of this cost (peis-wire.md 9.4).
+  /// A neighbour's whole table has arrived over a link of this cost (docs/peis-wire.md 9.4).
   [[nodiscard]] routing_changes on_table(link_id link, std::uint8_t cost,
                                          std::span<const routing_entry> entries, instant now);
 
@@ -76,7 +76,7 @@ public:
 
   [[nodiscard]] routing_changes on_link_closed(link_id link, instant now);
 
-  /// The host is of our kind: it is given up sooner.
+  /// The host is of our kind: it is given up sooner.
   void mark(peer_id host);
 
   /// A host without a way has said over a link that it is there, through a neighbour that has yet
@@ -123,7 +123,7 @@ public:
   std::int32_t next_seqno() { return ++seqno_; }
 
   /// True, once, after neighbours have shown a higher number of an earlier incarnation of ours:
-  /// ours has been raised and should be sent (peis-wire.md 9.6).
+  /// ours has been raised and should be sent (docs/peis-wire.md 9.6).
   [[nodiscard]] bool take_overtaken();
 
   /// What to send over `link`: ways that lead over it are left out (split horizon; a real kernel

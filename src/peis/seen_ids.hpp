@@ -1,4 +1,4 @@
-// The memory that stops loops and duplicates (peis-wire.md 7, P2P-07).
+// The memory that stops loops and duplicates (docs/peis-wire.md 7, P2P-07).
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Simulated Bluetooth between the machines of peers (BT-02, A-17): which adapters and devices are
+// Simulated Bluetooth between the machines of peers (BT-02): which adapters and devices are
 // where, who announces on an adapter, which links are open. Octets of links do not pass through
 // here: see peis/simulated_link.hpp.
 #pragma once

@@ -1,5 +1,5 @@
 // Hosts that can be reached though nobody has told who they are now, and when each is asked about
-// (peis-wire.md 10).
+// (docs/peis-wire.md 10).
 #pragma once
 
 #include <map>

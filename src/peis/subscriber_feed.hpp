@@ -1,4 +1,4 @@
-// What other hosts are sent of our tuples and asked for (peis-wire.md 15.6, TUP-10, TUP-18).
+// What other hosts are sent of our tuples and asked for (docs/peis-wire.md 15.6, TUP-10, TUP-18).
 #pragma once
 
 #include <cstddef>

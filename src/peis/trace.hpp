@@ -1,4 +1,4 @@
-// The message of ports 1 and 2: which peers a package passes (peis-wire.md 13, API-12).
+// The message of ports 1 and 2: which peers a package passes (docs/peis-wire.md 13, API-12).
 #pragma once
 
 #include <cstddef>

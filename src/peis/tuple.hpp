@@ -1,4 +1,4 @@
-// A tuple: a named value that lives with its owner (peis-wire.md 15, TUP-01, TUP-02).
+// A tuple: a named value that lives with its owner (docs/peis-wire.md 15, TUP-01, TUP-02).
 #pragma once
 
 #include <compare>
@@ -25,7 +25,7 @@ struct timestamp {
 };
 
 inline constexpr timestamp never{0, 0};      ///< as expiry: lives until deleted
-inline constexpr timestamp deleted{1, 0};    ///< as expiry: delete it now (peis-wire.md 15.4)
+inline constexpr timestamp deleted{1, 0};    ///< as expiry: delete it now (docs/peis-wire.md 15.4)
 inline constexpr timestamp any_time{-1, -1}; ///< in patterns
 
 /// Seconds and microseconds are wildcards one by one.
@@ -89,14 +89,14 @@ struct prototype {
   std::optional<std::string> mimetype; ///< up to mimetype_length_max octets
   std::optional<payload> value; ///< compared by length, then without letter case to the first NUL
 
-  /// All fields must agree; with real kernels, different MIME types match (peis-wire.md 15.7).
+  /// All fields must agree; with real kernels, different MIME types match (docs/peis-wire.md 15.7).
   [[nodiscard]] bool matches(const tuple& x) const;
   /// Owner and key alone.
   [[nodiscard]] bool names(const tuple& x) const {
     return (owner == any_peer || owner == x.owner) && name.matches(x.name);
   }
 
-  /// The same subscription, whoever repeats it (peis-wire.md 15.6).
+  /// The same subscription, whoever repeats it (docs/peis-wire.md 15.6).
   friend bool operator==(const prototype& a, const prototype& b);
 };
 

@@ -1,4 +1,4 @@
-// How a value grows by an append (peis-wire.md 15.5, TUP-07).
+// How a value grows by an append (docs/peis-wire.md 15.5, TUP-07).
 #pragma once
 
 #include <cstddef>

@@ -16,8 +16,8 @@ namespace rubicon::peis {
 
 /// One message in flight per subscriber and tuple, the next leaves when it is acknowledged: a real
 /// kernel applies append notices in the order in which they arrive, and repeats of lost packages
-/// change that order (peis-wire.md 15.5). A tuple is followed from a whole value on which later
-/// notices build until something else happens to it.
+/// change that order (docs/peis-wire.md 15.5). A tuple is followed from a whole value on which
+/// later notices build until something else happens to it.
 class tuple_channels {
 public:
   /// @param waiting_max messages per subscriber and tuple that have not left yet

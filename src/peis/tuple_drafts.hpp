@@ -38,7 +38,7 @@ private:
   const tuple_clock& clock_;
 };
 
-/// The value of one octet and the expiry in the past that delete a tuple (peis-wire.md 15.4).
+/// The value of one octet and the expiry in the past that delete a tuple (docs/peis-wire.md 15.4).
 void make_deletion(tuple& x);
 
 } // namespace rubicon::peis

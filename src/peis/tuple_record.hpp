@@ -1,4 +1,4 @@
-// The tuple messages: a record of 224 octets, the MIME type, the value (peis-wire.md 15.1, 15.2).
+// Tuple messages: a record of 224 octets, the MIME type, the value (docs/peis-wire.md 15.1, 15.2).
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace rubicon::peis {
 inline constexpr std::size_t tuple_record_size = 224;
 
 /// How long a subscription lives without being repeated. Our own kind says so in the word that real
-/// kernels fill with "force resend" and ignore: `R` `L`, refresh 1, seconds 1.
+/// kernels fill with "force resend" and ignore: `R` `L`, refresh 1, seconds 1.
 struct lifetime_tag {
   bool refresh = false; ///< a repeat: what was pushed once need not be pushed again
   std::uint8_t seconds = 60;
@@ -43,11 +43,11 @@ enum class tuple_message_kind : std::uint8_t { push, set };
 
 /// Decodes a push or set message; the value shares its octets. Refused as bad_value unless it is
 /// concrete: owner, creator, times, encoding and key without wildcards, MIME type and value present
-/// (peis-wire.md 15.3).
+/// (docs/peis-wire.md 15.3).
 /// @param known our network time
 [[nodiscard]] result<tuple> decode_tuple_message(const payload& octets, timestamp known);
 
-/// Asks an owner to append to those of its tuples that match (peis-wire.md 15.2, 15.5).
+/// Asks an owner to append to those of its tuples that match (docs/peis-wire.md 15.2, 15.5).
 struct append_request {
   prototype wanted; ///< a MIME type cannot travel
   payload added;
@@ -76,7 +76,7 @@ struct append_notice {
 [[nodiscard]] bytes encode(const subscribe_message& message);
 [[nodiscard]] result<subscribe_message> decode_subscribe(byte_view octets, timestamp known);
 
-/// The record alone; of what arrives only owner and key are meaningful (peis-wire.md 15.2).
+/// The record alone; of what arrives only owner and key are meaningful (docs/peis-wire.md 15.2).
 [[nodiscard]] bytes encode_unsubscribe(const prototype& unwanted);
 [[nodiscard]] result<prototype> decode_unsubscribe(byte_view octets);
 

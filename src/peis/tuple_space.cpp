@@ -175,7 +175,7 @@ void tuple_space::parts::on_subscribe(peer_id source, byte_view octets, instant 
     ++counters.malformed;
 }
 
-/// Only owner and key of the message mean anything (peis-wire.md 15.2).
+/// Only owner and key of the message mean anything (docs/peis-wire.md 15.2).
 void tuple_space::parts::on_unsubscribe(peer_id source, byte_view octets) {
   if (const auto unwanted = decode_unsubscribe(octets))
     feed.unsubscribe(source, unwanted->owner, unwanted->name);

@@ -1,5 +1,5 @@
 // The tuple space of one peer: its own tuples, copies of others', and who wants what
-// (peis-wire.md 15, requirements A11, A12).
+// (docs/peis-wire.md 15).
 #pragma once
 
 #include <cstdint>
@@ -68,7 +68,7 @@ public:
   [[nodiscard]] tuple_events on_set(peer_id source, const tuple& x, bool may_write, instant now);
 
   // What happens to hosts and to our own messages.
-  /// @param marked it is of our kind: subscriptions to it carry a lifetime and are refreshed
+  /// @param marked it is of our kind: subscriptions to it carry a lifetime and are refreshed
   /// @param incarnation what of an unmarked host that vanished comes back with the same number; 0:
   ///        nothing does
   [[nodiscard]] tuple_events on_host_appeared(peer_id host, bool marked, instant now,

@@ -31,10 +31,10 @@ inline constexpr request_id no_request{0};
 /// Request and subscription ids from here on are the kernel's own; callers use smaller ones.
 inline constexpr std::uint64_t own_ids_first = std::uint64_t{1} << 63U;
 
-/// Who opened the link: the initiator speaks first (peis-wire.md 3.2).
+/// Who opened the link: the initiator speaks first (docs/peis-wire.md 3.2).
 enum class link_role : std::uint8_t { initiator, acceptor };
 
-/// What a user may ask for; link control and acknowledgements go before all of these.
+/// What a user may ask for; link control and acknowledgements go before all of these.
 /// Messages of more than one package always travel as bulk.
 enum class priority : std::uint8_t { high, normal, bulk };
 
@@ -51,7 +51,7 @@ enum class cause : std::uint8_t {
   bad_port,        ///< not one of the ports 20..49 (API-09)
   bad_key,         ///< TUP-03
   bad_value,       ///< MIME type longer than 254 octets, or a time that the wire cannot carry
-  abstract,        ///< a wildcard where one tuple must be named in full (TUP-06, A-30)
+  abstract,        ///< a wildcard where one tuple must be named in full (TUP-06)
   space_full,      ///< no room for another tuple or subscription
   bad_handle,      ///< subscription id that is in use already, or unknown
   bad_index,       ///< the cursor of a result set stands on no tuple
@@ -71,13 +71,13 @@ enum class close_cause : std::uint8_t {
   bad_id,         ///< the other side claims an id that no peer may have
   too_many_links, ///< all 64 slots are taken
   handshake_silent, ///< no connect request in time
-  silent,           ///< nothing arrived for 30 s (peis-wire.md 3.5)
+  silent,           ///< nothing arrived for 30 s (docs/peis-wire.md 3.5)
   host_left,        ///< the neighbour has left the network or was given up
   double_link,      ///< a second link to the same neighbour (CM-11)
   replaced,         ///< nothing comes or leaves over it, unlike over a newer one
   unneeded,         ///< the one of least value among too many (CM-08)
   leaf,             ///< we are a leaf and the other side is on another host (LEA-01)
-  reborn,           ///< leads to an earlier incarnation of a restarted peer (peis-wire.md 10)
+  reborn,           ///< leads to an earlier incarnation of a restarted peer (docs/peis-wire.md 10)
   over_budget,      ///< kept sending though nothing was taken any more
   nameless,         ///< asked for a link, but never told who it is
 };

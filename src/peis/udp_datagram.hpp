@@ -1,5 +1,5 @@
 // What two peers of ours send each other over UDP (D1.1 3.1.5.2, UDP-01). A G6 kernel has no
-// working UDP (peis-wire.md 3.1), so this form is our own.
+// working UDP (docs/peis-wire.md 3.1), so this form is our own.
 //
 //   handshake, 24 octets:  sync 4, kind 1, zero 1, room 2, token 8, cookie 8
 //   segment, 48 or more:   sync 4, kind 1, zero 1, room 2, token 8, sequence 8, expected 8, number

@@ -29,9 +29,9 @@ struct host_facts {
   std::uint16_t port = 0; ///< where the kernel of the peisinit takes TCP links; 0: nowhere
 };
 
-/// The options that a component's kernel finds in the environment variable PEISINIT (peis-wire.md
-/// 18): `--peis-id 31 --peis-hostname pc --peis-network rubicon --peis-connect
-/// tcp://localhost:8000`, and the extra arguments.
+/// The options that a component's kernel finds in the environment variable PEISINIT
+/// (docs/peis.md, Started as a G6 kernel): `--peis-id 31 --peis-hostname pc --peis-network rubicon
+/// --peis-connect tcp://localhost:8000`, and the extra arguments.
 [[nodiscard]] std::string options_for(const component& x, const std::string& arguments,
                                       const host_facts& host);
 

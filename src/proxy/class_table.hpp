@@ -16,7 +16,7 @@ public:
   explicit class_table(std::vector<proxy_class> classes) : classes_(std::move(classes)) {}
 
   /// The class with the narrowest type range around the signature's type; of equally narrow ones
-  /// the first in the table. A range whose `first` is above its `last` holds nothing.
+  /// the first in the table. A range whose `first` is above its `last` holds nothing.
   /// On channels other than `wsn` the class with the longest prefix of the id.
   /// @returns nullptr if no class claims it; else valid as long as the table
   [[nodiscard]] const proxy_class* find(const signature& percept) const;

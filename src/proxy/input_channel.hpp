@@ -82,7 +82,7 @@ public:
   static constexpr duration retry_pause = 1s;
 
   /// @param answer_timeout from a write to its latest outcome. From add() to that of the request it
-  /// is so many times the sum of both as there are inputs, and once more: each may have a
+  /// is so many times the sum of both as there are inputs, and once more: each may have a
   /// request before it.
   explicit input_channel(duration answer_timeout = 20s, duration retry_for = {})
       : answer_timeout_(answer_timeout), retry_for_(retry_for) {}

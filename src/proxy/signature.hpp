@@ -12,7 +12,7 @@ namespace rubicon::proxy {
 /// Interface channel of motes behind a gateway.
 inline constexpr std::string_view wsn_channel = "wsn";
 
-/// Signature of a percept (PXY-11, A-33).
+/// Signature of a percept (PXY-11).
 struct signature {
   std::string channel;     ///< kind of interface that perceives it, `wsn` for motes
   std::string hardware_id; ///< unique on that channel; `island/mote` for motes

@@ -76,7 +76,7 @@ struct delivered {
   payload psdu;             ///< one object for all receivers
   frame content;            ///< views `psdu`, valid as long as any copy of it
   std::int8_t rssi_dbm = 0; ///< whole dBm, as the chips report it
-  std::uint8_t lqi = 0;     ///< 50..110 (tinyos.md 4.1)
+  std::uint8_t lqi = 0;     ///< 50..110 (docs/tinyos.md 4.1)
   provenance from = {};     ///< of the request
 };
 
@@ -131,8 +131,8 @@ struct energy_use {
 };
 
 /// Radios of one or several islands that share a place: PHY and MAC of all of them, on whatever
-/// channels, as one sans-I/O core with an event queue of its own (design.md section 4, NET-15,
-/// GEN-03).
+/// channels, as one sans-I/O core with an event queue of its own (docs/architecture.md, Actors;
+/// NET-15, GEN-03).
 ///
 /// Sending, per radio: a bounded queue, and the medium access that channel_config::macs names for
 /// its platform (radio/mac_rules.hpp).

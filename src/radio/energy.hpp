@@ -1,4 +1,4 @@
-// What a mote's radio and MCU have used (NRG-05, tinyos.md 8).
+// What a mote's radio and MCU have used (NRG-05, docs/tinyos.md 7).
 #pragma once
 
 #include <cstdint>
@@ -42,8 +42,8 @@ struct energy_charges {
 [[nodiscard]] double used_mah(const energy_times& times, const platform& kind, double transmit_ma);
 
 /// Counts one mote's times. `now` never goes back from one call to the next. Receiving draws
-/// the same current as listening (tinyos.md 8.1) and is not distinguished here: the medium knows
-/// it.
+/// the same current as listening (docs/tinyos.md 7.1) and is not distinguished here: the medium
+/// knows it.
 class energy_meter {
 public:
   energy_meter() = default;

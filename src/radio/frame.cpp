@@ -9,7 +9,7 @@ namespace rubicon::radio {
 
 namespace {
 
-// FCF of tinyos.md 4.1: short addresses, one PAN id; with and without ack request.
+// FCF of docs/tinyos.md 4.1: short addresses, one PAN id; with and without ack request.
 constexpr std::uint16_t fcf_data = 0x8841;
 constexpr std::uint16_t fcf_data_acked = 0x8861;
 constexpr std::uint16_t fcf_ack = 0x0002;

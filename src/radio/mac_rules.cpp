@@ -48,8 +48,8 @@ constexpr mac_rules standard{
     .retries_max = timing::retries_max,
 };
 
-// tinyos.md 5.1, 4.2. The chip's assessment is that of the 128 us before the sample. Acks are made
-// in software, about a millisecond after the frame [estimate there].
+// docs/tinyos.md 5.1, 4.2. The chip's assessment is that of the 128 us before the sample. Acks are
+// made in software, about a millisecond after the frame [estimate there].
 constexpr mac_rules cc2420(duration tick) {
   return {
       .name = "cc2420",
@@ -71,11 +71,11 @@ constexpr mac_rules cc2420(duration tick) {
   };
 }
 
-constexpr mac_rules cc2420_micaz = cc2420(34722ns); // 28 800 Hz, tinyos.md 5.1
+constexpr mac_rules cc2420_micaz = cc2420(34722ns); // 28 800 Hz, docs/tinyos.md 5.1
 constexpr mac_rules cc2420_32khz = cc2420(30518ns); // 32 768 Hz
 
-// tinyos.md 5.2, 4.2. Turnaround and the delay of the software ack are estimates: the standard's,
-// and what leaves the 352 us of an ack well within the sender's 1000 us.
+// docs/tinyos.md 5.2, 4.2. Turnaround and the delay of the software ack are estimates: the
+// standard's, and what leaves the 352 us of an ack well within the sender's 1000 us.
 constexpr mac_rules rf230{
     .name = "rf230",
     .backoffs = initial_and_congestion({.first = 320us, .step = 1us, .count = 4960},

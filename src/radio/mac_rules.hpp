@@ -12,7 +12,7 @@
 
 namespace rubicon::radio {
 
-/// The standard's numbers for 2.4 GHz (tinyos.md 5.3).
+/// The standard's numbers for 2.4 GHz (IEEE 802.15.4-2006 7.4).
 namespace timing {
 inline constexpr duration symbol = 16us;
 inline constexpr duration octet = 2 * symbol;

@@ -56,10 +56,10 @@ struct transceiver_config {
 /// its sensitivity or more and an SINR of -5 dB or more (below, a tenth of the bits are wrong: IEEE
 /// 802.15.4-2006 figure E.2), and stays with it to its end. A later frame is interference to it,
 /// and captured by it; with channel_config::capture it takes the receiver over if it is 3 dB above
-/// everything else (tinyos.md 7.2: from there on a later frame begins to destroy an earlier one).
-/// Interference begins and ends whenever it does: damage is summed up over all parts of a frame
-/// (radio/reception.hpp). Under collision_rule::strict any overlap, of frames in reach at all,
-/// spoils both; a radio that listens senses a carrier until the last of them has ended.
+/// everything else (docs/tinyos.md 6: from there on a later frame begins to destroy an earlier
+/// one). Interference begins and ends whenever it does: damage is summed up over all parts of a
+/// frame (radio/reception.hpp). Under collision_rule::strict any overlap, of frames in reach at
+/// all, spoils both; a radio that listens senses a carrier until the last of them has ended.
 ///
 /// Costs O(hearers) for each start and end of a frame.
 class medium {

@@ -1,4 +1,4 @@
-// Noise that continues a recording: closest-pattern matching (tinyos.md 7.2; Lee, Cerpa, Levis:
+// Noise that continues a recording: closest-pattern matching (docs/tinyos.md 6; Lee, Cerpa, Levis:
 // Improving Wireless Simulation Through Noise Modeling, IPSN 2007).
 #pragma once
 

@@ -75,7 +75,7 @@ using noise_model = std::variant<no_noise, constant_noise, table_noise, traced_n
 
 enum class error_curve : std::uint8_t {
   oqpsk,  ///< bit error rate of IEEE 802.15.4-2006 E.4.1.8
-  tossim, ///< tinyos.md 7.2: chance for a whole frame, whatever its length
+  tossim, ///< docs/tinyos.md 6: chance for a whole frame, whatever its length
 };
 
 enum class collision_rule : std::uint8_t {
@@ -144,19 +144,19 @@ struct transmit_level {
   double current_ma;
 };
 
-/// Currents and limits of a kind of mote (tinyos.md 8.1, 10).
+/// Currents and limits of a kind of mote (docs/tinyos.md 7.1, 7.3).
 struct platform {
   std::string_view name;
   double mcu_active_ma;
   double mcu_sleep_ma;
   double radio_off_ma;
-  double radio_listen_ma;                 ///< also while receiving (tinyos.md 8.1)
+  double radio_listen_ma;                 ///< also while receiving (docs/tinyos.md 7.1)
   std::array<transmit_level, 8> transmit; ///< ascending by dBm; a shorter table repeats its first
   double supply_v;
-  double battery_mah;        ///< two AA cells (tinyos.md 8.2)
+  double battery_mah;        ///< two AA cells (docs/tinyos.md 7.2)
   double sensitivity_dbm;    ///< what arrives more weakly is not received
   double cca_dbm;            ///< energy threshold of clear-channel assessment
-  std::uint32_t serial_baud; ///< tinyos.md 1.1
+  std::uint32_t serial_baud; ///< docs/tinyos.md 1.1
   std::size_t receive_slots; ///< frames it can hold while the MCU is busy
   duration service_time;     ///< how long the MCU needs per frame, received or sent [estimate]
 
@@ -200,7 +200,7 @@ struct listening_config {
   [[nodiscard]] duration train() const { return enabled() ? interval + margin : duration{}; }
 };
 
-/// Channels of IEEE 802.15.4 at 2.4 GHz: k is at 2405 + 5 (k - 11) MHz (tinyos.md 4.1).
+/// Channels of IEEE 802.15.4 at 2.4 GHz: k is at 2405 + 5 (k - 11) MHz (docs/tinyos.md 4.1).
 inline constexpr std::uint8_t channel_min = 11;
 inline constexpr std::uint8_t channel_max = 26;
 inline constexpr std::uint8_t default_channel = 26; ///< TinyOS's

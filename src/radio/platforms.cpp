@@ -5,12 +5,12 @@
 namespace rubicon::radio {
 
 const std::array<platform, 3>& platforms() {
-  // Currents: tinyos.md 8.1, of the chips at 3 V. Sleep is "sleep, timer on"; off is "radio off /
-  // sleep". Battery: tinyos.md 8.2. Baud: tinyos.md 1.1. Sensitivity: tinyos.md 8.1. Energy
-  // thresholds: CC2420, tinyos.md 5.1; the AT86RF230's data sheet has the same -77 dBm as default.
+  // Currents of the chips at 3 V, batteries, sensitivity: docs/tinyos.md 7. Sleep is "asleep with
+  // its timer". Baud: docs/tinyos.md 1.1. Energy thresholds: CC2420, docs/tinyos.md 5.1; the
+  // AT86RF230's data sheet has the same -77 dBm as default.
   //
-  // Receive slots: an RF230 stack holds 3 messages (tinyos.md 10). A CC2420's FIFO has 128 octets:
-  // three frames of the default maximum payload with their length octets, 3 x 42 (tinyos.md 4.1).
+  // Receive slots: an RF230 stack holds 3 messages (docs/tinyos.md 7.3). A CC2420's FIFO has 128
+  // octets: three frames of the default maximum payload with their length octets, 3 x 42.
   //
   // Service times are estimates: reading 20..40 octets over SPI in a split-phase driver, checking
   // the header and running a task, on an 8 MHz AVR (the RF230's buffer is read in one burst) and a

@@ -22,10 +22,10 @@ enum class verdict : std::uint8_t {
 };
 
 /// Sans-I/O. The address filter is the transceiver's, so frames for others take no slot. Deviation:
-/// a CC2420 that overflows flushes its whole FIFO (tinyos.md 10); here only the newcomer is lost. A
-/// repeat has the source and DSN of the last such frame taken from that source; DSNs come round
-/// after 256 frames, so by the standard's rules one is remembered only for as long as its sender
-/// can be repeating it. TinyOS remembers a few sources for ever (tinyos.md 4.2).
+/// a CC2420 that overflows flushes its whole FIFO (docs/tinyos.md 7.3); here only the newcomer is
+/// lost. A repeat has the source and DSN of the last such frame taken from that source; DSNs come
+/// round after 256 frames, so by the standard's rules one is remembered only for as long as its
+/// sender can be repeating it. TinyOS remembers a few sources for ever (docs/tinyos.md 4.2).
 class receiver {
 public:
   receiver() = default;

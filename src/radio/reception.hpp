@@ -13,7 +13,7 @@ namespace rubicon::radio {
 /// @returns 0..0.5
 [[nodiscard]] double bit_error_rate(double sinr);
 
-/// TOSSIM's chance that one drawing lets a frame pass (tinyos.md 7.2).
+/// TOSSIM's chance that one drawing lets a frame pass (docs/tinyos.md 6).
 /// @param snr_db in decibels
 [[nodiscard]] double tossim_reception_rate(double snr_db);
 
@@ -28,7 +28,7 @@ namespace rubicon::radio {
 /// For oqpsk, damage is counted per bit on the air (preamble, SFD and length included: a frame
 /// whose start is spoiled is lost too): -ln(1 - bit error rate). For tossim it is counted per
 /// drawing, -ln of the curve: two drawings a data frame, one an ack, spread evenly over the frame
-/// (tinyos.md 7.2; with steady noise that gives TOSSIM's prr squared, and cubed with the ack).
+/// (docs/tinyos.md 6; with steady noise that gives TOSSIM's prr squared, and cubed with the ack).
 ///
 /// A cheap value: all models share one table per curve.
 class error_model {

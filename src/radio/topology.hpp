@@ -29,7 +29,7 @@ struct hearer {
   float clean_damage = 0;   ///< error_model::damage at the receiver's constant noise alone
   std::uint16_t loss = 0;   ///< chance that a copy is lost besides, in 65535ths
   std::int8_t rssi_dbm = 0; ///< -100..0, whole dBm rounded down, as the chips report it
-  std::uint8_t lqi = 0;     ///< 50..110, falls by 3 for each dB below -75 dBm (tinyos.md 4.1)
+  std::uint8_t lqi = 0;     ///< 50..110, falls by 3 for each dB below -75 dBm (docs/tinyos.md 4.1)
 
   friend bool operator==(const hearer&, const hearer&) = default;
 };

@@ -1,4 +1,4 @@
-// Reads TOSSIM's topology and noise files as they are (tinyos.md 7.2).
+// Reads TOSSIM's topology and noise files as they are (docs/tinyos.md 6).
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // The scheduler module for CAF: virtual time, also of several processes at once, or wall time
-// (design.md section 5, GEN-07, NFR-08).
+// (docs/architecture.md, Time; GEN-07, NFR-08).
 #pragma once
 
 #include <atomic>

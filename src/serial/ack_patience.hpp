@@ -9,11 +9,11 @@
 namespace rubicon::serial {
 
 /// On a line that answers every first attempt the wait is the longest one, so that a mote busy
-/// with a frame of its own causes no duplicates (motes do not suppress them, tinyos.md 1.3). Once a
-/// repeat was needed the line counts as noisy for the next 64 answers, and the wait is 250 us and
-/// an eighth more than the longest of the last 16 answers took: a fixed 100 ms would cost a line
-/// with 1 % octet errors most of its throughput (GW-16). The last attempt waits four times as long
-/// before the packet is given up. Never longer than the longest one.
+/// with a frame of its own causes no duplicates (motes do not suppress them, docs/tinyos.md 1.3).
+/// Once a repeat was needed the line counts as noisy for the next 64 answers, and the wait is 250
+/// us and an eighth more than the longest of the last 16 answers took: a fixed 100 ms would cost a
+/// line with 1 % octet errors most of its throughput (GW-16). The last attempt waits four times as
+/// long before the packet is given up. Never longer than the longest one.
 ///
 /// What the packet itself takes on the line is known, and differs from packet to packet: it is not
 /// measured, but added.

@@ -1,5 +1,5 @@
-// The serial forwarder's protocol (tinyos.md 2): packets of a mote over TCP, without the serial
-// line's types, sequence numbers and acks. Both sides speak it alike.
+// The serial forwarder's protocol (docs/tinyos.md 2): packets of a mote over TCP, without the
+// serial line's types, sequence numbers and acks. Both sides speak it alike.
 #pragma once
 
 #include <cstddef>

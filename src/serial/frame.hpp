@@ -1,4 +1,4 @@
-// HDLC-like frames of the TinyOS serial stack (tinyos.md 1.1; A-50).
+// HDLC-like frames of the TinyOS serial stack (docs/tinyos.md 1.1).
 #pragma once
 
 #include <cstddef>
@@ -64,7 +64,7 @@ RUBICON_FIELDS(frame_counters, good, bad_crc, too_short, too_long, aborted, unkn
                malformed);
 
 /// The receiver of a PC: accepts one flag between two frames, keeps its place after a bad CRC, and
-/// looks for the next flag after an aborted or overlong frame (tinyos.md 1.1, 1.4).
+/// looks for the next flag after an aborted or overlong frame (docs/tinyos.md 1.1, 1.4).
 class frame_decoder {
 public:
   /// @returns the frame that this octet completes

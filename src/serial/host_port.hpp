@@ -1,4 +1,4 @@
-// The PC side of a TinyOS serial line (tinyos.md 1.1 to 1.3; A-50, GW-16).
+// The PC side of a TinyOS serial line (docs/tinyos.md 1.1 to 1.3, GW-16).
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,7 @@ using packet_id = strong_id<packet_tag, std::uint64_t>;
 enum class lost_cause : std::uint8_t {
   queue_full,
   no_ack,    ///< attempts used up; the mote may have it all the same
-  too_long,  ///< more than the mote takes: it would not recover (tinyos.md 3)
+  too_long,  ///< more than the mote takes: it would not recover (docs/tinyos.md 3)
   malformed, ///< no dispatch octet, or an AM length that is not that of the octets
 };
 
@@ -87,7 +87,7 @@ RUBICON_FIELDS(host_port_counters, accepted, sent, no_ack, queue_full, refused, 
 
 /// Framing, acks in both directions, a packet or two at a time. Every send ends in exactly one sent
 /// or lost. Each attempt has a sequence number of its own, so that an ack identifies the attempt
-/// that it answers; motes do not suppress duplicates and neither does this side (tinyos.md 1.3).
+/// that it answers; neither motes nor this side suppress duplicates (docs/tinyos.md 1.3).
 ///
 ///   idle --send--> waiting --ack of any attempt--> sent, next packet
 ///                   |   ^

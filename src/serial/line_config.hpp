@@ -13,7 +13,7 @@
 
 namespace rubicon::serial {
 
-/// A serial cable with 10 bit times an octet (tinyos.md 1.1).
+/// A serial cable with 10 bit times an octet (docs/tinyos.md 1.1).
 struct line_config {
   std::uint32_t baud = 57600;
   duration latency = 1ms; ///< of the PC's USB adapter and driver, in each direction
@@ -25,7 +25,7 @@ struct line_config {
 struct recorded_frame;
 
 /// AM payload that TinyOS's programs are compiled for unless somebody says otherwise. A longer one
-/// blocks a BaseStation's path to the radio for good (tinyos.md 3).
+/// blocks a BaseStation's path to the radio for good (docs/tinyos.md 3).
 inline constexpr std::size_t base_station_payload = 28;
 
 /// What is at one end of an island's cable in place of what the ecology has there itself. At most

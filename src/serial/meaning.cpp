@@ -12,7 +12,7 @@ namespace rubicon::serial {
 
 namespace {
 
-// AM types, of tinyos.md 4.1 and of the programs' own headers.
+// AM types (docs/tinyos.md 4.4).
 constexpr std::uint8_t count_type = 6; // of RadioCountToLeds and BlinkToRadio
 constexpr std::uint8_t stamped_type = 0x3d;
 constexpr std::uint8_t ftsp_type = 0x3e;
@@ -156,7 +156,7 @@ std::string probe_text(byte_reader in) {
                              : std::string();
 }
 
-/// tinyos.md 9.
+/// Root, mote, sequence number, global time (docs/tinyos.md 4.4).
 std::string ftsp_text(byte_reader in) {
   constexpr std::size_t size = 9;
   if (in.remaining() != size)
@@ -165,7 +165,7 @@ std::string ftsp_text(byte_reader in) {
   return x.number("root").number("mote").octet("sequence").big<std::uint32_t>("time").text();
 }
 
-/// A payload of another type, which follows it, and 4 octets of time (tinyos.md 9).
+/// A payload of another type, which follows it, and 4 octets of time (docs/tinyos.md 4.4).
 std::string stamped_text(const am_packet& x) {
   constexpr std::size_t footer = 5;
   if (x.payload.size() < footer)

@@ -1,4 +1,4 @@
-// The mote's side of a TinyOS serial line, quirks included (tinyos.md 1.3, 1.4; GW-16).
+// The mote's side of a TinyOS serial line, quirks included (docs/tinyos.md 1.3, 1.4; GW-16).
 #pragma once
 
 #include <algorithm>
@@ -22,12 +22,12 @@ using mote_port_output = std::variant<to_line, received>;
 using mote_port_outputs = std::vector<mote_port_output>;
 
 struct mote_port_config {
-  std::uint32_t baud = 57600;               ///< of the UART, tinyos.md 1.1
+  std::uint32_t baud = 57600;               ///< of the UART, docs/tinyos.md 1.1
   std::size_t payload_max = am_payload_max; ///< AM payload that the mote is compiled for, 0..255
   std::size_t receive_buffers = 2;
   duration service_time = 1ms; ///< how long a received packet keeps its buffer
   std::size_t acks_max = 5;    ///< acks waiting for the UART
-  std::size_t queue_max = 12;  ///< packets waiting for the UART (tinyos.md 3)
+  std::size_t queue_max = 12;  ///< packets waiting for the UART (docs/tinyos.md 3)
   std::size_t urgent_max = 4;  ///< of those that go before others
 };
 
@@ -66,7 +66,7 @@ RUBICON_FIELDS(mote_port_counters, frames_received, received, bad_crc, too_short
 /// flag does not clear a pending escape unless it ends a frame.
 ///
 /// Deviation: a packet whose AM length is above payload_max is counted and dropped; it would block
-/// TinyOS's BaseStation for good (tinyos.md 3).
+/// TinyOS's BaseStation for good (docs/tinyos.md 3).
 class mote_port {
 public:
   mote_port() : mote_port(mote_port_config{}) {}

@@ -1,4 +1,4 @@
-// The serial active message: what a packet with dispatch 0 holds (tinyos.md 1.2).
+// The serial active message: what a packet with dispatch 0 holds (docs/tinyos.md 1.2).
 #pragma once
 
 #include <cstddef>
@@ -30,7 +30,7 @@ struct am_packet {
 [[nodiscard]] bytes encode(const am_packet& x);
 
 /// The opposite of encode(). The length field must be that of the octets, unlike on a mote, which
-/// believes it (tinyos.md 1.4).
+/// believes it (docs/tinyos.md 1.4).
 /// Errors: truncated (no complete header, or less payload than the length field says), too_long
 /// (more payload than that, or a length field above am_payload_max), unsupported (not dispatch 0).
 [[nodiscard]] result<am_packet> decode_am_packet(byte_view packet);

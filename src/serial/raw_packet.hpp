@@ -1,4 +1,4 @@
-// The raw IEEE 802.15.4 frame that a packet with dispatch 2 holds (tinyos.md 1.2, 4.1).
+// The raw IEEE 802.15.4 frame that a packet with dispatch 2 holds (docs/tinyos.md 1.2, 4.1).
 #pragma once
 
 #include <cstddef>

@@ -53,7 +53,7 @@ struct peerJoined {
   friend bool operator==(const peerJoined&, const peerJoined&) = default;
 };
 
-/// Our own id: smepp_leaveGroup is complete.
+/// Our own id: smepp_leaveGroup is complete.
 struct peerLeft {
   mote_id peer;
   group_id group;

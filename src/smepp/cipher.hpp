@@ -1,5 +1,5 @@
 // The arithmetic of suite 1: AES-128 in counter mode (NIST SP 800-38A 6.5), and CMAC (RFC 4493) cut
-// to its first 8 octets; SHA-256 where keys are agreed on. OpenSSL's libcrypto computes it.
+// to its first 8 octets; SHA-256 where keys are agreed on. OpenSSL's libcrypto computes it.
 #pragma once
 
 #include <array>

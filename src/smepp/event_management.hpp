@@ -61,7 +61,7 @@ struct subscription {
   instant refreshed_at;                  ///< when the last round was received, or sent by us
   std::optional<std::int64_t> last_slot; ///< of our own events
   bool is_received = false;              ///< ours: smepp_receive was called
-  std::uint32_t every = 1;               ///< ours: our radio wakes for each so many windows (A-64)
+  std::uint32_t every = 1;               ///< ours: our radio wakes for each so many windows
 };
 
 /// The subscriber floods a subscription in rounds, the first and then refreshes. A member takes for

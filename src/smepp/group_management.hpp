@@ -1,5 +1,5 @@
 // Creates, finds, joins and leaves groups, and keeps members and session keys of each the same
-// everywhere (D1.1 3.4.3, SMP-04 to SMP-14, A-71).
+// everywhere (D1.1 3.4.3, SMP-04 to SMP-14).
 #pragma once
 
 #include <cstddef>

@@ -2,8 +2,8 @@
 //
 // Who holds a group's credential (its master key; in an open group the network's keys) may join.
 // Session keys are handed over under a secret that the two agree on there and then (agreement.hpp):
-// who records the handshake cannot open it, not even with the credential. Deviation: A-60 names
-// symmetric ciphers only; with them alone, who joins could read all that it has recorded since
+// who records the handshake cannot open it, not even with the credential. Deviation: D1.1 3.4.2
+// has symmetric keys only; with them alone, who joins could read all that it has recorded since
 // somebody else joined, and who has left all that follows.
 #pragma once
 

@@ -23,7 +23,7 @@ struct wanted_event {
   duration from{};                     ///< of the run, at the earliest: before, it may not be in
   std::optional<duration> expires;     ///< expirationTime; nothing: never
   std::optional<duration> until;       ///< of the run: it unsubscribes
-  double frequency = 0;                ///< in 1/s, at which its own radio wakes; 0: the rate (A-64)
+  double frequency = 0;                ///< in 1/s, at which its own radio wakes; 0: the rate
   std::optional<std::uint8_t> channel; ///< its values go on, to the gateway, on this output channel
 };
 

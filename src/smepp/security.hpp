@@ -1,5 +1,5 @@
 // Secured frames: who may read them, who may write them, and that each is taken once (D1.1 3.4.2,
-// SMP-02, SMP-03, SMP-14, A-60).
+// SMP-02, SMP-03, SMP-14).
 #pragma once
 
 #include <cstddef>

@@ -110,7 +110,7 @@ public:
   void smepp_getGroups(const group_filter& x, instant now, outputs& out);
   [[nodiscard]] std::optional<group_description> smepp_getGroupDescription(group_id group) const;
   /// @param master_key nothing: an open group, or the key that it was looked for with. Where one is
-  /// provisioned, `master_key` has to be it
+  /// provisioned, `master_key` has to be it
   void smepp_joinGroup(group_id group, const std::optional<key>& master_key, instant now,
                        outputs& out);
   [[nodiscard]] std::vector<peer_description> smepp_getPeers(group_id group) const;
@@ -125,7 +125,7 @@ public:
                                            instant now, outputs& out);
   std::optional<failure> smepp_event(group_id group, const std::string& event_name,
                                      const bytes& value, instant now, outputs& out);
-  /// @param frequency in 1/s, at which our radio wakes for it; 0: the rate
+  /// @param frequency in 1/s, at which our radio wakes for it; 0: the rate
   std::optional<failure> smepp_receive(group_id group, const std::string& event_name,
                                        double frequency, instant now, outputs& out);
 
@@ -133,7 +133,7 @@ public:
 
   // ---- beyond table 1
 
-  /// Of a group's name: joinGroup takes no other.
+  /// Of a group's name: joinGroup takes no other.
   void provision(const std::string& group_name, const key& master) {
     provisioned_[group_name] = master;
   }

@@ -25,11 +25,11 @@ using descriptor = strong_id<descriptor_tag, std::uint16_t>;
 /// A channel that begins or ends at this node: the owner's number, unique among those.
 using channel_handle = strong_id<channel_tag, std::uint32_t>;
 
-/// Records that wait to be read, and octets of the longest, when nothing is said.
+/// Records that wait to be read, and octets of the longest, when nothing is said.
 inline constexpr std::size_t queue_size_default = 5;
 inline constexpr std::size_t buffer_size_default = 12; ///< a sensor_record fits
 
-/// Bits of open_remote's qos. Streams keep the order of their records in any case. With
+/// Bits of open_remote's qos. Streams keep the order of their records in any case. With
 /// reliable or every_value all records arrive, or the stream ends (stream::streams). The latency
 /// class is for who provides the channel: an open fails if no such bound can be given.
 inline constexpr std::uint8_t qos_reliable = 0x01;

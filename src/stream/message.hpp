@@ -17,7 +17,7 @@ namespace rubicon::stream {
 /// end takes what it has not got. A stream that begins says nothing of it.
 struct open_message {
   std::uint16_t name = 0;      ///< symbolic, the same at both ends
-  std::uint8_t qos = 0;        ///< what of it concerns the read end; 0 is left out (A-52)
+  std::uint8_t qos = 0;        ///< what of it concerns the read end; 0 is left out
   std::uint16_t sequence = 0;  ///< of the first record of this channel
   std::vector<bytes> recent{}; ///< the last ones before it, each of up to 255 octets
 
@@ -40,7 +40,7 @@ struct write_message {
   friend bool operator==(const write_message&, const write_message&) = default;
 };
 
-/// 4, SS_ACK: from the read end of a stream whose records must arrive: it has all before
+/// 4, SS_ACK: from the read end of a stream whose records must arrive: it has all before
 /// this one.
 struct ack_message {
   std::uint16_t next = 0;

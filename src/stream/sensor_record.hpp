@@ -1,4 +1,4 @@
-// The record of a sensor stream: (nid, ts, val) of D1.1 3.3.2.2 (STR-07, A-35).
+// The record of a sensor stream: (nid, ts, val) of D1.1 3.3.2.2 (STR-07).
 #pragma once
 
 #include <cstddef>

@@ -40,7 +40,7 @@ struct streams_counters {
   std::uint64_t stored = 0;        ///< records put into a queue
   std::uint64_t read = 0;          ///< records given to the application
   std::uint64_t dropped = 0;       ///< oldest records of full queues (STR-03)
-  std::uint64_t excess_octets = 0; ///< of records longer than what was read (A-55)
+  std::uint64_t excess_octets = 0; ///< of records longer than what was read
   std::uint64_t oversized = 0;     ///< arrived records longer than the read end's buffer size
   std::uint64_t unclaimed = 0;     ///< arrived records of streams that are not open here
   std::uint64_t lost = 0;          ///< records missing between two that arrived
@@ -106,7 +106,7 @@ public:
   /// @param now matters to reliable streams only
   [[nodiscard]] answer write(descriptor stream, byte_view record, instant now = {});
 
-  /// Takes one record, of which read_done shows the first `nbytes`. Failures:
+  /// Takes one record, of which read_done shows the first `nbytes`. Failures:
   /// bad_descriptor, illegal_operation, not_open_yet, busy, bad_argument (nothing to read), ended.
   [[nodiscard]] answer read(descriptor stream, std::size_t nbytes);
 

@@ -43,7 +43,7 @@ struct channels_counters {
   std::uint64_t repeated = 0; ///< arrived packets of vectors; the next two too
   std::uint64_t late = 0;
   std::uint64_t untimely = 0;
-  std::uint64_t bad_reads = 0; ///< read_input() without a value (A-07)
+  std::uint64_t bad_reads = 0; ///< read_input() without a value
   std::uint64_t leaps = 0;     ///< ticks that did not follow the one before
   std::uint64_t refused = 0;   ///< accepted channels given back: no room, or another is there
   std::uint64_t expired = 0;   ///< accepted channels that nobody has created here
@@ -80,7 +80,7 @@ public:
 
   /// create_done follows. Failures: bad_argument (broadcast, size), already_open, no_room.
   /// @param self this node's address; no_mote in the mote part for a PC
-  /// @param destination own_island: the island that `x` says
+  /// @param destination own_island: the island that `x` says
   /// @param far_slack what answers take longer, as radios of the other end's island sleep
   [[nodiscard]] answer create_out(mote_address self, mote_address destination, std::size_t size,
                                   const parameters& x, instant now, duration far_slack = {});

@@ -61,7 +61,7 @@ struct create_done {
   bool success = false;
 };
 
-/// missed: the value has not come in time.
+/// missed: the value has not come in time.
 enum class input_status : std::uint8_t { updated, missed };
 
 /// syn_input_update: for each index, at each tick at which a vector is due (SYN-10).

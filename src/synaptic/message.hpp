@@ -58,7 +58,7 @@ struct stop_ack_message {
 using message = std::variant<open_message, open_ack_message, open_nak_message, vector_message,
                              stop_message, stop_ack_message>;
 
-/// Octets of SYN_VECTOR before the values, and of a value (binary32, A-09).
+/// Octets of SYN_VECTOR before the values, and of a value (binary32).
 inline constexpr std::size_t vector_header_size = 6;
 inline constexpr std::size_t value_size = 4;
 

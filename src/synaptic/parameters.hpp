@@ -1,4 +1,4 @@
-// What `params` of create_syn_channel_out and _in says (D1.1 5.3.1; SYN-13, A-43).
+// What `params` of create_syn_channel_out and _in says (D1.1 5.3.1; SYN-13).
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // TinyOS's BaseStation: frames of the radio go to the serial line, and packets of the line to the
-// radio (tinyos.md 3). It knows neither members nor islands.
+// radio (docs/tinyos.md 3). It knows neither members nor islands.
 #pragma once
 
 #include <cstddef>

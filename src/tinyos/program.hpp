@@ -1,5 +1,5 @@
 // Plain programs of TinyOS on a mote: what Oscilloscope, BlinkToRadio and RadioCountToLeds send,
-// and what they make of each other's packets (tinyos.md 3; the layouts are the programs' own).
+// and what they make of each other's packets (docs/tinyos.md 4.4).
 #pragma once
 
 #include <array>

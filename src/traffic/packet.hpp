@@ -12,8 +12,8 @@
 
 namespace rubicon::traffic {
 
-/// Octets of a frame's MAC payload that are no AM payload: network octet and AM type (tinyos.md
-/// 4.1).
+/// Octets of a frame's MAC payload that are no AM payload: network octet and AM type
+/// (docs/tinyos.md 4.1).
 inline constexpr std::size_t am_overhead = 2;
 
 /// Octets of AM payload.

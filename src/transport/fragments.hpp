@@ -1,4 +1,4 @@
-// Packets that do not fit one radio frame cross the island in fragments (NET-14, A-39, WIR-04).
+// Packets that do not fit one radio frame cross the island in fragments (NET-14, WIR-04).
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What Transport adds in front of a user's payload (A-51, WIR-04).
+// What Transport adds in front of a user's payload (WIR-04).
 #pragma once
 
 #include <cstdint>

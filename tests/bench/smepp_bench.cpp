@@ -198,7 +198,7 @@ void security_table(const bench::smepp_row& x, bool& good) {
     const char* name;
     double octets; ///< beside the message
   };
-  constexpr double transmit_ma = 17.4; // CC2420 at 0 dBm (tinyos.md 8.1)
+  constexpr double transmit_ma = 17.4; // CC2420 at 0 dBm (docs/tinyos.md 7.1)
   constexpr double octet_s = 32e-6;
   constexpr double mac_octets = 6 + 13; // preamble to FCS
   // Auxiliary security header of 5 octets with a key index of 1, IEEE 802.15.4-2006 7.6.2, and MIC.

@@ -1,4 +1,4 @@
-// Everything that can go, comes and goes (requirements.md part D, 8).
+// Everything that can go, comes and goes.
 #include <string>
 
 #include <spdlog/spdlog.h>

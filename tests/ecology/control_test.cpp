@@ -1,5 +1,5 @@
 // What a control program can rely on: readings that arrive, actuations that end in one outcome, and
-// a true picture of who is there (requirements.md part D, 2, 6 and 7).
+// a true picture of who is there.
 #include <string>
 
 #include "ecology_files.hpp"

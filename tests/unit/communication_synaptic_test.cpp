@@ -19,7 +19,7 @@ struct synaptic_fixture {
     attach(world, x, source, sink);
   }
 
-  /// D1.1's call: the other end's island is in the parameters.
+  /// D1.1's call: the other end's island is in the parameters.
   communication::status create_out(std::uint8_t elements = size) {
     return world.act(x.from, [&] {
       return source.layer->create_syn_channel_out(x.to.mote.value, elements, island_of(x.to));

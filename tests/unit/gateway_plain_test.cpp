@@ -301,7 +301,7 @@ TEST_CASE("each packet of a line to real motes is taken or dropped for a cause",
 }
 
 TEST_CASE("a mote's address may stand in the payload", "[gateway][GW-17]") {
-  // What programs at a serial line say has source 0 (tinyos.md 1.2); of CTP it is the last hop.
+  // Programs at a serial line leave the source 0 (docs/tinyos.md 1.2); of CTP it is the last hop.
   constexpr std::uint8_t ctp = 0x71;
   plain_line_config config;
   config.motes.rules = {

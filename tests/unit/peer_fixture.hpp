@@ -50,7 +50,7 @@ inline bool run(const std::vector<standalone*>& all, const std::function<bool()>
   return done();
 }
 
-/// A package as it lies in the stream, cut by this file's own hands (peis-wire.md 6).
+/// A package as it lies in the stream, cut by this file's own hands (docs/peis-wire.md 6).
 struct raw_package {
   bytes octets;
 
@@ -112,7 +112,7 @@ public:
     return found;
   }
 
-  /// Has it got an acknowledgement of that number (peis-wire.md 8.2)?
+  /// Has it got an acknowledgement of that number (docs/peis-wire.md 8.2)?
   [[nodiscard]] bool has_acknowledged(std::uint32_t ack_id) const {
     for (const auto& x : packages()) {
       for (std::uint32_t i = 0; x.port() == 14 && i < x.word(40); ++i) {

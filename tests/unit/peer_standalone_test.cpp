@@ -174,7 +174,7 @@ TEST_CASE("large values flow through bounded queues", "[peer][TUP-21]") {
   CHECK(most <= tcp_links::window + peis::header_size + peis::data_max);
 }
 
-TEST_CASE("nobody is let near the network unasked", "[peer][A-78]") {
+TEST_CASE("nobody is let near the network unasked", "[peer]") {
   io::loop loop;
   const auto x = test::open(loop, test::config_of(1));
   const auto addresses = x->links().addresses();

@@ -42,7 +42,7 @@ TEST_CASE("a real kernel's connect request is answered with record and routes",
   const auto x = v.join();
   REQUIRE(v.until([&] { return x->last(13) && x->last(0); }));
   const auto all = x->packages();
-  CHECK(all[0].port() == 13); // before anything else (peis-wire.md 3.3)
+  CHECK(all[0].port() == 13); // before anything else (docs/peis-wire.md 3.3)
   CHECK(all[0].source() == 10);
   CHECK(all[0].word(40) == 10);
   CHECK(all[0].text(48) == "host10");

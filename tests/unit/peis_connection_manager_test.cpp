@@ -101,7 +101,7 @@ TEST_CASE("requests are admitted up to the ceiling", "[peis][CM-09]") {
   CHECK(admit(connect_request::for_merge, forced, {}) == admission::accept);
 }
 
-TEST_CASE("addresses are tried where they can lead", "[peis][LNK-01][A-78]") {
+TEST_CASE("addresses are tried where they can lead", "[peis][LNK-01]") {
   host_record self;
   self.host_name = "a";
   self.addresses = {tcp_address("lo", true, {127, 0, 0, 1}, 8000)};

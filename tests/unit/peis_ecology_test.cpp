@@ -96,7 +96,7 @@ TEST_CASE("thirty peers on one network settle into a small, stable mesh",
   CHECK(opened(w) - before < 3); // less than one change a minute
 }
 
-TEST_CASE("twenty peers of one host know each other within three seconds", "[peis][TCP-03][A-16]") {
+TEST_CASE("twenty peers of one host know each other within three seconds", "[peis][TCP-03]") {
   world w;
   for (int i = 1; i <= 20; ++i) {
     auto config = lan_config_of(i);

@@ -9,8 +9,8 @@ namespace rubicon::peis::test {
 
 namespace {
 
-constexpr std::ptrdiff_t mark_at = 540;  // peis-wire.md 5
-constexpr std::ptrdiff_t record_at = 72; // peis-wire.md 4
+constexpr std::ptrdiff_t mark_at = 540;  // docs/peis-wire.md 5
+constexpr std::ptrdiff_t record_at = 72; // docs/peis-wire.md 4
 constexpr duration first_wait = 200ms;   // of TCP
 constexpr duration wait_max = 120s;
 

@@ -327,7 +327,7 @@ TEST_CASE("unsubscriptions of real kernels decode and encode back", "[peis][TUP-
   CHECK(x->owner == peer_id{owner});
   CHECK(x->name.text() == name);
   auto garbage = record_garbage(0, name.size() + 1);
-  garbage.insert(garbage.end(), {{32, 5}, {40, 8}, {212, 4}}); // peis-wire.md 15.2
+  garbage.insert(garbage.end(), {{32, 5}, {40, 8}, {212, 4}}); // docs/peis-wire.md 15.2
   CHECK(without(encode_unsubscribe(*x), garbage) == without(data, garbage));
 }
 

@@ -75,7 +75,7 @@ TEST_CASE("an older value never replaces a newer one", "[peis][TUP-17]") {
   static_cast<void>(s.push(5, 1000, "again"));
   CHECK(s.held() == "five");
   CHECK(s.counted().outdated == 2);
-  static_cast<void>(s.push(0, 1001, "restarted")); // peis-wire.md 15.3
+  static_cast<void>(s.push(0, 1001, "restarted")); // docs/peis-wire.md 15.3
   CHECK(s.held() == "restarted");
 }
 

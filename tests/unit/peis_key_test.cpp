@@ -54,7 +54,7 @@ TEST_CASE("a prototype matches by owner, MIME type and value as well", "[peis][T
   wanted.mimetype = "text/plain";
   wanted.value = payload(bytes{'o', 'N', 0, 'y'}); // without case, up to the first NUL
   CHECK(wanted.matches(x));
-  wanted.mimetype = "text/html"; // a real kernel would call this a match (peis-wire.md 15.7)
+  wanted.mimetype = "text/html"; // a real kernel would call this a match (docs/peis-wire.md 15.7)
   CHECK(!wanted.matches(x));
 }
 

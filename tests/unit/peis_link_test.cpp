@@ -1,4 +1,4 @@
-// The octet stream of a link, and what must be refused (peis-wire.md 3.4, 23).
+// The octet stream of a link, and what must be refused (docs/peis-wire.md 3.4, 20).
 #include "core/random.hpp"
 #include "peis/acknowledgement.hpp"
 #include "peis/host_record.hpp"
@@ -146,7 +146,7 @@ TEST_CASE("a host record with more than 16 addresses or a name without NUL is re
   CHECK(!decode_host_record(octets));
 }
 
-TEST_CASE("the liveness mark survives a record's journey", "[peis][A-76]") {
+TEST_CASE("the liveness mark survives a record's journey", "[peis][KH-03]") {
   host_record x;
   x.id = peer_id{1};
   x.marked = true;

@@ -89,7 +89,7 @@ TEST_CASE("callbacks watch own tuples, but do not want them", "[peis][TUP-23]") 
   CHECK(audience.subscribed("a").empty());
 }
 
-TEST_CASE("only marked hosts are sent a lifetime", "[peis][TUP-10][A-76]") {
+TEST_CASE("only marked hosts are sent a lifetime", "[peis][TUP-10]") {
   subscribed s;
   const bool marked = GENERATE(false, true);
   const auto request = s.x.request_to(robot, marked, prototype_of(any_peer, name_of("a")), true);

@@ -186,7 +186,7 @@ static void check_healing(const std::string& kinds, Break breaks, Mend mends) {
 }
 
 TEST_CASE("after a cut beside or between real kernels values flow again within five seconds",
-          "[peis][AUT-01][TUP-10][A-76]") {
+          "[peis][AUT-01][TUP-10]") {
   const std::string kinds = GENERATE("or", "ro", "oro", "ror", "oor", "roo", "oo");
   check_healing(
       kinds, [](chain& x) { x.cut = true; }, [](chain& x) { x.cut = false; });

@@ -187,7 +187,7 @@ TEST_CASE("reading one tuple tells whether it is new", "[peis][TUP-12]") {
   CHECK(old.content->text() == "1"); // lives on although replaced
 }
 
-TEST_CASE("reading one tuple needs its full name", "[peis][TUP-12][TUP-24][A-30]") {
+TEST_CASE("reading one tuple needs its full name", "[peis][TUP-12][TUP-24]") {
   lone_kernel k;
   k.set("a.b", "1");
   const auto why = [&](peer_id owner, std::string_view name) {

@@ -26,7 +26,7 @@ TEST_CASE("a mote's signature names its channel, itself and its type", "[proxy][
   CHECK(proxy_id(some_mote) == "5/7");
 }
 
-TEST_CASE("the narrowest range around a type wins", "[proxy][PXY-11][PXY-13][A-33]") {
+TEST_CASE("the narrowest range around a type wins", "[proxy][PXY-11][PXY-13]") {
   const class_table table({claims("any", {{0, 0xffffffff}}), claims("sensors", {{100, 199}}),
                            claims("lamps", {{140, 149}, {500, 500}}),
                            claims("kitchen lamp", {{142, 142}}), claims("twin", {{142, 142}}),
@@ -42,7 +42,7 @@ TEST_CASE("the narrowest range around a type wins", "[proxy][PXY-11][PXY-13][A-3
   }
 }
 
-TEST_CASE("of equally narrow ranges the first in the table wins", "[proxy][PXY-11][A-33]") {
+TEST_CASE("of equally narrow ranges the first in the table wins", "[proxy][PXY-11]") {
   const auto a = claims("a", {{1, 10}});
   const auto b = claims("b", {{5, 14}});
   CHECK(class_of(class_table({a, b}), 7) == "a");

@@ -147,7 +147,7 @@ TEST_CASE("the end of a battery is foretold", "[radio][energy][NRG-05]") {
   CHECK(x.lasts_until(instant(1h)) == instant(1h));
 }
 
-TEST_CASE("two AA cells listen for as long as tinyos.md 8.2 says", "[radio][energy][NRG-05]") {
+TEST_CASE("two AA cells listen for as long as docs/tinyos.md 7.2 says", "[radio][energy][NRG-05]") {
   for (const auto& [name, hours] : {std::pair{"micaz", 74.0}, std::pair{"telosb", 92.0}}) {
     const auto& kind = *find_platform(name);
     energy_meter x(&kind, kind.battery_mah, 0, instant{});

@@ -393,7 +393,7 @@ TEST_CASE("a saturated sender reaches each stack's arithmetic", "[radio][mac_rul
     const platform* kind;
     double period_us;
   };
-  // tinyos.md 5.3: mean back-off, looks and turnaround, a frame of 28 octets; no ack
+  // docs/radio.md, Medium access: mean back-off, looks and turnaround, a frame of 28 octets; no ack
   for (const auto& [name, kind, period_us] :
        {rate{"standard", &telosb, 1120 + 128 + 192 + 1504 + 640},
         rate{"cc2420", &telosb, 165.5 * 30.518 + 7 * 30.518 + 192 + 1504},

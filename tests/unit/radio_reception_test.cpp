@@ -70,7 +70,7 @@ TEST_CASE("damage never grows with the signal, and ends", "[radio][reception]") 
 }
 
 TEST_CASE("TOSSIM's curve has the values it is known by", "[radio][reception]") {
-  CHECK(tossim_reception_rate(4) == Approx(0.068).margin(0.0005)); // tinyos.md 7.2
+  CHECK(tossim_reception_rate(4) == Approx(0.068).margin(0.0005)); // docs/tinyos.md 6
   CHECK(tossim_reception_rate(4.5) == Approx(0.411).margin(0.0005));
   CHECK(tossim_reception_rate(5) == Approx(0.786).margin(0.0005));
   CHECK(tossim_reception_rate(5.5) == Approx(0.949).margin(0.0005));

@@ -36,7 +36,7 @@ bytes sealed(bytes content) {
 
 } // namespace
 
-TEST_CASE("the CRC has the check values of CRC-16/XMODEM", "[serial][A-50]") {
+TEST_CASE("the CRC has the check values of CRC-16/XMODEM", "[serial][GW-16]") {
   CHECK(crc16(to_bytes("123456789")) == 0x31c3);
   CHECK(crc16({}) == 0);
   CHECK(crc16(bytes{0x00}) == 0);
@@ -44,7 +44,7 @@ TEST_CASE("the CRC has the check values of CRC-16/XMODEM", "[serial][A-50]") {
   CHECK(crc16(to_bytes("6789"), crc16(to_bytes("12345"))) == 0x31c3);
 }
 
-TEST_CASE("frames encode to and decode from what TinyOS tools write and read", "[serial][A-50]") {
+TEST_CASE("frames encode to and decode from what TinyOS tools write and read", "[serial][GW-16]") {
   std::size_t cases = 0;
   for (const auto& x : rubicon::test::read_cases("tinyos/serial-frames.txt")) {
     if (!x.at("name").starts_with("ser-"))
@@ -62,7 +62,7 @@ TEST_CASE("frames encode to and decode from what TinyOS tools write and read", "
   CHECK(cases == 12);
 }
 
-TEST_CASE("a stream gives the packets that TinyOS tools deliver", "[serial][A-50][GW-16]") {
+TEST_CASE("a stream gives the packets that TinyOS tools deliver", "[serial][GW-16]") {
   std::size_t cases = 0;
   for (const auto& x : rubicon::test::read_cases("tinyos/serial-frames.txt")) {
     if (!x.at("name").starts_with("str-"))
@@ -77,7 +77,7 @@ TEST_CASE("a stream gives the packets that TinyOS tools deliver", "[serial][A-50
   CHECK(cases == 10);
 }
 
-TEST_CASE("every type, sequence and length of a frame survives the wire", "[serial][A-50]") {
+TEST_CASE("every type, sequence and length of a frame survives the wire", "[serial][GW-16]") {
   for (const auto type :
        {frame_type::ack, frame_type::packet_with_ack, frame_type::packet, frame_type::unknown}) {
     const bool numbered = type == frame_type::ack || type == frame_type::packet_with_ack;
@@ -95,7 +95,7 @@ TEST_CASE("every type, sequence and length of a frame survives the wire", "[seri
   }
 }
 
-TEST_CASE("a frame contains no flag but its own two", "[serial][A-50]") {
+TEST_CASE("a frame contains no flag but its own two", "[serial][GW-16]") {
   for (unsigned value = 0; value < 256; ++value) {
     const auto wire = encode(frame{frame_type::packet_with_ack, static_cast<std::uint8_t>(value),
                                    bytes(20, static_cast<std::uint8_t>(value))});
@@ -105,7 +105,7 @@ TEST_CASE("a frame contains no flag but its own two", "[serial][A-50]") {
   }
 }
 
-TEST_CASE("a decoder takes 256 octets between flags and no more", "[serial][A-50][NFR-03]") {
+TEST_CASE("a decoder takes 256 octets between flags and no more", "[serial][NFR-03]") {
   CHECK(decode_all(encode(frame_of_size(frame_octets_max))).size() == 1);
 
   frame_decoder decoder;
@@ -122,7 +122,7 @@ TEST_CASE("a decoder takes 256 octets between flags and no more", "[serial][A-50
   CHECK(decoder.counters().bad_crc == 0);
 }
 
-TEST_CASE("a decoder counts what it drops by cause and goes on", "[serial][A-50][GW-16]") {
+TEST_CASE("a decoder counts what it drops by cause and goes on", "[serial][GW-16]") {
   const std::string good = "7e43263b1c7e";
   struct row {
     const char* wire;
@@ -160,7 +160,7 @@ TEST_CASE("a decoder counts what it drops by cause and goes on", "[serial][A-50]
   }
 }
 
-TEST_CASE("an aborted frame takes the flag that aborts it along", "[serial][A-50]") {
+TEST_CASE("an aborted frame takes the flag that aborts it along", "[serial][GW-16]") {
   frame_decoder decoder;
   // The flag after the escape closes nothing and opens nothing: what follows is between frames.
   CHECK(feed(decoder, "7e437d7e43263b1c7e").empty());
@@ -169,20 +169,20 @@ TEST_CASE("an aborted frame takes the flag that aborts it along", "[serial][A-50
   CHECK(decoder.counters().aborted == 1);
 }
 
-TEST_CASE("idle flags and silence between frames count as nothing", "[serial][A-50]") {
+TEST_CASE("idle flags and silence between frames count as nothing", "[serial][GW-16]") {
   frame_decoder decoder;
   CHECK(feed(decoder, "11227e7e7e43263b1c7e7e7e").size() == 1);
   CHECK(decoder.counters().good == 1);
   CHECK(decoder.counters().too_short + decoder.counters().bad_crc == 0);
 }
 
-TEST_CASE("an unknown-type answer carries the refused type", "[serial][A-50]") {
+TEST_CASE("an unknown-type answer carries the refused type", "[serial][GW-16]") {
   const auto frames = decode_all(hex("7eff01de137e"));
   REQUIRE(frames.size() == 1);
   CHECK(frames[0] == frame{frame_type::unknown, 0, bytes{0x01}});
 }
 
-TEST_CASE("one changed octet of a frame is always noticed", "[serial][A-50][GW-16]") {
+TEST_CASE("one changed octet of a frame is always noticed", "[serial][GW-16]") {
   const frame original{frame_type::packet_with_ack, 0x26, hex("00ffff0000022206017e")};
   const auto wire = encode(original);
   for (std::size_t at = 0; at < wire.size(); ++at) {

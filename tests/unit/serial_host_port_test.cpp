@@ -33,7 +33,7 @@ frame written(const outputs& out) {
 
 } // namespace
 
-TEST_CASE("a packet is sent when its ack has come", "[serial][GW-16][A-50]") {
+TEST_CASE("a packet is sent when its ack has come", "[serial][GW-16]") {
   host_port pc;
   CHECK(pc.current() == host_port::state::idle);
   const auto frame = written(pc.send(id(1), packet(), start));
@@ -182,7 +182,7 @@ TEST_CASE("a packet that would not do the sink good is refused", "[serial][GW-16
   CHECK(all<to_line>(other.send(id(1), bytes(packet_octets_max, 0x02), start)).size() == 1);
 }
 
-TEST_CASE("a packet that wants an ack gets it before it goes up", "[serial][GW-16][A-50]") {
+TEST_CASE("a packet that wants an ack gets it before it goes up", "[serial][GW-16]") {
   host_port pc;
   const auto out = pc.on_bytes(encode(frame{frame_type::packet_with_ack, 0x7e, packet()}), start);
   REQUIRE(out.size() == 2);
@@ -195,7 +195,7 @@ TEST_CASE("a packet that wants an ack gets it before it goes up", "[serial][GW-1
   CHECK(pc.counters().acks_written == 1);
 }
 
-TEST_CASE("frames that are no packets stay below", "[serial][GW-16][A-50]") {
+TEST_CASE("frames that are no packets stay below", "[serial][GW-16]") {
   host_port pc;
   CHECK(pc.on_bytes(encode(frame{frame_type::unknown, 0, {0x44}}), start).empty());
   CHECK(pc.counters().unknown_answers == 1);

@@ -206,7 +206,7 @@ TEST_CASE("with 1 % octet errors a line keeps more than half its throughput", "[
   const auto clean_down = rate_to_mote(0, 1);
   const auto clean_up = rate_to_pc(0, 1);
   CHECK(clean_down == Approx(96.8).epsilon(0.02)); // 42 and 6 octets, twice 1 ms
-  CHECK(clean_up == Approx(140).epsilon(0.05));    // tinyos.md 1.5
+  CHECK(clean_up == Approx(140).epsilon(0.05));    // docs/tinyos.md 1.5
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     CAPTURE(seed);
     const auto down = rate_to_mote(0.01, seed) / clean_down;

@@ -30,7 +30,7 @@ void check_balance(const line& x) {
 TEST_CASE("octets take ten bit times each", "[serial][GW-01]") {
   struct row {
     std::uint32_t baud;
-    duration time; ///< of 41 octets, tinyos.md 1.5
+    duration time; ///< of 41 octets, docs/tinyos.md 1.5
   };
   for (const auto& row :
        {row{57600, 7118us + 55ns}, row{115200, 3559us + 27ns}, row{19200, 21354us + 166ns}}) {

@@ -86,7 +86,7 @@ bytes joined(std::initializer_list<bytes> parts) {
 
 } // namespace
 
-TEST_CASE("a mote hears and acks what TinyOS's own serial stack does", "[serial][A-50][GW-16]") {
+TEST_CASE("a mote hears and acks what TinyOS's own serial stack does", "[serial][GW-16]") {
   const bool whole = GENERATE(false, true);
   bench mote;
   std::size_t cases = 0;
@@ -100,7 +100,7 @@ TEST_CASE("a mote hears and acks what TinyOS's own serial stack does", "[serial]
   CHECK(cases == 18);
 }
 
-TEST_CASE("a mote counts what it drops by cause and hears the next frame", "[serial][A-50]") {
+TEST_CASE("a mote counts what it drops by cause and hears the next frame", "[serial][GW-16]") {
   struct row {
     const char* what;
     bytes wire;
@@ -128,14 +128,14 @@ TEST_CASE("a mote counts what it drops by cause and hears the next frame", "[ser
   }
 }
 
-TEST_CASE("a mote acks even an empty packet", "[serial][A-50]") {
+TEST_CASE("a mote acks even an empty packet", "[serial][GW-16]") {
   bench mote;
   const auto result = mote.feed(encode(frame{frame_type::packet_with_ack, 0x33, {}}));
   CHECK(result.acks == bytes{0x33});
   CHECK(result.payloads.empty());
 }
 
-TEST_CASE("a mote takes 254 octets after type and sequence and no more", "[serial][A-50]") {
+TEST_CASE("a mote takes 254 octets after type and sequence and no more", "[serial][GW-16]") {
   for (const auto type : {frame_type::packet, frame_type::packet_with_ack}) {
     bench mote;
     bytes longest(packet_octets_max, 0x01);
@@ -151,7 +151,7 @@ TEST_CASE("a mote takes 254 octets after type and sequence and no more", "[seria
   }
 }
 
-TEST_CASE("a pending escape survives flags until a frame ends", "[serial][A-50]") {
+TEST_CASE("a pending escape survives flags until a frame ends", "[serial][GW-16]") {
   const auto type_flipped = [](bytes wire) {
     wire[1] ^= escape_mask; // so that the escape restores the type
     return wire;
@@ -172,7 +172,7 @@ TEST_CASE("a pending escape survives flags until a frame ends", "[serial][A-50]"
 }
 
 TEST_CASE("a frame that starts while all receive buffers are in use is not acked",
-          "[serial][A-50][NFR-03]") {
+          "[serial][NFR-03]") {
   mote_port_config config;
   config.service_time = 100ms;
   bench mote(config);
@@ -187,7 +187,7 @@ TEST_CASE("a frame that starts while all receive buffers are in use is not acked
   CHECK(mote.feed(packet_frame(6)).acks == bytes{6});
 }
 
-TEST_CASE("the length in an active message's header is believed", "[serial][A-50]") {
+TEST_CASE("the length in an active message's header is believed", "[serial][GW-16]") {
   bench mote;
   am_packet first;
   first.payload = {1, 2, 3, 4, 5, 6};
@@ -204,7 +204,7 @@ TEST_CASE("the length in an active message's header is believed", "[serial][A-50
         std::vector<bytes>{bytes{0x0c}});
 }
 
-TEST_CASE("octets beyond the message buffer are dropped and the frame acked", "[serial][A-50]") {
+TEST_CASE("octets beyond the message buffer are dropped and the frame acked", "[serial][GW-16]") {
   mote_port_config config;
   config.payload_max = 28;
   bench mote(config);
@@ -224,7 +224,7 @@ TEST_CASE("octets beyond the message buffer are dropped and the frame acked", "[
   CHECK(mote.feed(packet_frame(3)).acks == bytes{3});
 }
 
-TEST_CASE("a mote writes packets as 45, one frame at a time", "[serial][A-50][GW-01]") {
+TEST_CASE("a mote writes packets as 45, one frame at a time", "[serial][GW-01]") {
   mote_port port;
   const auto packet = numbered_packet(1, 28);
   const auto first = all<to_line>(port.send(packet, start));
@@ -282,7 +282,7 @@ TEST_CASE("an urgent packet waits for the frame that is being written alone", "[
   CHECK(mote.port.counters().discarded == 1);
 }
 
-TEST_CASE("acks overtake packets, and at most five wait", "[serial][A-50][NFR-03]") {
+TEST_CASE("acks overtake packets, and at most five wait", "[serial][NFR-03]") {
   mote_port_config config;
   config.service_time = 0ms;
   bench mote(config);

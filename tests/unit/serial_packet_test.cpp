@@ -9,7 +9,7 @@ using namespace rubicon;
 using namespace rubicon::serial;
 using namespace rubicon::serial::test;
 
-TEST_CASE("a serial active message has TinyOS's layout", "[serial][A-50]") {
+TEST_CASE("a serial active message has TinyOS's layout", "[serial]") {
   const auto x = decode_am_packet(hex("00 00 02 fe 01 03 22 93 0a 0b 0c"));
   REQUIRE(x);
   CHECK(x->destination == 0x0002);
@@ -19,7 +19,7 @@ TEST_CASE("a serial active message has TinyOS's layout", "[serial][A-50]") {
   CHECK(x->payload == bytes{0x0a, 0x0b, 0x0c});
 }
 
-TEST_CASE("serial active messages of TinyOS tools decode and encode back", "[serial][A-50]") {
+TEST_CASE("serial active messages of TinyOS tools decode and encode back", "[serial]") {
   std::size_t cases = 0;
   for (const auto& x : rubicon::test::read_cases("tinyos/serial-frames.txt")) {
     if (!x.contains("packet") || x.at("packet") == "-")
@@ -39,7 +39,7 @@ TEST_CASE("serial active messages of TinyOS tools decode and encode back", "[ser
   CHECK(cases == 8);
 }
 
-TEST_CASE("every length of an active message survives encoding", "[serial][A-50]") {
+TEST_CASE("every length of an active message survives encoding", "[serial]") {
   for (std::size_t size = 0; size <= am_payload_max; ++size) {
     for (const unsigned value : {0x0000U, 0x0001U, 0x00ffU, 0xff00U, 0xffffU}) {
       am_packet x;
@@ -57,7 +57,7 @@ TEST_CASE("every length of an active message survives encoding", "[serial][A-50]
   }
 }
 
-TEST_CASE("a malformed active message is refused with its cause", "[serial][A-50]") {
+TEST_CASE("a malformed active message is refused with its cause", "[serial]") {
   struct row {
     const char* what;
     bytes packet;

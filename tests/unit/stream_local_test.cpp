@@ -58,8 +58,7 @@ TEST_CASE("a read before the write ends with the write, once", "[stream][STR-02]
   CHECK(record_of(x.read(id, 8)) == bytes{3});
 }
 
-TEST_CASE("a read shows at most as many octets as it asks for, of one record",
-          "[stream][A-55][MCK-07]") {
+TEST_CASE("a read shows at most as many octets as it asks for, of one record", "[stream][MCK-07]") {
   streams x;
   const auto id = x.open_local().stream;
   CHECK_FALSE(x.write(id, bytes{1, 2, 3, 4, 5}).refused);

@@ -56,7 +56,7 @@ TEST_CASE("messages of streams that are cut, too long or unknown are told apart"
   CHECK(decode_message(bytes{5, 0, 7}).error() == errc::unsupported);
 }
 
-TEST_CASE("a sensor record is 12 octets in network byte order", "[stream][A-35]") {
+TEST_CASE("a sensor record is 12 octets in network byte order", "[stream][STR-07]") {
   const sensor_record x{{island_id{0x01020304}, mote_id{0x0506}}, 0x0708090a, -2};
   const bytes octets{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 0xff, 0xfe};
   CHECK(encode(x) == octets);

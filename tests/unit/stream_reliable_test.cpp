@@ -1,4 +1,4 @@
-// Remote streams whose records must all arrive: acks, repeats, full queues, and the end.
+// Remote streams whose records must all arrive: acks, repeats, full queues, and the end.
 #include "stream_fixture.hpp"
 #include "support/catch.hpp"
 

@@ -99,7 +99,7 @@ TEST_CASE("the wrong end refuses", "[stream][STR-17][MCK-06]") {
   CHECK(world.at(reader_node).write(reader, {}).refused == failure::illegal_operation);
 }
 
-TEST_CASE("what the write end wishes goes along with the connect", "[stream][NRG-01][A-52]") {
+TEST_CASE("what the write end wishes goes along with the connect", "[stream][NRG-01]") {
   stream_fixture world(2);
   world.take(writer_node,
              world.open(writer_node,
