@@ -13,9 +13,9 @@
 #include "core/small_map.hpp"
 #include "core/time.hpp"
 #include "mote/duty_config.hpp"
-#include "network/channels.hpp"
-#include "network/clock_sync.hpp"
-#include "network/radio_schedule.hpp"
+#include "network/channels/channels.hpp"
+#include "network/channels/radio_schedule.hpp"
+#include "network/clock/clock_sync.hpp"
 #include "network/router.hpp"
 
 namespace rubicon::mote {
@@ -101,7 +101,8 @@ private:
   small_map<network::channel_id, passing> channels_;
   std::vector<held> held_;
   small_map<std::uint64_t, std::optional<network::channel_id>> in_flight_; ///< by token
-  std::vector<network::channel_id> served_; ///< their packets have gone on, the schedule does not know
+  std::vector<network::channel_id>
+      served_; ///< their packets have gone on, the schedule does not know
   bool is_member_ = false;
   std::optional<instant> due_;
   bool on_ = true;
