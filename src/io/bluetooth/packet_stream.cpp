@@ -4,7 +4,6 @@
 #include <array>
 #include <cassert>
 #include <cerrno>
-#include <deque>
 #include <string>
 #include <utility>
 
@@ -17,6 +16,7 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "io/context.hpp"
+#include "io/output_queue.hpp"
 
 namespace rubicon::io {
 
@@ -64,9 +64,7 @@ struct packet_stream::state : std::enable_shared_from_this<state> {
   bool write_due = false;
   std::size_t packet_size = packet_max; ///< that the medium takes, as far as is known
   std::array<std::uint8_t, packet_max> input{};
-  std::deque<payload> output;
-  std::size_t gone = 0; ///< octets of output.front() that have left
-  std::size_t unsent = 0;
+  output_queue output;
 
   void receive() {
     if (now != phase::open || !wanted || std::exchange(reading, true))
@@ -124,17 +122,11 @@ struct packet_stream::state : std::enable_shared_from_this<state> {
   }
 
   ssize_t write_some() {
-    const auto rest = output.front().view().subspan(gone);
+    const auto rest = output.rest();
     const auto size =
         ::send(socket.native_handle(), rest.data(), std::min(rest.size(), packet_size), no_wait);
-    if (size < 0)
-      return size;
-    gone += static_cast<std::size_t>(size);
-    unsent -= static_cast<std::size_t>(size);
-    if (gone >= output.front().size()) {
-      output.pop_front();
-      gone = 0;
-    }
+    if (size > 0)
+      output.take(static_cast<std::size_t>(size));
     return size;
   }
 
@@ -150,7 +142,6 @@ struct packet_stream::state : std::enable_shared_from_this<state> {
     } else { // what had arrived before is still to be read; reading finds the failure too
       broken = true;
       output.clear();
-      unsent = 0;
     }
   }
 
@@ -200,7 +191,6 @@ struct packet_stream::state : std::enable_shared_from_this<state> {
     patience.cancel();
     pause.cancel();
     output.clear();
-    unsent = 0;
     if (on_done)
       asio::post(socket.get_executor(), std::exchange(on_done, nullptr));
   }
@@ -241,16 +231,15 @@ bool packet_stream::send(payload packet) {
   assert(state_ && state_->started);
   if (state_->now != state::phase::open || state_->broken || packet.empty())
     return true;
-  if (state_->unsent + packet.size() > state_->room)
+  if (state_->output.size() + packet.size() > state_->room)
     return false;
-  state_->unsent += packet.size();
-  state_->output.push_back(std::move(packet));
+  state_->output.push(std::move(packet));
   state_->flush_soon();
   return true;
 }
 
 std::size_t packet_stream::unsent() const {
-  return state_ ? state_->unsent : 0;
+  return state_ ? state_->output.size() : 0;
 }
 
 void packet_stream::close(std::function<void()> done) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <deque>
 #include <span>
 #include <utility>
 
@@ -16,6 +15,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "io/output_queue.hpp"
 #include "io/tcp/tcp_socket.hpp"
 #include "io/tcp/tcp_window.hpp"
 
@@ -71,9 +71,7 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
   bool wanted = true;   ///< the owner takes more
   bool reading = false; ///< on_received() will come
   bytes input;
-  std::deque<payload> output;
-  std::size_t gone = 0; ///< octets of output.front() that have left
-  std::size_t unsent = 0;
+  output_queue output;
   bool broken = false;    ///< nothing can be sent any more
   bool write_due = false; ///< flush() is about to run, or waits for room
   // While paced:
@@ -128,7 +126,7 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
     std::size_t sent = 0;
     const bool whole = paced && now == phase::open;
     auto room = whole ? room_at_other_side() : SIZE_MAX;
-    while (!output.empty() && !error && (gone > 0 || output.front().size() <= room)) {
+    while (!output.empty() && !error && (output.is_within_one() || output.rest().size() <= room)) {
       const auto some = write_some(error, whole ? 1 : pieces_max);
       sent += some;
       room -= whole ? std::min(room, some) : 0;
@@ -156,7 +154,7 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
   std::size_t room_at_other_side() {
     const auto in_transit = unacknowledged(socket.native_handle());
     if (in_transit == 0 && moved + patience_max <= std::chrono::steady_clock::now())
-      return output.empty() ? 0 : output.front().size();
+      return output.empty() ? 0 : output.rest().size();
     const auto window = window_of_other_side(socket.native_handle());
     return window - std::min(window, in_transit);
   }
@@ -181,17 +179,11 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
 
   std::size_t write_some(error_code& error, std::size_t count_max) {
     std::array<asio::const_buffer, pieces_max> pieces;
-    const auto count = std::min(output.size(), count_max);
+    const auto count = std::min(output.payloads(), count_max);
     for (std::size_t i = 0; i < count; ++i)
-      pieces[i] = asio::buffer(output[i].view().data(), output[i].size());
-    pieces[0] += gone;
+      pieces[i] = asio::buffer(output.rest(i).data(), output.rest(i).size());
     const auto sent = socket.write_some(std::span(pieces).first(count), error);
-    unsent -= sent;
-    gone += sent;
-    while (!output.empty() && gone >= output.front().size()) {
-      gone -= output.front().size();
-      output.pop_front();
-    }
+    output.take(sent);
     return sent;
   }
 
@@ -209,7 +201,6 @@ struct tcp_stream::state : std::enable_shared_from_this<state> {
     }
     broken = true;
     output.clear();
-    unsent = 0;
   }
 
   void fail(const error_code& error) {
@@ -309,8 +300,7 @@ void tcp_stream::send(payload octets) {
     return;
   if (state_->paced && state_->output.empty())
     state_->moved = std::chrono::steady_clock::now();
-  state_->unsent += octets.size();
-  state_->output.push_back(std::move(octets));
+  state_->output.push(std::move(octets));
   state_->flush_soon();
 }
 
@@ -321,7 +311,7 @@ void tcp_stream::pace() {
 }
 
 std::size_t tcp_stream::unsent() const {
-  return state_ ? state_->unsent : 0;
+  return state_ ? state_->output.size() : 0;
 }
 
 void tcp_stream::close(std::function<void()> done) {
