@@ -199,6 +199,20 @@ TEST_CASE("output that cannot be written is not passed over", "[cli]") {
   CHECK(shell('"' + binary + "\" run --json --for 1s " + file + " >/dev/full 2>/dev/null").status ==
         2);
   CHECK(shell('"' + binary + "\" check " + file + " >/dev/full 2>/dev/null").status == 2);
+  const auto why = shell('"' + binary + "\" run --json --for 1s " + file + " 2>&1 >/dev/full");
+  CHECK(why.out.find("rubicon: standard output cannot be written: No space left on device\n") !=
+        std::string::npos);
+}
+
+TEST_CASE("any number of columns is fine", "[cli]") {
+  const auto file = '\'' + fixture("small.toml") + '\'';
+  for (const auto* columns : {"1", "20", "4294967296", "18446744073709551615"}) {
+    const auto x = shell("COLUMNS=" + std::string(columns) + " \"" + binary + "\" run --for 1s " +
+                         file + " 2>/dev/null");
+    CHECK(x.status == 0);
+    CHECK(x.out.size() > 200);
+    CHECK(x.out.size() < 200'000);
+  }
 }
 
 TEST_CASE("the log of a run shows that its init ends last", "[cli][SVC-01]") {

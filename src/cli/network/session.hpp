@@ -65,6 +65,7 @@ find_owner(const session& at, const peer_selector& x, const std::vector<std::str
 
 // tuple_commands.cpp
 [[nodiscard]] exit_status perform(const session& at, const get_tuple& x);
+[[nodiscard]] exit_status perform(const session& at, const wait_for_tuple& x);
 [[nodiscard]] exit_status perform(const session& at, const write_tuple& x);
 [[nodiscard]] exit_status perform(const session& at, const delete_tuple& x);
 [[nodiscard]] exit_status perform(const session& at, const meta_tuple& x);

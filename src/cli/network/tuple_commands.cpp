@@ -15,6 +15,7 @@
 #include "cli/network/session.hpp"
 #include "cli/print/console.hpp"
 #include "cli/print/local_time.hpp"
+#include "config/load.hpp"
 #include "core/text/printable.hpp"
 #include "io/process/signal_watch.hpp"
 #include "peis/tuples/meta_tuple.hpp"
@@ -25,6 +26,8 @@
 namespace rubicon::cli {
 
 namespace {
+
+constexpr std::size_t value_octets_max = 16U * 1024 * 1024; // of a file, as messages have
 
 using found_tuples = std::vector<peis::tuple_pointer>;
 
@@ -188,12 +191,13 @@ std::optional<std::string> outcome_of(const peis::tuple& x, const std::string& w
 }
 
 /// Sets an input of a proxy (docs/gateway.md) and waits for its outcome.
-exit_status set_and_wait(const session& at, peer_id owner, const write_tuple& x) {
+exit_status set_and_wait(const session& at, peer_id owner, const write_tuple& x,
+                         const std::string& value) {
   bool is_written = false; // earlier notifications are about something else
   std::optional<std::string> outcome;
   const scoped_subscription watch(at, owner, x.key + ".outcome", [&](const auto& changed) {
     if (is_written && !outcome)
-      outcome = outcome_of(*changed, x.value);
+      outcome = outcome_of(*changed, value);
   });
   if (const auto* why = watch.refused())
     return fail(refused(*why));
@@ -204,7 +208,7 @@ exit_status set_and_wait(const session& at, peer_id owner, const write_tuple& x)
                 ".deadline`: no proxy reports the outcome");
   is_written = true;
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
-    at.peer().set_remote_tuple(owner, x.key, peis::text_content(x.value), std::move(then));
+    at.peer().set_remote_tuple(owner, x.key, peis::text_content(value), std::move(then));
   });
   if (const auto status = status_of(owner, ended); status != exit_status::good)
     return status;
@@ -224,7 +228,35 @@ exit_status set_and_wait(const session& at, peer_id owner, const write_tuple& x)
 
 } // namespace
 
+namespace {
+
+/// What a value on the command line stands for (write_tuple::value).
+struct given_value {
+  std::string octets;
+  bool is_text = true; ///< not of a file
+};
+
+/// @returns it, or why it cannot be read
+std::variant<given_value, std::string> value_of(const std::string& word) {
+  if (!word.starts_with('@') && word != "-")
+    return given_value{word};
+  if (word.starts_with("@@"))
+    return given_value{word.substr(1)};
+  const bool is_file = word != "-";
+  auto read = is_file ? config::read_file(word.substr(1), value_octets_max)
+                      : config::read_stream(*stdin, value_octets_max);
+  if (!read.text)
+    return (is_file ? word.substr(1) : "standard input") + ' ' + read.reason;
+  return given_value{std::move(*read.text), false};
+}
+
+} // namespace
+
 exit_status perform(const session& at, const write_tuple& x) {
+  const auto given = value_of(x.value);
+  if (const auto* why = std::get_if<std::string>(&given))
+    return fail(*why);
+  const auto& value = std::get<given_value>(given);
   std::vector<std::string> keys{x.key};
   if (const auto deadline = x.key + ".deadline"; peis::key::parse(deadline) && !x.append)
     keys.push_back(deadline); // an input of a proxy that nobody has written yet
@@ -233,13 +265,16 @@ exit_status perform(const session& at, const write_tuple& x) {
     return fail(*why);
   const auto owner = std::get<peer_id>(found);
   if (x.wait)
-    return set_and_wait(at, owner, x);
+    return set_and_wait(at, owner, x, value.octets);
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
     if (x.append)
-      at.peer().append_tuple(peis::prototype_of(owner, *peis::key::parse(x.key)), to_bytes(x.value),
-                             std::move(then));
+      at.peer().append_tuple(peis::prototype_of(owner, *peis::key::parse(x.key)),
+                             to_bytes(value.octets), std::move(then));
     else
-      at.peer().set_remote_tuple(owner, x.key, peis::text_content(x.value), std::move(then));
+      at.peer().set_remote_tuple(owner, x.key,
+                                 value.is_text ? peis::text_content(value.octets)
+                                               : peis::binary_content(to_bytes(value.octets)),
+                                 std::move(then));
   });
   return acknowledged(at, owner, x.key, ended);
 }
@@ -297,16 +332,48 @@ exit_status perform(const session& at, const list_tuples& x) {
   return answer(at.with.json ? as_json(all) : as_table(all));
 }
 
+namespace {
+
+/// Whose tuples are looked at, or why that is not known. A peer by its id may come later.
+std::variant<peer_id, std::string> watched_owner(const session& at, const peer_selector& x) {
+  if (x.is_any())
+    return any_peer;
+  return x.id ? std::variant<peer_id, std::string>(*x.id) : find_peer(at, x);
+}
+
+} // namespace
+
+exit_status perform(const session& at, const wait_for_tuple& x) {
+  const auto owner = watched_owner(at, x.owner);
+  if (const auto* why = std::get_if<std::string>(&owner))
+    return fail(*why);
+  peis::tuple_pointer last;
+  bool holds = false;
+  const scoped_subscription watch(at, std::get<peer_id>(owner), x.key, [&](const auto& changed) {
+    if (holds || changed->owner == at.peer().kernel().id())
+      return;
+    last = changed;
+    holds = !x.until || x.until->holds(value_text(*changed));
+  });
+  if (const auto* why = watch.refused())
+    return fail(refused(*why));
+  const auto is_alone = [&] { return at.peer().links().open_links() == 0; };
+  at.peer().run_until([&] { return holds || is_alone(); }, at.with.timeout);
+  if (holds)
+    return answer(at.with.json ? line_of(to_json(*last)) : value_text(*last) + '\n');
+  if (is_alone())
+    return fail("the link to " + at.with.peer + " is gone");
+  return fail(
+      "not within " + to_text(at.with.timeout) + ": " +
+      (last ? "tuple `" + x.key + "` of peer " + to_string(last->owner) + " is " + value_text(*last)
+            : "no peer has a tuple `" + x.key + '`'));
+}
+
 exit_status perform(const session& at, const watch_tuples& x) {
-  auto whose = any_peer;
-  if (x.owner.id) {
-    whose = *x.owner.id; // which may come later
-  } else if (!x.owner.is_any()) {
-    const auto found = find_peer(at, x.owner);
-    if (const auto* why = std::get_if<std::string>(&found))
-      return fail(*why);
-    whose = std::get<peer_id>(found);
-  }
+  const auto owner = watched_owner(at, x.owner);
+  if (const auto* why = std::get_if<std::string>(&owner))
+    return fail(*why);
+  const auto whose = std::get<peer_id>(owner);
   change_printer printer(at.with.json);
   bool written = true;
   bool over = false;

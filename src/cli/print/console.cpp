@@ -1,8 +1,12 @@
 #include "cli/print/console.hpp"
 
+#include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cstdlib>
+#include <string>
 #include <system_error>
+#include <utility>
 
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -13,7 +17,9 @@ namespace rubicon::cli {
 
 namespace {
 
-/// What COLUMNS says; 0: nothing that makes sense.
+constexpr std::size_t columns_max = 1000;
+
+/// What COLUMNS says, at most columns_max; 0: nothing that makes sense.
 std::size_t columns_wanted() {
   const char* const text = std::getenv("COLUMNS");
   if (text == nullptr)
@@ -21,7 +27,14 @@ std::size_t columns_wanted() {
   const std::string_view digits(text);
   std::size_t columns = 0;
   const auto [stop, error] = std::from_chars(text, text + digits.size(), columns);
-  return error == std::errc{} && stop == text + digits.size() ? columns : 0;
+  return error == std::errc{} && stop == text + digits.size() ? std::min(columns, columns_max) : 0;
+}
+
+/// Once. A reader of standard output that has gone needs no reason.
+void report_failure(std::FILE* stream, int why) {
+  static bool is_reported = false;
+  if (stream == stdout && why != EPIPE && !std::exchange(is_reported, true))
+    say("rubicon: standard output cannot be written: " + std::generic_category().message(why));
 }
 
 } // namespace
@@ -47,8 +60,12 @@ console console_of(std::FILE* stream) {
 }
 
 bool print(std::FILE* stream, std::string_view text) {
+  errno = 0;
   const bool written = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
-  return std::fflush(stream) == 0 && written;
+  const bool is_good = std::fflush(stream) == 0 && written;
+  if (!is_good)
+    report_failure(stream, errno);
+  return is_good;
 }
 
 void say(std::string_view text) {

@@ -521,6 +521,30 @@ std::string unknown_word(const CLI::App& app, std::span<const char* const> argum
   return {};
 }
 
+/// The command whose help tells more of a refused line: `tuples set`, as far as its words are one.
+std::string command_meant(const CLI::App& app, std::span<const char* const> arguments) {
+  std::string words;
+  const auto* at = &app;
+  for (const std::string word : arguments.subspan(1)) {
+    const auto found = at->get_subcommands([&](const auto* x) { return x->get_name() == word; });
+    if (found.empty())
+      break;
+    at = found.front();
+    words += word + ' ';
+  }
+  return words;
+}
+
+/// `help run` as `run --help`, and no word at all as `--help`.
+void take_help(std::vector<std::string>& words) {
+  if (words.size() == 1)
+    words.emplace_back("--help");
+  if (words.size() > 1 && words[1] == "help") {
+    words.erase(words.begin() + 1);
+    words.emplace_back("--help");
+  }
+}
+
 } // namespace
 
 const std::vector<std::string>& options_not_repeated() {
@@ -579,6 +603,7 @@ command parse_command_line(std::span<const char* const> arguments) {
   if (const auto* why = std::get_if<std::string>(&taken))
     return refused_command{printable(*why) + '\n'};
   const auto& original = std::get<original_options>(taken);
+  take_help(words);
   const auto name = words.size() > 1 ? words[1] : std::string();
   constexpr std::string_view members[] = {"top", "hosts", "tuples", "route", "ping"};
   if (std::ranges::find(members, name) != std::end(members))
@@ -600,9 +625,8 @@ command parse_words(std::span<const char* const> arguments, const original_optio
   app.require_subcommand(1);
   app.failure_message([&](const CLI::App*, const CLI::Error& error) {
     const auto unknown = unknown_word(app, arguments);
-    return "rubicon: " + printable(unknown.empty() ? error.what() : unknown) +
-           "\n"
-           "See rubicon --help.\n";
+    return "rubicon: " + printable(unknown.empty() ? error.what() : unknown) + "\nSee rubicon " +
+           command_meant(app, arguments) + "--help.\n";
   });
   run_command run;
   run.options.handle_signals = true;
@@ -634,7 +658,8 @@ command parse_words(std::span<const char* const> arguments, const original_optio
   const certs_command_line certs(app);
   const serial_command_line serial(app);
   const network_command_line network(app);
-  app.footer(roles); // last: subcommands would inherit it
+  app.add_subcommand("help", "Show the help of a command"); // take_help()
+  app.footer(roles);                                        // last: subcommands would inherit it
   try {
     app.parse(static_cast<int>(arguments.size()), arguments.data());
     check_combination(run);
@@ -650,6 +675,9 @@ command parse_words(std::span<const char* const> arguments, const original_optio
     for (const auto& word : original.said)
       run.deciding += (run.deciding.empty() ? "" : " ") + shell_word(word);
   } catch (const CLI::ParseError& error) {
+    const auto unknown = unknown_word(app, arguments);
+    if (error.get_exit_code() == 0 && !unknown.empty()) // `help` of what is not there
+      return refused_command{"rubicon: " + printable(unknown) + "\nSee rubicon --help.\n"};
     std::ostringstream out;
     std::ostringstream err;
     if (app.exit(error, out, err) == 0)

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "cli/words/condition.hpp"
 #include "core/address.hpp"
 #include "core/time.hpp"
 
@@ -38,11 +39,18 @@ struct get_tuple {
   peer_selector owner; ///< any: everybody who has one
 };
 
+/// `rubicon tuples wait KEY [CONDITION]`
+struct wait_for_tuple {
+  std::string key;
+  peer_selector owner;            ///< any: everybody's
+  std::optional<condition> until; ///< unset: there is one
+};
+
 /// `rubicon tuples set KEY VALUE` and `rubicon tuples append KEY VALUE`
 struct write_tuple {
   peer_selector owner; ///< any: the one who has it
   std::string key;
-  std::string value;
+  std::string value; ///< as given: `@FILE`, `-` of standard input, `@@text` of `@text`
   bool append = false;
   bool wait = false; ///< until its proxy has reported how it ended; not of `append`
 };
@@ -106,8 +114,8 @@ struct ping_host {
 
 struct network_command {
   network_options with;
-  std::variant<get_tuple, write_tuple, delete_tuple, meta_tuple, list_tuples, watch_tuples,
-               show_graph, show_top, list_hosts, trace_route, ping_host>
+  std::variant<get_tuple, wait_for_tuple, write_tuple, delete_tuple, meta_tuple, list_tuples,
+               watch_tuples, show_graph, show_top, list_hosts, trace_route, ping_host>
       what;
 };
 

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/words/add_option.hpp"
+#include "cli/words/condition.hpp"
 #include "config/toml/units.hpp"
 #include "peis/tuples/key.hpp"
 #include "peis/wire/link_url.hpp"
@@ -93,7 +94,10 @@ void add_its_owner(CLI::App& app, What& x) {
 
 void add_write(CLI::App& app, write_tuple& x) {
   add_key(app, x);
-  app.add_option("VALUE", x.value, "Text")->required()->type_name("");
+  app.add_option("VALUE", x.value,
+                 "Text; @FILE: the octets of a file; - of standard input; @@ stands for @")
+      ->required()
+      ->type_name("");
   add_its_owner(app, x);
 }
 
@@ -150,6 +154,21 @@ network_command_line::network_command_line(CLI::App& app) {
     got.key = parse_key("KEY", text, false);
   })->required();
   add_owner(last(), got.owner);
+
+  auto& awaited = add<wait_for_tuple>(tuples, "wait", "Wait until a tuple has a value");
+  add_parsed(last(), "KEY", "", "Name of the tuple", [&](const auto& text) {
+    awaited.key = parse_key("KEY", text, false);
+  })->required();
+  add_parsed(last(), "CONDITION", "",
+             "on, '= on', '!= on', '> 20', '>= 20', '< 20' or '<= 20'; default: the tuple exists",
+             [&](const auto& text) {
+               awaited.until = parse_condition(text);
+               if (!awaited.until)
+                 throw CLI::ValidationError("CONDITION",
+                                            "only a number is less or greater: '" + text + '\'');
+             });
+  add_owner(last(), awaited.owner);
+  last().footer("--timeout says for how long. Exit status 1: not within that time.");
 
   auto& set = add<write_tuple>(tuples, "set", "Set a tuple at its owner");
   add_write(last(), set);

@@ -198,6 +198,47 @@ TEST_CASE("tuples of a running peer are read and written", "[cli][SVC-07][SVC-08
   CHECK(table.out.find("22.5") != std::string::npos);
 }
 
+TEST_CASE("a file, or standard input, is the value of a tuple", "[cli][SVC-08]") {
+  const lonely_peer peer;
+  const auto set = [&](const std::string& before, const std::string& value) {
+    return shell(before + '"' + rubicon_binary + "\" tuples set room.temp " + value + " --owner 7" +
+                 peer.at() + " 2>&1");
+  };
+  const auto value = [&] {
+    return standard_output("tuples get room.temp --owner 7" + peer.at()).out;
+  };
+  CHECK(set("printf '\\001\\377' | ", "-").status == 0);
+  CHECK(value() == "01ff\n");
+  CHECK(set("", "@@home").status == 0);
+  CHECK(value() == "@home\n");
+  CHECK(set("", "-- -5").status == 0);
+  CHECK(value() == "-5\n");
+  const auto none = set("", "@/nowhere/file");
+  CHECK(none.status == 1);
+  CHECK(none.out.find("/nowhere/file cannot be opened: No such file") != std::string::npos);
+}
+
+TEST_CASE("a script waits until a tuple has a value", "[cli][SVC-08]") {
+  const lonely_peer peer;
+  const auto wait = [&](const std::string& words) {
+    return shell('"' + rubicon_binary + "\" tuples wait " + words + peer.at() + " 2>&1");
+  };
+  CHECK(wait("room.temp").out == "21.5\n");
+  CHECK(wait("room.temp '> 20' --owner 7").out == "21.5\n");
+  const auto late = wait("room.temp '> 30' --timeout 700ms");
+  CHECK(late.status == 1);
+  CHECK(late.out.find("tuple `room.temp` of peer 7 is 21.5") != std::string::npos);
+  const auto none = wait("room.light --timeout 700ms");
+  CHECK(none.status == 1);
+  CHECK(none.out.find("no peer has a tuple `room.light`") != std::string::npos);
+  outcome waited;
+  std::thread other([&] { waited = wait("room.temp '>= 30' --timeout 20s"); });
+  CHECK(standard_output("tuples set room.temp 31 --owner 7" + peer.at()).status == 0);
+  other.join();
+  CHECK(waited.status == 0);
+  CHECK(waited.out == "31\n");
+}
+
 TEST_CASE("setting a proxy's input waits for its outcome, if asked to", "[cli][SVC-07][IF-07]") {
   const lonely_peer peer;
   const auto set = [&](const std::string& words) {

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/words/command_line.hpp"
+#include "cli/words/condition.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -301,7 +303,7 @@ TEST_CASE("options may stand before the file", "[cli]") {
 
 TEST_CASE("a command line that makes no sense is refused with its reason", "[cli]") {
   const auto line = GENERATE(
-      std::vector<const char*>{}, std::vector<const char*>{"fly"}, std::vector<const char*>{"run"},
+      std::vector<const char*>{"fly"}, std::vector<const char*>{"run"},
       std::vector<const char*>{"check"}, std::vector<const char*>{"run", "a.toml", "b.toml"},
       std::vector<const char*>{"run", "a.toml", "--nope"},
       std::vector<const char*>{"check", "a.toml", "--seed", "1"},
@@ -326,8 +328,9 @@ TEST_CASE("a command line that makes no sense is refused with its reason", "[cli
   const auto text = refusal(line);
   CAPTURE(line, text);
   CHECK(text.starts_with("rubicon: "));
-  CHECK(text.ends_with("\n"
-                       "See rubicon --help.\n"));
+  const bool is_command = std::string_view(line[0]) != "fly";
+  CHECK(text.ends_with("\nSee rubicon " + (is_command ? line[0] + std::string(" ") : "") +
+                       "--help.\n"));
 }
 
 TEST_CASE("a refusal names the option and what was wrong with it", "[cli]") {
@@ -339,16 +342,16 @@ TEST_CASE("a refusal names the option and what was wrong with it", "[cli]") {
 }
 
 TEST_CASE("who mistypes a command or an option is told what was meant", "[cli]") {
-  const auto meant = [](const std::string& what) {
-    return "rubicon: " + what +
-           "\n"
-           "See rubicon --help.\n";
+  const auto meant = [](const std::string& what, const std::string& command) {
+    return "rubicon: " + what + "\nSee rubicon " + command + "--help.\n";
   };
-  CHECK(refusal({"rnu", "a.toml"}) == meant("there is no command `rnu`: did you mean `run`?"));
+  CHECK(refusal({"rnu", "a.toml"}) == meant("there is no command `rnu`: did you mean `run`?", ""));
+  CHECK(refusal({"help", "rnu"}) == meant("there is no command `rnu`: did you mean `run`?", ""));
   CHECK(refusal({"run", "a.toml", "--sed", "3"}) ==
-        meant("there is no option `--sed`: did you mean `--seed`?"));
+        meant("there is no option `--sed`: did you mean `--seed`?", "run "));
   CHECK(refusal({"swarm", "a.toml", "--seed=1..3"}) ==
-        meant("there is no option `--seed`: did you mean `--seeds`?"));
+        meant("there is no option `--seed`: did you mean `--seeds`?", "swarm "));
+  CHECK(refusal({"tuples", "set", "lamp"}).ends_with("\nSee rubicon tuples set --help.\n"));
   CHECK(refusal({"tuples", "gte"})
             .starts_with("rubicon: there is no command `gte`: did you mean `get`?"));
   CHECK(refusal({"frobnicate"}).starts_with("rubicon: there is no command `frobnicate`: "));
@@ -372,4 +375,44 @@ TEST_CASE("version and a command's help are shown, not refused", "[cli]") {
   REQUIRE(std::holds_alternative<show_command>(version));
   CHECK(std::get<show_command>(version).text.starts_with("rubicon "));
   CHECK(std::holds_alternative<show_command>(parse({"run", "--help"})));
+}
+
+TEST_CASE("help of a command is what its --help shows, and of none the overview", "[cli]") {
+  const auto shown = [](std::vector<const char*> words) {
+    const auto x = parse(std::move(words));
+    REQUIRE(std::holds_alternative<show_command>(x));
+    return std::get<show_command>(x).text;
+  };
+  CHECK(shown({}) == shown({"--help"}));
+  CHECK(shown({"help"}) == shown({"--help"}));
+  CHECK(shown({"help", "run"}) == shown({"run", "--help"}));
+  CHECK(shown({"help", "tuples", "set"}) == shown({"tuples", "set", "--help"}));
+}
+
+TEST_CASE("a condition compares numbers as numbers, and all else as text", "[cli][SVC-08]") {
+  const auto holds = [](const char* condition, const char* value) {
+    const auto x = parse_condition(condition);
+    REQUIRE(x);
+    return x->holds(value);
+  };
+  CHECK(holds("on", "on"));
+  CHECK_FALSE(holds("on", "ON"));
+  CHECK(holds("= on", "on"));
+  CHECK(holds("=on", "on"));
+  CHECK(holds("!= on", "off"));
+  CHECK_FALSE(holds("!= on", "on"));
+  CHECK(holds("21", "21.0"));
+  CHECK_FALSE(holds("!= 21", "21.0"));
+  CHECK(holds("> 20", "20.5"));
+  CHECK_FALSE(holds("> 20", "20"));
+  CHECK(holds(">= 20", "20"));
+  CHECK(holds("<-3.5", "-4"));
+  CHECK(holds("<= 20", "20"));
+  CHECK_FALSE(holds("< 20", "20"));
+  CHECK_FALSE(holds("< 20", "unknown"));
+  CHECK(holds("!= 20", "unknown"));
+  CHECK(holds("", ""));
+  CHECK(holds("= = 1", "= 1"));
+  CHECK_FALSE(parse_condition("> warm"));
+  CHECK_FALSE(parse_condition("<="));
 }
