@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
 #include "scheduler/actor.hpp"
 

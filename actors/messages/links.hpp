@@ -10,8 +10,8 @@
 #include "actors/messages/common.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "peis/bluetooth.hpp"
-#include "peis/simulated_media.hpp"
+#include "peis/bluetooth/bluetooth.hpp"
+#include "peis/media/simulated_media.hpp"
 
 namespace rubicon {
 

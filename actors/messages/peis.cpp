@@ -1,6 +1,6 @@
 #include "actors/messages/peis.hpp"
 
-#include "scheduler/define_messages.hpp"
+#include "scheduler/messages/define_messages.hpp"
 
 namespace rubicon::scheduler {
 

@@ -8,8 +8,8 @@
 #include "actors/messages/peis.hpp"
 #include "actors/messages/programs.hpp"
 #include "actors/messages/serial.hpp"
-#include "core/device_keys.hpp"
-#include "proxy/class_change.hpp"
+#include "core/tuples/device_keys.hpp"
+#include "proxy/classes/class_change.hpp"
 
 namespace rubicon {
 

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "actors/messages/common.hpp"
-#include "apps/stream_end.hpp"
+#include "apps/streams/stream_end.hpp"
 #include "core/address.hpp"
 #include "mote/nonvolatile.hpp"
-#include "network/channel_message.hpp"
+#include "network/channels/channel_message.hpp"
 #include "network/sink_event.hpp"
 #include "report/report.hpp"
 #include "traffic/part.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "apps/app_config.hpp"
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 
 namespace rubicon::apps {
 

@@ -1,12 +1,12 @@
 #include "apps/application.hpp"
 
 #include "apps/average.hpp"
-#include "apps/readout.hpp"
 #include "apps/recorder.hpp"
-#include "apps/reservoir.hpp"
-#include "apps/stream_reader.hpp"
-#include "apps/stream_switch.hpp"
-#include "apps/stream_writer.hpp"
+#include "apps/streams/stream_reader.hpp"
+#include "apps/streams/stream_switch.hpp"
+#include "apps/streams/stream_writer.hpp"
+#include "apps/synaptic/readout.hpp"
+#include "apps/synaptic/reservoir.hpp"
 
 namespace rubicon::apps {
 

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "apps/app_config.hpp"
-#include "apps/stream_end.hpp"
+#include "apps/streams/stream_end.hpp"
 #include "communication/interface.hpp"
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::apps {

@@ -1,7 +1,7 @@
 // An operator over streams: the average of several inputs is a stream again (STR-22).
 #pragma once
 
-#include "apps/stream_application.hpp"
+#include "apps/streams/stream_application.hpp"
 
 namespace rubicon::apps {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "apps/stream_application.hpp"
+#include "apps/streams/stream_application.hpp"
 
 namespace rubicon::apps {
 

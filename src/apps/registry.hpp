@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::apps {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/application.hpp"
-#include "core/running_mean.hpp"
+#include "core/numbers/running_mean.hpp"
 
 namespace rubicon::apps {
 

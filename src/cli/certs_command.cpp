@@ -8,13 +8,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "cli/console.hpp"
-#include "cli/network_text.hpp"
+#include "cli/network/network_text.hpp"
+#include "cli/print/console.hpp"
 #include "config/summary_parts.hpp"
-#include "core/printable.hpp"
-#include "io/certificates.hpp"
+#include "core/text/printable.hpp"
+#include "io/tls/certificates.hpp"
 #include "report/figures.hpp"
-#include "report/text_layout.hpp"
+#include "report/print/text_layout.hpp"
 
 namespace rubicon::cli {
 

@@ -1,8 +1,8 @@
 // `rubicon certs`
 #pragma once
 
-#include "cli/command_line.hpp"
-#include "cli/exit_status.hpp"
+#include "cli/words/command_line.hpp"
+#include "cli/words/exit_status.hpp"
 
 namespace rubicon::cli {
 

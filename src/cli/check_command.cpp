@@ -1,11 +1,11 @@
 #include "cli/check_command.hpp"
 
-#include "cli/console.hpp"
 #include "cli/ecology_file.hpp"
+#include "cli/print/console.hpp"
 #include "config/listing.hpp"
-#include "config/placement.hpp"
-#include "config/summary.hpp"
-#include "core/printable.hpp"
+#include "config/plan/placement.hpp"
+#include "config/run/summary.hpp"
+#include "core/text/printable.hpp"
 
 namespace rubicon::cli {
 

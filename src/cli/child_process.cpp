@@ -9,7 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "io/spawn.hpp"
+#include "io/process/spawn.hpp"
 
 namespace rubicon::cli {
 

@@ -16,25 +16,25 @@
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
-#include "cli/ask_hosts.hpp"
-#include "cli/console.hpp"
-#include "cli/deployed.hpp"
 #include "cli/ecology_file.hpp"
+#include "cli/hosts/ask_hosts.hpp"
+#include "cli/hosts/deployed.hpp"
+#include "cli/print/console.hpp"
 #include "cli/random_id.hpp"
-#include "cli/version.hpp"
-#include "config/placement.hpp"
+#include "cli/words/version.hpp"
+#include "config/plan/placement.hpp"
 #include "control/system.hpp"
-#include "core/printable.hpp"
+#include "core/text/printable.hpp"
 #include "deploy/bundle.hpp"
-#include "io/certificates.hpp"
+#include "io/files/stored_number.hpp"
 #include "io/loop.hpp"
-#include "io/machine.hpp"
-#include "io/serial_devices.hpp"
-#include "io/stored_number.hpp"
-#include "io/tls_keeper.hpp"
-#include "io/udp_group.hpp"
+#include "io/process/machine.hpp"
+#include "io/serial/serial_devices.hpp"
+#include "io/tls/certificates.hpp"
+#include "io/tls/tls_keeper.hpp"
+#include "io/udp/udp_group.hpp"
 #include "report/figures.hpp"
-#include "report/text_layout.hpp"
+#include "report/print/text_layout.hpp"
 
 namespace rubicon::cli {
 

@@ -3,13 +3,13 @@
 #include <cstdio>
 #include <utility>
 
-#include "cli/bundle_file.hpp"
-#include "cli/console.hpp"
-#include "config/document.hpp"
-#include "config/doubts.hpp"
-#include "config/problem_text.hpp"
+#include "cli/print/console.hpp"
+#include "cli/run/bundle_file.hpp"
+#include "config/checks/doubts.hpp"
+#include "config/toml/document.hpp"
+#include "config/toml/problem_text.hpp"
 #include "core/hash.hpp"
-#include "core/printable.hpp"
+#include "core/text/printable.hpp"
 #include "deploy/bundle.hpp"
 
 namespace rubicon::cli {

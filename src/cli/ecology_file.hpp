@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "config/ecology.hpp"
 #include "config/load.hpp"
+#include "config/plan/ecology.hpp"
 
 namespace rubicon::cli {
 

@@ -1,10 +1,10 @@
 #include "cli/schema_command.hpp"
 
-#include "cli/console.hpp"
-#include "config/document.hpp"
+#include "cli/print/console.hpp"
 #include "config/load.hpp"
-#include "config/schema.hpp"
-#include "core/printable.hpp"
+#include "config/toml/document.hpp"
+#include "config/toml/schema.hpp"
+#include "core/text/printable.hpp"
 
 namespace rubicon::cli {
 

@@ -10,13 +10,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "actors/forwarder_clients.hpp"
-#include "cli/console.hpp"
-#include "cli/session.hpp"
+#include "actors/serial/forwarder_clients.hpp"
+#include "cli/network/session.hpp"
+#include "cli/print/console.hpp"
 #include "cli/sink_source.hpp"
 #include "core/codec.hpp"
-#include "core/printable.hpp"
-#include "io/signal_watch.hpp"
+#include "core/text/printable.hpp"
+#include "io/process/signal_watch.hpp"
 #include "report/figures.hpp"
 #include "serial/meaning.hpp"
 #include "serial/packet.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <variant>
 
-#include "cli/exit_status.hpp"
+#include "cli/words/exit_status.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
 #include "serial/line_config.hpp"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/account/message_ledger.hpp"
 #include "core/codec.hpp"
-#include "core/message_ledger.hpp"
 #include "network/am.hpp"
 
 namespace rubicon::communication {

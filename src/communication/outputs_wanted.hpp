@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "core/describe/fields.hpp"
 #include "core/error.hpp"
-#include "core/fields.hpp"
 
 namespace rubicon::communication {
 

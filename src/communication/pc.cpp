@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <ranges>
 
-#include "core/message_ledger.hpp"
+#include "core/account/message_ledger.hpp"
 #include "core/overloads.hpp"
 #include "network/island_packet.hpp"
 

@@ -13,8 +13,8 @@
 #include "communication/layer.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
-#include "core/random.hpp"
+#include "core/describe/fields.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "synaptic/rubicon_clock.hpp"
 

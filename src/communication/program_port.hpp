@@ -10,7 +10,7 @@
 #include "communication/interface.hpp"
 #include "communication/layer.hpp"
 #include "communication/remote_messages.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 
 namespace rubicon::communication {
 

@@ -11,7 +11,7 @@
 #include "communication/process.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 #include "device/transducer_config.hpp"
 #include "stream/events.hpp"
 #include "synaptic/events.hpp"

@@ -15,7 +15,7 @@
 #include "communication/interface.hpp"
 #include "communication/process.hpp"
 #include "communication/remote_messages.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 
 namespace rubicon::communication {
 

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "config/claims.hpp"
-#include "config/ecology.hpp"
+#include "config/island/mote_readers.hpp"
 #include "config/load.hpp"
-#include "config/mote_readers.hpp"
-#include "config/references.hpp"
-#include "config/table_reader.hpp"
+#include "config/plan/claims.hpp"
+#include "config/plan/ecology.hpp"
+#include "config/plan/references.hpp"
+#include "config/toml/table_reader.hpp"
 
 namespace rubicon::config {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "config/tuple_keys.hpp"
-#include "core/printable.hpp"
+#include "config/checks/tuple_keys.hpp"
+#include "core/text/printable.hpp"
 
 namespace rubicon::config {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "config/ecology.hpp"
+#include "config/plan/ecology.hpp"
 
 namespace rubicon::config {
 

@@ -11,10 +11,10 @@
 #include <system_error>
 #include <variant>
 
-#include "config/document.hpp"
 #include "config/file_readers.hpp"
-#include "config/schema.hpp"
-#include "config/trace_files.hpp"
+#include "config/island/trace_files.hpp"
+#include "config/toml/document.hpp"
+#include "config/toml/schema.hpp"
 
 namespace rubicon::config {
 

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "apps/registry.hpp"
-#include "config/ecology.hpp"
-#include "config/places.hpp"
-#include "config/problem.hpp"
-#include "proxy/program.hpp"
+#include "config/plan/ecology.hpp"
+#include "config/plan/places.hpp"
+#include "config/toml/problem.hpp"
+#include "proxy/classes/program.hpp"
 
 namespace rubicon::config {
 

@@ -3,12 +3,12 @@
 
 #include <memory>
 
-#include "config/directory.hpp"
-#include "config/places.hpp"
-#include "config/problem.hpp"
-#include "config/quantities.hpp"
+#include "config/plan/directory.hpp"
+#include "config/plan/places.hpp"
+#include "config/plan/quantities.hpp"
+#include "config/toml/problem.hpp"
 #include "core/time.hpp"
-#include "proxy/rules_config.hpp"
+#include "proxy/rules/rules_config.hpp"
 
 namespace rubicon::config {
 

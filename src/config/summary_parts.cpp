@@ -6,9 +6,9 @@
 #include <utility>
 #include <variant>
 
-#include "config/change_text.hpp"
-#include "config/debug_selection.hpp"
-#include "config/document.hpp"
+#include "config/plan/debug_selection.hpp"
+#include "config/run/change_text.hpp"
+#include "config/toml/document.hpp"
 #include "core/overloads.hpp"
 
 namespace rubicon::config {

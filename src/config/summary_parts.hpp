@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "config/ecology.hpp"
+#include "config/plan/ecology.hpp"
 
 namespace rubicon::config {
 

@@ -7,7 +7,7 @@
 #include <map>
 #include <optional>
 
-#include "core/ipv4_network.hpp"
+#include "core/text/ipv4_network.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::control {

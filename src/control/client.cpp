@@ -6,9 +6,9 @@
 
 #include "control/frame.hpp"
 #include "control/octets.hpp"
-#include "io/secure_stream.hpp"
-#include "io/tcp_connect.hpp"
+#include "io/tcp/tcp_connect.hpp"
 #include "io/timer.hpp"
+#include "io/tls/secure_stream.hpp"
 
 namespace rubicon::control {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <variant>
 
-#include "core/field_codec.hpp"
+#include "core/describe/field_codec.hpp"
 
 namespace rubicon::control {
 

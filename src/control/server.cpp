@@ -12,10 +12,10 @@
 #include "control/frame.hpp"
 #include "control/octets.hpp"
 #include "control/refusal_log.hpp"
-#include "io/machine.hpp"
-#include "io/secure_stream.hpp"
-#include "io/tcp_listener.hpp"
+#include "io/process/machine.hpp"
+#include "io/tcp/tcp_listener.hpp"
 #include "io/timer.hpp"
+#include "io/tls/secure_stream.hpp"
 
 namespace rubicon::control {
 

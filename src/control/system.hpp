@@ -4,7 +4,7 @@
 #include <string>
 
 #include "control/tls.hpp"
-#include "io/tls_keeper.hpp"
+#include "io/tls/tls_keeper.hpp"
 
 namespace rubicon::control {
 

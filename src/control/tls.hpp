@@ -1,7 +1,7 @@
 // By what the ends of the control plane know each other.
 #pragma once
 
-#include "io/tls_identity.hpp"
+#include "io/tls/tls_identity.hpp"
 
 namespace rubicon::control {
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 
 namespace rubicon {
 

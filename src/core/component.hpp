@@ -1,6 +1,6 @@
 // What works beside a PEIS kernel and knows nothing but tuples: rules, translations, collectors,
-// pursuers of goals, readers of tags. One actor hosts any of them (actors/component.hpp), so that a
-// new one is one class.
+// pursuers of goals, readers of tags. One actor hosts any of them (actors/peis/component.hpp), so
+// that a new one is one class.
 #pragma once
 
 #include <cstdint>

@@ -6,9 +6,9 @@
 #include <set>
 #include <utility>
 
-#include "config/document.hpp"
-#include "config/placement.hpp"
-#include "config/secrets.hpp"
+#include "config/plan/placement.hpp"
+#include "config/plan/secrets.hpp"
+#include "config/toml/document.hpp"
 #include "core/hash.hpp"
 
 namespace rubicon::deploy {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "config/load.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::deploy {

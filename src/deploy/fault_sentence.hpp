@@ -6,7 +6,7 @@
 #include <string_view>
 #include <variant>
 
-#include "config/ecology.hpp"
+#include "config/plan/ecology.hpp"
 #include "deploy/bundle.hpp"
 
 namespace rubicon::deploy {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "config/ecology.hpp"
+#include "config/plan/ecology.hpp"
 
 namespace rubicon::deploy {
 

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
 #include "deploy/bundle.hpp"
 #include "report/merge.hpp"

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 
 namespace rubicon::device {
 

@@ -1,7 +1,7 @@
 // The keys of what a file may say about how a trace is written.
 #pragma once
 
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 #include "device/trace_file.hpp"
 
 namespace rubicon::device {

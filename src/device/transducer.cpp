@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/hash.hpp"
-#include "core/math.hpp"
+#include "core/numbers/math.hpp"
 #include "device/random_walk.hpp"
 
 namespace rubicon::device {

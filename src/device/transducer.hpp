@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "core/address.hpp"
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "device/transducer_config.hpp"
 

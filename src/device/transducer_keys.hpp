@@ -1,7 +1,7 @@
 // The keys of what a file may say about transducers, by how their values behave.
 #pragma once
 
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 #include "device/transducer_config.hpp"
 
 namespace rubicon::device {

@@ -2,11 +2,11 @@
 
 #include "core/codec.hpp"
 #include "network/am.hpp"
-#include "network/channel_message.hpp"
-#include "network/collection_packet.hpp"
+#include "network/channels/channel_message.hpp"
 #include "network/island_packet.hpp"
 #include "network/router_message.hpp"
-#include "peis/tuple_record.hpp"
+#include "network/tree/collection_packet.hpp"
+#include "peis/tuples/tuple_record.hpp"
 #include "serial/frame.hpp"
 #include "serial/packet.hpp"
 

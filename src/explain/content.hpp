@@ -8,8 +8,8 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "peis/package.hpp"
-#include "peis/tuple.hpp"
+#include "peis/tuples/tuple.hpp"
+#include "peis/wire/package.hpp"
 
 namespace rubicon::explain {
 

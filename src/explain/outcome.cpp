@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/loss.hpp"
-#include "peis/key.hpp"
+#include "core/account/loss.hpp"
+#include "peis/tuples/key.hpp"
 
 namespace rubicon::explain {
 

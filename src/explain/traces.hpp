@@ -13,7 +13,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
-#include "explain/names.hpp"
+#include "explain/print/names.hpp"
 #include "explain/record.hpp"
 
 namespace rubicon::explain {
@@ -80,7 +80,7 @@ struct node {
   [[nodiscard]] instant time() const;
 };
 
-/// What the account of the run says of a message (core/message_ledger.hpp).
+/// What the account of the run says of a message (core/account/message_ledger.hpp).
 struct message_ending {
   instant at;
   bool arrived = false;

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "explain/outcome.hpp"
-#include "explain/words.hpp"
+#include "explain/print/words.hpp"
 #include "report/figures.hpp"
 
 namespace rubicon::explain {

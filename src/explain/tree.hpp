@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "explain/traces.hpp"
-#include "report/text_layout.hpp"
+#include "report/print/text_layout.hpp"
 
 namespace rubicon::explain {
 

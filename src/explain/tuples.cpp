@@ -1,6 +1,6 @@
 #include "explain/tuples.hpp"
 
-#include "peis/key.hpp"
+#include "peis/tuples/key.hpp"
 
 namespace rubicon::explain {
 

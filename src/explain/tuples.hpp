@@ -6,7 +6,7 @@
 #include <string>
 
 #include "explain/growth.hpp"
-#include "peis/tuple.hpp"
+#include "peis/tuples/tuple.hpp"
 
 namespace rubicon::explain {
 

@@ -7,7 +7,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/error.hpp"
-#include "core/wire_form.hpp"
+#include "core/tuples/wire_form.hpp"
 
 namespace rubicon::gateway {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/address.hpp"
-#include "core/fields.hpp"
-#include "core/random.hpp"
+#include "core/describe/fields.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "gateway/announcement.hpp"
 

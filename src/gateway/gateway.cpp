@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "core/message_ledger.hpp"
+#include "core/account/message_ledger.hpp"
 #include "gateway/gateway_parts.hpp"
 #include "gateway/strict.hpp"
 #include "network/am.hpp"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/device_keys.hpp"
+#include "core/tuples/device_keys.hpp"
 #include "gateway/gateway.hpp"
 
 namespace rubicon::gateway {

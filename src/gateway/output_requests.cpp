@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/device_keys.hpp"
+#include "core/tuples/device_keys.hpp"
 
 namespace rubicon::gateway {
 

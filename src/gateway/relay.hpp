@@ -7,8 +7,8 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/device_keys.hpp"
 #include "core/error.hpp"
+#include "core/tuples/device_keys.hpp"
 #include "network/island_packet.hpp"
 
 namespace rubicon::gateway {

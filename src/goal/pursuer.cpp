@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/decimal.hpp"
+#include "core/text/decimal.hpp"
 
 namespace rubicon::goal {
 

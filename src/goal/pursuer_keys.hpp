@@ -1,7 +1,7 @@
 // The keys of what a file may say about a pursuer of goals.
 #pragma once
 
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 #include "goal/pursuer_config.hpp"
 
 namespace rubicon::goal {

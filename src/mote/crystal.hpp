@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::mote {

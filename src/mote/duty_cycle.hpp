@@ -13,9 +13,9 @@
 #include "core/small_map.hpp"
 #include "core/time.hpp"
 #include "mote/duty_config.hpp"
-#include "network/channels.hpp"
-#include "network/clock_sync.hpp"
-#include "network/radio_schedule.hpp"
+#include "network/channels/channels.hpp"
+#include "network/channels/radio_schedule.hpp"
+#include "network/clock/clock_sync.hpp"
 #include "network/router.hpp"
 
 namespace rubicon::mote {

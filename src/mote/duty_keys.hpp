@@ -1,7 +1,7 @@
 // The keys of what a file may say about the windows of an island's radios.
 #pragma once
 
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 #include "mote/duty_config.hpp"
 
 namespace rubicon::mote {

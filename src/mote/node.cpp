@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/message_ledger.hpp"
+#include "core/account/message_ledger.hpp"
 #include "core/overloads.hpp"
 #include "device/transducer.hpp"
+#include "network/clock/tick_plan.hpp"
 #include "network/island_packet.hpp"
-#include "network/tick_plan.hpp"
 
 namespace rubicon::mote {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 
 namespace rubicon::mote {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "core/account/message_ledger.hpp"
 #include "core/codec.hpp"
-#include "core/message_ledger.hpp"
 #include "network/am.hpp"
 
 namespace rubicon::mote {

@@ -12,8 +12,8 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
-#include "core/random.hpp"
+#include "core/describe/fields.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "network/island_packet.hpp"
 #include "network/router.hpp"

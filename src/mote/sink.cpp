@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/message_ledger.hpp"
+#include "core/account/message_ledger.hpp"
 #include "core/overloads.hpp"
 #include "network/am.hpp"
-#include "network/tick_plan.hpp"
+#include "network/clock/tick_plan.hpp"
 #include "network/wire.hpp"
 
 namespace rubicon::mote {

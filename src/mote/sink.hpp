@@ -10,15 +10,15 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
-#include "core/random.hpp"
+#include "core/describe/fields.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "mote/duty_cycle.hpp"
 #include "mote/gateway_lines.hpp"
+#include "mote/join/registrar.hpp"
 #include "mote/nonvolatile.hpp"
 #include "mote/packet_service.hpp"
-#include "mote/registrar.hpp"
-#include "network/time_reference.hpp"
+#include "network/clock/time_reference.hpp"
 #include "transport/fragments.hpp"
 
 namespace rubicon::mote {

@@ -19,6 +19,6 @@ inline constexpr std::uint8_t packet = 0x1a; ///< a fragment of an island packet
                                              ///< on the serial line
 inline constexpr std::uint8_t outputs_wanted = 0x1b; ///< from a gateway to a mote, above Transport
 inline constexpr std::uint8_t smepp =
-    0x1c; ///< between two neighbours, secured (smepp/security.hpp)
+    0x1c; ///< between two neighbours, secured (smepp/crypto/security.hpp)
 
 } // namespace rubicon::network::am

@@ -7,10 +7,10 @@
 #include "core/bytes.hpp"
 #include "core/error.hpp"
 #include "core/time.hpp"
-#include "network/clock_sync.hpp"
-#include "network/coordinates.hpp"
-#include "network/gradient.hpp"
-#include "network/neighbours.hpp"
+#include "network/channels/coordinates.hpp"
+#include "network/clock/clock_sync.hpp"
+#include "network/tree/gradient.hpp"
+#include "network/tree/neighbours.hpp"
 #include "network/wire.hpp"
 
 namespace rubicon::network {

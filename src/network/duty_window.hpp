@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/time.hpp"
-#include "network/clock_sync.hpp"
+#include "network/clock/clock_sync.hpp"
 
 namespace rubicon::network {
 

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "network/am.hpp"
+#include "network/clock/tick_plan.hpp"
 #include "network/slot_time.hpp"
-#include "network/tick_plan.hpp"
 
 namespace rubicon::network {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "core/time.hpp"
-#include "network/channel_message.hpp"
-#include "network/tick_plan.hpp"
+#include "network/channels/channel_message.hpp"
+#include "network/clock/tick_plan.hpp"
 #include "network/wire.hpp"
 
 namespace rubicon::network {

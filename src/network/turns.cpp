@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "network/tick_plan.hpp"
+#include "network/clock/tick_plan.hpp"
 
 namespace rubicon::network {
 

@@ -5,19 +5,19 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
-#include "network/clock_sync.hpp"
+#include "network/clock/clock_sync.hpp"
 #include "network/duty_window.hpp"
 
 namespace rubicon::network {
 
 /// At any time, unless the island's clock says that slots are in use: then in the free part of each
-/// tick (network/tick_plan.hpp), from a moment on that is drawn anew each time: those who have
-/// waited begin spread over as long as they have, or over half the free part. In an island whose
-/// radios sleep: in the first three quarters of each common window, from when those are on who know
-/// the time no better than we do; who has waited begins spread over its first half. A sink, which
-/// most of them talk to, is first.
+/// tick (network/clock/tick_plan.hpp), from a moment on that is drawn anew each time: those who
+/// have waited begin spread over as long as they have, or over half the free part. In an island
+/// whose radios sleep: in the first three quarters of each common window, from when those are on
+/// who know the time no better than we do; who has waited begins spread over its first half. A
+/// sink, which most of them talk to, is first.
 class turns {
 public:
   turns() = default;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/printable.hpp"
+#include "core/text/printable.hpp"
 
 namespace rubicon::page {
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "config/ecology.hpp"
+#include "config/plan/ecology.hpp"
 #include "report/history.hpp"
 #include "report/report.hpp"
 

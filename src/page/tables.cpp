@@ -8,7 +8,7 @@
 #include "page/parts.hpp"
 #include "report/expectations.hpp"
 #include "report/figures.hpp"
-#include "report/repeated_violations.hpp"
+#include "report/print/repeated_violations.hpp"
 #include "report/report_parts.hpp"
 
 namespace rubicon::page {

@@ -9,7 +9,7 @@
 #include "page/parts.hpp"
 #include "report/fault_plan.hpp"
 #include "report/figures.hpp"
-#include "report/text_layout.hpp"
+#include "report/print/text_layout.hpp"
 
 namespace rubicon::page {
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "peis/announcement.hpp"
-#include "peis/hci_inquiry.hpp"
-#include "peis/link.hpp"
-#include "peis/package.hpp"
-#include "peis/simulated_bluetooth.hpp"
+#include "peis/bluetooth/hci_inquiry.hpp"
+#include "peis/link/link.hpp"
+#include "peis/media/simulated_bluetooth.hpp"
+#include "peis/wire/announcement.hpp"
+#include "peis/wire/package.hpp"
 
 namespace rubicon::peer {
 

@@ -11,18 +11,18 @@
 #include <variant>
 #include <vector>
 
-#include "core/fields.hpp"
-#include "io/bluetooth_adapter.hpp"
+#include "core/describe/fields.hpp"
+#include "io/bluetooth/bluetooth_adapter.hpp"
+#include "io/bluetooth/packet_connect.hpp"
+#include "io/bluetooth/packet_listener.hpp"
+#include "io/bluetooth/packet_stream.hpp"
 #include "io/loop.hpp"
-#include "io/packet_connect.hpp"
-#include "io/packet_listener.hpp"
-#include "io/packet_stream.hpp"
 #include "io/timer.hpp"
 #include "peer/link_user.hpp"
-#include "peis/bluetooth.hpp"
-#include "peis/link_url.hpp"
-#include "peis/p2p_events.hpp"
-#include "peis/types.hpp"
+#include "peis/bluetooth/bluetooth.hpp"
+#include "peis/overlay/p2p_events.hpp"
+#include "peis/wire/link_url.hpp"
+#include "peis/wire/types.hpp"
 
 namespace rubicon::peer {
 

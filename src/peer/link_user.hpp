@@ -6,8 +6,8 @@
 #include <string>
 
 #include "core/bytes.hpp"
-#include "core/ipv4_network.hpp"
-#include "peis/types.hpp"
+#include "core/text/ipv4_network.hpp"
+#include "peis/wire/types.hpp"
 
 namespace rubicon::peer {
 

@@ -7,7 +7,7 @@
 
 #include <unistd.h>
 
-#include "io/machine.hpp"
+#include "io/process/machine.hpp"
 
 namespace rubicon::peer {
 

@@ -17,7 +17,7 @@
 
 #include "io/loop.hpp"
 #include "peer/tcp_links.hpp"
-#include "peis/kernel.hpp"
+#include "peis/kernel/kernel.hpp"
 
 namespace rubicon::peer {
 
@@ -84,7 +84,7 @@ public:
   [[nodiscard]] peis::timestamp network_time() const { return kernel_.network_time(now()); }
 
   // Tuples. Names in brackets are those of D1.1 3.1.3; the causes are described in
-  // peis/kernel.hpp.
+  // peis/kernel/kernel.hpp.
 
   /// [setTuple] Sets one of our own.
   [[nodiscard]] peis::cause set_tuple(std::string_view key, peis::tuple_content content);

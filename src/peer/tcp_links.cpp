@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "io/machine.hpp"
+#include "io/process/machine.hpp"
 
 namespace rubicon::peer {
 

@@ -11,19 +11,19 @@
 #include <variant>
 #include <vector>
 
-#include "core/fields.hpp"
-#include "core/ipv4_network.hpp"
+#include "core/describe/fields.hpp"
+#include "core/text/ipv4_network.hpp"
 #include "io/loop.hpp"
-#include "io/tcp_connect.hpp"
-#include "io/tcp_listener.hpp"
-#include "io/tcp_stream.hpp"
-#include "io/udp_group.hpp"
+#include "io/tcp/tcp_connect.hpp"
+#include "io/tcp/tcp_listener.hpp"
+#include "io/tcp/tcp_stream.hpp"
+#include "io/udp/udp_group.hpp"
 #include "peer/link_user.hpp"
 #include "peer/udp_links.hpp"
-#include "peis/host_record.hpp"
-#include "peis/link_url.hpp"
-#include "peis/p2p_events.hpp"
-#include "peis/types.hpp"
+#include "peis/overlay/p2p_events.hpp"
+#include "peis/wire/host_record.hpp"
+#include "peis/wire/link_url.hpp"
+#include "peis/wire/types.hpp"
 
 namespace rubicon::peer {
 

@@ -12,16 +12,16 @@
 #include <variant>
 #include <vector>
 
-#include "core/ipv4_network.hpp"
-#include "io/host_lookup.hpp"
+#include "core/text/ipv4_network.hpp"
 #include "io/loop.hpp"
+#include "io/tcp/host_lookup.hpp"
 #include "io/timer.hpp"
-#include "io/udp_socket.hpp"
+#include "io/udp/udp_socket.hpp"
 #include "peer/link_user.hpp"
-#include "peis/link_url.hpp"
-#include "peis/p2p_events.hpp"
-#include "peis/types.hpp"
-#include "peis/udp_port.hpp"
+#include "peis/overlay/p2p_events.hpp"
+#include "peis/udp/udp_port.hpp"
+#include "peis/wire/link_url.hpp"
+#include "peis/wire/types.hpp"
 
 namespace rubicon::peer {
 

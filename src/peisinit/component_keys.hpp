@@ -1,7 +1,7 @@
 // The keys of what a file may say about a component of a host.
 #pragma once
 
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 #include "peisinit/component.hpp"
 
 namespace rubicon::peisinit {

@@ -1,6 +1,6 @@
 #include "proxy/collector.hpp"
 
-#include "core/device_keys.hpp"
+#include "core/tuples/device_keys.hpp"
 
 namespace rubicon::proxy {
 

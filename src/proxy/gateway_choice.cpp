@@ -4,7 +4,7 @@
 #include <functional>
 #include <utility>
 
-#include "core/device_keys.hpp"
+#include "core/tuples/device_keys.hpp"
 
 namespace rubicon::proxy {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/device_keys.hpp"
+#include "core/tuples/device_keys.hpp"
 
 namespace rubicon::proxy {
 

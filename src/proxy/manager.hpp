@@ -12,12 +12,12 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/device_keys.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
-#include "proxy/class_table.hpp"
+#include "core/tuples/device_keys.hpp"
+#include "proxy/classes/class_table.hpp"
+#include "proxy/classes/signature.hpp"
 #include "proxy/proxy.hpp"
-#include "proxy/signature.hpp"
 
 namespace rubicon::proxy {
 

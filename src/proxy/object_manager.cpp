@@ -1,7 +1,7 @@
 #include "proxy/object_manager.hpp"
 
-#include "core/device_keys.hpp"
-#include "core/interface_keys.hpp"
+#include "core/tuples/device_keys.hpp"
+#include "core/tuples/interface_keys.hpp"
 
 namespace rubicon::proxy {
 

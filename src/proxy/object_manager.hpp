@@ -12,11 +12,11 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
-#include "proxy/class_table.hpp"
+#include "proxy/classes/class_table.hpp"
+#include "proxy/classes/signature.hpp"
 #include "proxy/interface_choice.hpp"
-#include "proxy/signature.hpp"
 
 namespace rubicon::proxy {
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "core/decimal.hpp"
-#include "core/interface_keys.hpp"
-#include "proxy/layout.hpp"
-#include "proxy/tuple_key.hpp"
+#include "core/text/decimal.hpp"
+#include "core/tuples/interface_keys.hpp"
+#include "proxy/classes/layout.hpp"
+#include "proxy/classes/tuple_key.hpp"
 
 namespace rubicon::proxy {
 

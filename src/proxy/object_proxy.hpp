@@ -12,13 +12,13 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
+#include "proxy/classes/proxy_class.hpp"
+#include "proxy/classes/signature.hpp"
+#include "proxy/classes/tuple_template.hpp"
 #include "proxy/interface_choice.hpp"
 #include "proxy/proxy.hpp"
-#include "proxy/proxy_class.hpp"
-#include "proxy/signature.hpp"
-#include "proxy/tuple_template.hpp"
 
 namespace rubicon::proxy {
 

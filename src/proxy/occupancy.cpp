@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <map>
 
-#include "core/decimal.hpp"
-#include "proxy/program.hpp"
+#include "core/text/decimal.hpp"
+#include "proxy/classes/program.hpp"
 
 namespace rubicon::proxy {
 

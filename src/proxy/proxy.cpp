@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/decimal.hpp"
-#include "core/interface_keys.hpp"
+#include "core/text/decimal.hpp"
+#include "core/tuples/interface_keys.hpp"
 
 namespace rubicon::proxy {
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "core/account/provenance.hpp"
 #include "core/bounded_queue.hpp"
 #include "core/bytes.hpp"
-#include "core/provenance.hpp"
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "radio/frame.hpp"
 #include "radio/mac_rules.hpp"

@@ -1,7 +1,7 @@
 // The keys of what a file may say about the air and the radios in it.
 #pragma once
 
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 #include "radio/parameters.hpp"
 
 namespace rubicon::radio {

@@ -17,8 +17,8 @@
 
 namespace rubicon::radio {
 
-struct gain_table; // radio/tossim_files.hpp
-class noise_trace; // radio/noise.hpp
+struct gain_table; // radio/medium/tossim_files.hpp
+class noise_trace; // radio/medium/noise.hpp
 
 // ------------------------------------------------------------------------------------- propagation
 

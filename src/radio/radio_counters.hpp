@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/fields.hpp"
-#include "radio/topology.hpp"
+#include "core/describe/fields.hpp"
+#include "radio/medium/topology.hpp"
 
 namespace rubicon::radio {
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "config/expectation.hpp"
+#include "config/plan/expectation.hpp"
 #include "core/time.hpp"
 #include "report/report.hpp"
 

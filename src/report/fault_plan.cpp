@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 
 namespace rubicon::report {
 

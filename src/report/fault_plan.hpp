@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "config/ecology.hpp"
+#include "config/plan/ecology.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::report {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "config/ecology.hpp"
-#include "core/fields.hpp"
+#include "config/plan/ecology.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
 #include "report/report.hpp"
 #include "report/run_counters.hpp"

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/address.hpp"
-#include "core/delay_histogram.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
+#include "core/numbers/delay_histogram.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::report {

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "report/print/report_page.hpp"
 #include "report/report.hpp"
-#include "report/report_page.hpp"
 
 namespace rubicon::report {
 

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "apps/stream_end.hpp"
+#include "apps/streams/stream_end.hpp"
+#include "core/account/message_ledger.hpp"
 #include "core/address.hpp"
-#include "core/fields.hpp"
-#include "core/message_ledger.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
 #include "report/report.hpp"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/interface_keys.hpp"
-#include "core/math.hpp"
+#include "core/numbers/math.hpp"
+#include "core/tuples/interface_keys.hpp"
 
 namespace rubicon::rfid {
 

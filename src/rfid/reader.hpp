@@ -13,7 +13,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/component.hpp"
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "device/walk.hpp"
 #include "rfid/reader_config.hpp"
@@ -34,7 +34,8 @@ using components::output;
 using components::outputs;
 using components::publish;
 
-/// Publishes what it perceives, in the tuples of core/interface_keys.hpp, and interprets nothing.
+/// Publishes what it perceives, in the tuples of core/tuples/interface_keys.hpp, and interprets
+/// nothing.
 class reader final : public components::component {
 public:
   reader() = default;

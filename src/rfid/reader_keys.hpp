@@ -1,7 +1,7 @@
 // The keys of what a file may say about a reader of tags.
 #pragma once
 
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 #include "rfid/reader_config.hpp"
 
 namespace rubicon::rfid {

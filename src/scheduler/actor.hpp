@@ -24,9 +24,9 @@
 #include <caf/system_messages.hpp>
 
 #include "core/time.hpp"
-#include "scheduler/behavior.hpp"
-#include "scheduler/envelope.hpp"
-#include "scheduler/ref.hpp"
+#include "scheduler/messages/behavior.hpp"
+#include "scheduler/messages/envelope.hpp"
+#include "scheduler/messages/ref.hpp"
 #include "scheduler/trace.hpp"
 
 namespace rubicon::scheduler {

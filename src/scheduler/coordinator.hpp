@@ -16,7 +16,7 @@
 #include <caf/scheduler/abstract_coordinator.hpp>
 
 #include "core/time.hpp"
-#include "io/spare_memory.hpp"
+#include "io/process/spare_memory.hpp"
 #include "parallel/horizons.hpp"
 #include "parallel/workers.hpp"
 #include "scheduler/outside.hpp"

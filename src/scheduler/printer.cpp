@@ -10,7 +10,7 @@
 #include <caf/make_actor.hpp>
 #include <caf/monitorable_actor.hpp>
 
-#include "core/printable.hpp"
+#include "core/text/printable.hpp"
 
 namespace rubicon::scheduler {
 

@@ -16,7 +16,7 @@
 #include "core/time.hpp"
 #include "parallel/horizons.hpp"
 #include "parallel/ready_queue.hpp"
-#include "scheduler/envelope_pool.hpp"
+#include "scheduler/messages/envelope_pool.hpp"
 #include "scheduler/timeout_table.hpp"
 #include "scheduler/trace.hpp"
 

@@ -5,9 +5,9 @@
 
 #include <caf/actor_control_block.hpp>
 
-#include "core/provenance.hpp"
+#include "core/account/provenance.hpp"
 #include "core/time.hpp"
-#include "scheduler/envelope.hpp"
+#include "scheduler/messages/envelope.hpp"
 
 namespace rubicon::scheduler {
 

@@ -13,12 +13,12 @@
 
 #include <caf/actor_clock.hpp>
 
+#include "core/account/message_ledger.hpp"
+#include "core/account/provenance.hpp"
 #include "core/bytes.hpp"
 #include "core/hash.hpp"
-#include "core/message_ledger.hpp"
-#include "core/provenance.hpp"
 #include "core/time.hpp"
-#include "scheduler/envelope.hpp"
+#include "scheduler/messages/envelope.hpp"
 
 namespace rubicon::scheduler {
 
@@ -30,8 +30,9 @@ struct delivery {
   const envelope& message;  ///< `message.text()` shows it
   std::uint64_t number = 0; ///< ascending, from 1, as those of remarks that begin something; 0
                             ///< unless remarks are observed too
-  std::uint64_t cause = 0;  ///< number of what led to it (core/provenance.hpp); 0: nothing known
-  bool received = true;     ///< false: the receiver has ended
+  std::uint64_t cause =
+      0; ///< number of what led to it (core/account/provenance.hpp); 0: nothing known
+  bool received = true; ///< false: the receiver has ended
 
   /// The message, if it is a `Message`; nullptr: it is not.
   template <class Message>

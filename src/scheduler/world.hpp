@@ -13,7 +13,7 @@
 
 #include "core/time.hpp"
 #include "scheduler/coordinator.hpp"
-#include "scheduler/spawn.hpp"
+#include "scheduler/messages/spawn.hpp"
 #include "scheduler/trace.hpp"
 
 namespace rubicon::io {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 
 namespace rubicon::serial {
 

@@ -9,11 +9,11 @@
 #include <variant>
 #include <vector>
 
+#include "core/account/provenance.hpp"
 #include "core/address.hpp"
 #include "core/bounded_queue.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
-#include "core/provenance.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
 #include "serial/ack_patience.hpp"
 #include "serial/frame.hpp"

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <utility>
 
-#include "core/message_ledger.hpp"
+#include "core/account/message_ledger.hpp"
 
 namespace rubicon::serial {
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "core/account/provenance.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
-#include "core/provenance.hpp"
-#include "core/random.hpp"
+#include "core/describe/fields.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "serial/line_config.hpp"
 

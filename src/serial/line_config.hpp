@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/ipv4_network.hpp"
+#include "core/text/ipv4_network.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::serial {

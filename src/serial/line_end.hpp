@@ -1,8 +1,8 @@
 // What either end of a serial line asks of its owner.
 #pragma once
 
+#include "core/account/provenance.hpp"
 #include "core/bytes.hpp"
-#include "core/provenance.hpp"
 
 namespace rubicon::serial {
 

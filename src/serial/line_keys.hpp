@@ -1,7 +1,7 @@
 // The keys of what a file may say about a serial cable.
 #pragma once
 
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 #include "serial/line_config.hpp"
 
 namespace rubicon::serial {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/codec.hpp"
-#include "core/printable.hpp"
+#include "core/text/printable.hpp"
 
 namespace rubicon::serial {
 

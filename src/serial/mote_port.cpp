@@ -5,7 +5,7 @@
 #include <cassert>
 #include <utility>
 
-#include "core/message_ledger.hpp"
+#include "core/account/message_ledger.hpp"
 #include "serial/frame.hpp"
 #include "serial/line_config.hpp"
 

@@ -8,10 +8,10 @@
 #include <variant>
 #include <vector>
 
+#include "core/account/provenance.hpp"
 #include "core/bounded_queue.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
-#include "core/provenance.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
 #include "serial/line_end.hpp"
 #include "serial/packet.hpp"

@@ -8,9 +8,9 @@
 #include <variant>
 #include <vector>
 
+#include "core/account/provenance.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/provenance.hpp"
 #include "core/time.hpp"
 #include "smepp/messages.hpp"
 

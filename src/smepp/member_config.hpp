@@ -10,9 +10,9 @@
 
 #include "core/time.hpp"
 #include "device/transducer_config.hpp"
-#include "smepp/energy.hpp"
-#include "smepp/group_description.hpp"
-#include "smepp/key.hpp"
+#include "smepp/crypto/key.hpp"
+#include "smepp/events/energy.hpp"
+#include "smepp/groups/group_description.hpp"
 
 namespace rubicon::smepp {
 

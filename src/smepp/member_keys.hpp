@@ -1,7 +1,7 @@
 // The keys of what a file may say of SMEPP Light.
 #pragma once
 
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 #include "smepp/member_config.hpp"
 #include "smepp/messages.hpp"
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/fields.hpp"
-#include "core/random.hpp"
+#include "core/describe/fields.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "smepp/member_config.hpp"
 #include "smepp/smepp.hpp"

@@ -13,14 +13,14 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/error.hpp"
-#include "smepp/agreement.hpp"
-#include "smepp/cipher.hpp"
-#include "smepp/group_description.hpp"
+#include "smepp/crypto/agreement.hpp"
+#include "smepp/crypto/cipher.hpp"
+#include "smepp/crypto/security.hpp"
+#include "smepp/crypto/session_keys.hpp"
 #include "smepp/group_id.hpp"
-#include "smepp/group_time.hpp"
+#include "smepp/groups/group_description.hpp"
+#include "smepp/groups/group_time.hpp"
 #include "smepp/peer_description.hpp"
-#include "smepp/security.hpp"
-#include "smepp/session_keys.hpp"
 
 namespace rubicon::smepp {
 

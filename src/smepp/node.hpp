@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "smepp/member_config.hpp"
 #include "smepp/member_program.hpp"

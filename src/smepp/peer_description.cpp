@@ -4,7 +4,7 @@
 #include <cassert>
 #include <optional>
 
-#include "core/printable.hpp"
+#include "core/text/printable.hpp"
 
 namespace rubicon::smepp {
 

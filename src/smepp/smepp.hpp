@@ -16,15 +16,15 @@
 #include <variant>
 #include <vector>
 
-#include "core/fields.hpp"
-#include "core/provenance.hpp"
-#include "core/random.hpp"
+#include "core/account/provenance.hpp"
+#include "core/describe/fields.hpp"
+#include "core/numbers/random.hpp"
 #include "smepp/actions.hpp"
-#include "smepp/energy.hpp"
-#include "smepp/event_management.hpp"
-#include "smepp/group_management.hpp"
-#include "smepp/outbox.hpp"
-#include "smepp/security.hpp"
+#include "smepp/crypto/security.hpp"
+#include "smepp/events/energy.hpp"
+#include "smepp/events/event_management.hpp"
+#include "smepp/events/outbox.hpp"
+#include "smepp/groups/group_management.hpp"
 
 namespace rubicon::smepp {
 

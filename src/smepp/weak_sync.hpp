@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/address.hpp"
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
-#include "smepp/group_time.hpp"
+#include "smepp/groups/group_time.hpp"
 #include "smepp/messages.hpp"
 
 namespace rubicon::smepp {

@@ -8,7 +8,7 @@
 
 #include "core/bounded_queue.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
 #include "stream/events.hpp"
 #include "stream/message.hpp"

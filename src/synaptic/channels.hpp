@@ -10,7 +10,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
 #include "synaptic/arrivals.hpp"
 #include "synaptic/events.hpp"

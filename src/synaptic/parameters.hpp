@@ -7,7 +7,7 @@
 #include <span>
 
 #include "core/address.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 
 namespace rubicon::synaptic {
 

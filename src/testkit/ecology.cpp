@@ -7,11 +7,11 @@
 
 #include <spdlog/spdlog.h>
 
-#include "actors/ecology.hpp"
-#include "actors/ecology_run.hpp"
-#include "actors/peis_peer.hpp"
-#include "config/document.hpp"
-#include "config/problem_text.hpp"
+#include "actors/peis/peis_peer.hpp"
+#include "actors/run/ecology_run.hpp"
+#include "actors/supervision/ecology.hpp"
+#include "config/toml/document.hpp"
+#include "config/toml/problem_text.hpp"
 #include "report/fault_plan.hpp"
 
 namespace rubicon::test {

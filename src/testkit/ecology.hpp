@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "config/ecology.hpp"
 #include "config/load.hpp"
+#include "config/plan/ecology.hpp"
 #include "core/time.hpp"
 #include "report/report.hpp"
 #include "testkit/failure.hpp"

@@ -14,7 +14,7 @@
 #include <caf/actor_control_block.hpp>
 
 #include "core/time.hpp"
-#include "scheduler/envelope.hpp"
+#include "scheduler/messages/envelope.hpp"
 #include "scheduler/process.hpp"
 
 namespace rubicon::test {

@@ -6,11 +6,11 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/account/provenance.hpp"
 #include "core/address.hpp"
 #include "core/bounded_queue.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
-#include "core/provenance.hpp"
+#include "core/describe/fields.hpp"
 #include "serial/line_config.hpp"
 #include "serial/packet.hpp"
 

@@ -1,7 +1,7 @@
 // The keys of what a file may say about plain programs of TinyOS on simulated motes.
 #pragma once
 
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 #include "tinyos/program_config.hpp"
 
 namespace rubicon::tinyos {

@@ -1,7 +1,7 @@
 // The keys of what a file may say about programs that measure.
 #pragma once
 
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 #include "traffic/flow_config.hpp"
 
 namespace rubicon::traffic {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "core/address.hpp"
-#include "core/delay_histogram.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
+#include "core/numbers/delay_histogram.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::traffic {

@@ -11,7 +11,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "traffic/flow_config.hpp"
 #include "traffic/packet_memory.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "core/math.hpp"
+#include "core/numbers/math.hpp"
 
 namespace rubicon::traffic {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "traffic/flow_config.hpp"
 

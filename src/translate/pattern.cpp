@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/tuple_key.hpp"
+#include "core/tuples/tuple_key.hpp"
 
 namespace rubicon::translate {
 

@@ -1,7 +1,7 @@
 // The keys of what a file may say about a translation.
 #pragma once
 
-#include "core/keys.hpp"
+#include "core/describe/keys.hpp"
 #include "translate/translation.hpp"
 
 namespace rubicon::translate {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
-#include "core/decimal.hpp"
-#include "core/tuple_key.hpp"
+#include "core/text/decimal.hpp"
+#include "core/tuples/tuple_key.hpp"
 #include "translate/pattern.hpp"
 
 namespace rubicon::translate {

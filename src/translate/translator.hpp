@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
 #include "translate/translation.hpp"
 

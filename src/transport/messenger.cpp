@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/message_ledger.hpp"
+#include "core/account/message_ledger.hpp"
 
 namespace rubicon::transport {
 

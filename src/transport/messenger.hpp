@@ -12,11 +12,11 @@
 #include <variant>
 #include <vector>
 
+#include "core/account/provenance.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
-#include "core/provenance.hpp"
-#include "core/random.hpp"
+#include "core/describe/fields.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "transport/answer_slack.hpp"
 #include "transport/segment.hpp"

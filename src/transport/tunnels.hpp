@@ -13,7 +13,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
 #include "transport/answer_slack.hpp"
 #include "transport/tunnel_message.hpp"

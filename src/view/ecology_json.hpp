@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "config/ecology.hpp"
+#include "config/plan/ecology.hpp"
 #include "view/timeline.hpp"
 
 namespace rubicon::view {

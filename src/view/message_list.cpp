@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "explain/outcome.hpp"
-#include "explain/text.hpp"
+#include "explain/print/text.hpp"
 
 namespace rubicon::view {
 

@@ -1,4 +1,4 @@
-#include "actors/air.hpp"
+#include "actors/island/air.hpp"
 #include "actors/kitchen.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"

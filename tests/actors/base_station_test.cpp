@@ -1,7 +1,7 @@
 // TinyOS's BaseStation in a sink's place, and a mote with plain programs.
-#include "actors/base_station.hpp"
 #include "actors/frames.hpp"
-#include "actors/mote.hpp"
+#include "actors/island/base_station.hpp"
+#include "actors/island/mote.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
 

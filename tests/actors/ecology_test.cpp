@@ -1,12 +1,12 @@
-#include "actors/ecology.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
+#include "actors/supervision/ecology.hpp"
 
 #include <algorithm>
 #include <stdexcept>
 
-#include "actors/proxy_manager.hpp"
+#include "actors/services/proxy_manager.hpp"
 #include "config/load.hpp"
 #include "report/invariants.hpp"
 #include "support/catch.hpp"

@@ -5,8 +5,8 @@
 #include <string>
 #include <variant>
 
-#include "actors/forwarder_clients.hpp"
-#include "io/tcp_connect.hpp"
+#include "actors/serial/forwarder_clients.hpp"
+#include "io/tcp/tcp_connect.hpp"
 #include "serial/packet.hpp"
 #include "support/catch.hpp"
 

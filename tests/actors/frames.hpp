@@ -7,10 +7,10 @@
 
 #include "actors/messages/air.hpp"
 #include "actors/messages/serial.hpp"
-#include "mote/management.hpp"
+#include "mote/join/management.hpp"
 #include "network/am.hpp"
-#include "network/collection_packet.hpp"
 #include "network/router_message.hpp"
+#include "network/tree/collection_packet.hpp"
 #include "radio/frame.hpp"
 #include "serial/frame.hpp"
 #include "serial/packet.hpp"

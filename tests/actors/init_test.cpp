@@ -1,7 +1,7 @@
-#include "actors/init.hpp"
+#include "actors/peis/init.hpp"
 
 #include "actors/kitchen.hpp"
-#include "actors/peis_peer.hpp"
+#include "actors/peis/peis_peer.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
 

@@ -1,4 +1,4 @@
-#include "actors/line_allowance.hpp"
+#include "actors/base/line_allowance.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "actors/frames.hpp"
-#include "actors/gateway.hpp"
 #include "actors/kitchen.hpp"
-#include "actors/replay_line.hpp"
+#include "actors/serial/replay_line.hpp"
+#include "actors/services/gateway.hpp"
 #include "network/am.hpp"
 #include "network/sink_event.hpp"
 #include "support/catch.hpp"

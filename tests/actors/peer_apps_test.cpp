@@ -1,7 +1,7 @@
-#include "actors/component.hpp"
+#include "actors/peis/component.hpp"
 #include "actors/sample_class.hpp"
 #include "proxy/collector.hpp"
-#include "proxy/rules_component.hpp"
+#include "proxy/rules/rules_component.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

@@ -2,8 +2,8 @@
 #include "actors/messages/links.hpp"
 #include "actors/messages/peis.hpp"
 #include "actors/messages/supervision.hpp"
-#include "actors/peis_bluetooth.hpp"
-#include "actors/peis_peer.hpp"
+#include "actors/peis/peis_bluetooth.hpp"
+#include "actors/peis/peis_peer.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
 

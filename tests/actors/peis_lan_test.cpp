@@ -1,5 +1,5 @@
 #include "actors/messages/links.hpp"
-#include "actors/peis_lan.hpp"
+#include "actors/peis/peis_lan.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
 

@@ -1,8 +1,8 @@
 // A program in an actor of its own, without its mote.
+#include "actors/island/program.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/programs.hpp"
 #include "actors/messages/supervision.hpp"
-#include "actors/program.hpp"
 
 #include <caf/binary_deserializer.hpp>
 #include <caf/binary_serializer.hpp>

@@ -3,9 +3,9 @@
 #include "actors/messages/peis.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
-#include "actors/proxy_manager.hpp"
 #include "actors/sample_class.hpp"
-#include "core/device_keys.hpp"
+#include "actors/services/proxy_manager.hpp"
+#include "core/tuples/device_keys.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

@@ -3,8 +3,8 @@
 #include "actors/messages/peis.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
-#include "actors/proxy.hpp"
 #include "actors/sample_class.hpp"
+#include "actors/services/proxy.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

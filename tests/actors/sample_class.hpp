@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "actors/messages/peis.hpp"
-#include "proxy/proxy_class.hpp"
+#include "proxy/classes/proxy_class.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
 

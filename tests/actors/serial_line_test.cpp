@@ -1,5 +1,5 @@
 #include "actors/kitchen.hpp"
-#include "actors/serial_line.hpp"
+#include "actors/serial/serial_line.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
 

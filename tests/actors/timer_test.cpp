@@ -1,5 +1,5 @@
+#include "actors/base/timer.hpp"
 #include "actors/messages/common.hpp"
-#include "actors/timer.hpp"
 #include "support/catch.hpp"
 #include "testkit/fixture.hpp"
 

@@ -10,12 +10,12 @@
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
-#include "actors/run.hpp"
+#include "actors/run/run.hpp"
 #include "calibration.hpp"
 #include "config/load.hpp"
-#include "core/message_ledger.hpp"
+#include "core/account/message_ledger.hpp"
 #include "figures.hpp"
-#include "io/spare_memory.hpp"
+#include "io/process/spare_memory.hpp"
 #include "mote_islands.hpp"
 
 namespace {

@@ -12,7 +12,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "actors/run.hpp"
+#include "actors/run/run.hpp"
 #include "calibration.hpp"
 #include "config/load.hpp"
 #include "figures.hpp"

@@ -27,16 +27,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "actors/run.hpp"
+#include "actors/run/run.hpp"
 #include "calibration.hpp"
 #include "config/load.hpp"
 #include "figures.hpp"
 #include "growth_plot.hpp"
-#include "io/spare_memory.hpp"
-#include "io/spawn.hpp"
+#include "io/process/spare_memory.hpp"
+#include "io/process/spawn.hpp"
 #include "kernel_pair.hpp"
 #include "mote_islands.hpp"
-#include "peis/tuple_record.hpp"
+#include "peis/tuples/tuple_record.hpp"
 
 namespace {
 

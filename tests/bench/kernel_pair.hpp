@@ -11,8 +11,8 @@
 #include <variant>
 
 #include "calibration.hpp"
-#include "core/random.hpp"
-#include "peis/kernel.hpp"
+#include "core/numbers/random.hpp"
+#include "peis/kernel/kernel.hpp"
 
 namespace bench {
 

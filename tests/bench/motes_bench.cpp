@@ -16,10 +16,10 @@
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
-#include "actors/run.hpp"
+#include "actors/run/run.hpp"
 #include "calibration.hpp"
 #include "figures.hpp"
-#include "io/spare_memory.hpp"
+#include "io/process/spare_memory.hpp"
 #include "mote_islands.hpp"
 
 namespace {

@@ -25,9 +25,9 @@
 
 #include "bench_peers.hpp"
 #include "calibration.hpp"
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "figures.hpp"
-#include "peis/kernel.hpp"
+#include "peis/kernel/kernel.hpp"
 
 namespace {
 

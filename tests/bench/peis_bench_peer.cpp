@@ -38,7 +38,7 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "io/context.hpp"
 #include "peer/standalone.hpp"
 

@@ -20,10 +20,10 @@
 #include "actors/messages/air.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/programs.hpp"
-#include "actors/run.hpp"
+#include "actors/run/run.hpp"
 #include "calibration.hpp"
-#include "core/math.hpp"
-#include "core/random.hpp"
+#include "core/numbers/math.hpp"
+#include "core/numbers/random.hpp"
 #include "scheduler/world.hpp"
 
 namespace {

@@ -12,10 +12,10 @@
 
 #include "calibration.hpp"
 #include "core/bytes.hpp"
-#include "core/fields.hpp"
+#include "core/describe/fields.hpp"
 #include "core/hash.hpp"
-#include "core/random.hpp"
-#include "scheduler/define_messages.hpp"
+#include "core/numbers/random.hpp"
+#include "scheduler/messages/define_messages.hpp"
 #include "scheduler/world.hpp"
 
 namespace bench {

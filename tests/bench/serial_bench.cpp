@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "figures.hpp"
-#include "io/process.hpp"
-#include "io/pseudo_terminal.hpp"
-#include "io/tcp_listener.hpp"
+#include "io/process/process.hpp"
+#include "io/serial/pseudo_terminal.hpp"
+#include "io/tcp/tcp_listener.hpp"
 #include "network/am.hpp"
 #include "network/island_packet.hpp"
 #include "network/sink_event.hpp"

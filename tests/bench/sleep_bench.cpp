@@ -15,7 +15,7 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
-#include "actors/run.hpp"
+#include "actors/run/run.hpp"
 #include "config/load.hpp"
 
 namespace {

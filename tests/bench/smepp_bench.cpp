@@ -14,10 +14,10 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
-#include "actors/run.hpp"
+#include "actors/run/run.hpp"
 #include "config/load.hpp"
-#include "core/random.hpp"
-#include "smepp/security.hpp"
+#include "core/numbers/random.hpp"
+#include "smepp/crypto/security.hpp"
 #include "smepp_plot.hpp"
 
 namespace {

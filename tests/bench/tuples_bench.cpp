@@ -11,10 +11,10 @@
 
 #include "calibration.hpp"
 #include "figures.hpp"
-#include "io/spare_memory.hpp"
+#include "io/process/spare_memory.hpp"
 #include "kernel_pair.hpp"
-#include "peis/kernel.hpp"
-#include "peis/tuple_record.hpp"
+#include "peis/kernel/kernel.hpp"
+#include "peis/tuples/tuple_record.hpp"
 
 namespace {
 

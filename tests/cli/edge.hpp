@@ -17,11 +17,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/random.hpp"
-#include "io/process.hpp"
-#include "io/pseudo_terminal.hpp"
-#include "io/serial_port.hpp"
-#include "io/tcp_listener.hpp"
+#include "core/numbers/random.hpp"
+#include "io/process/process.hpp"
+#include "io/serial/pseudo_terminal.hpp"
+#include "io/serial/serial_port.hpp"
+#include "io/tcp/tcp_listener.hpp"
 #include "serial/recording.hpp"
 #include "support/catch.hpp"
 #include "support/scratch_folder.hpp"

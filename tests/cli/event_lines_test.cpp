@@ -1,6 +1,6 @@
-#include "cli/event_lines.hpp"
-#include "cli/progress_bar.hpp"
-#include "report/text_layout.hpp"
+#include "cli/print/progress_bar.hpp"
+#include "cli/run/event_lines.hpp"
+#include "report/print/text_layout.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

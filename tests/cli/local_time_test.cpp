@@ -1,4 +1,4 @@
-#include "cli/local_time.hpp"
+#include "cli/print/local_time.hpp"
 
 #include <cstdlib>
 #include <ctime>

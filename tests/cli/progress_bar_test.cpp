@@ -1,5 +1,5 @@
-#include "cli/progress_bar.hpp"
-#include "report/text_layout.hpp"
+#include "cli/print/progress_bar.hpp"
+#include "report/print/text_layout.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

@@ -2,7 +2,7 @@
 #include <fstream>
 #include <string>
 
-#include "cli/read_record.hpp"
+#include "cli/record/read_record.hpp"
 #include "support/catch.hpp"
 #include "support/scratch_folder.hpp"
 

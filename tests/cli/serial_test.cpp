@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "edge.hpp"
-#include "io/tcp_connect.hpp"
+#include "io/tcp/tcp_connect.hpp"
 #include "serial/forwarder.hpp"
 #include "serial/packet.hpp"
 #include "support/shell.hpp"

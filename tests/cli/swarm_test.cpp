@@ -8,9 +8,9 @@
 #include <poll.h>
 
 #include "cli/child_process.hpp"
+#include "cli/print/swarm_text.hpp"
 #include "cli/swarm.hpp"
-#include "cli/swarm_text.hpp"
-#include "report/text_layout.hpp"
+#include "report/print/text_layout.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

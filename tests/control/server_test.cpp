@@ -18,12 +18,12 @@
 #include "control/frame.hpp"
 #include "control/octets.hpp"
 #include "control/server.hpp"
-#include "io/certificates.hpp"
-#include "io/secure_stream.hpp"
-#include "io/tcp_connect.hpp"
-#include "io/tcp_listener.hpp"
-#include "io/tcp_stream.hpp"
-#include "io/temporary_folder.hpp"
+#include "io/files/temporary_folder.hpp"
+#include "io/tcp/tcp_connect.hpp"
+#include "io/tcp/tcp_listener.hpp"
+#include "io/tcp/tcp_stream.hpp"
+#include "io/tls/certificates.hpp"
+#include "io/tls/secure_stream.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

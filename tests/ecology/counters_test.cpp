@@ -2,10 +2,10 @@
 #include <fstream>
 #include <string>
 
+#include "ecology/faults/recorded.hpp"
 #include "ecology_files.hpp"
 #include "explain/outcome.hpp"
 #include "explain/traces.hpp"
-#include "recorded.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

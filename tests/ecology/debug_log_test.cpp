@@ -12,7 +12,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "actors/ecology_run.hpp"
+#include "actors/run/ecology_run.hpp"
 #include "ecology_files.hpp"
 #include "support/catch.hpp"
 

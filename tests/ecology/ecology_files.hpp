@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "actors/run.hpp"
+#include "actors/run/run.hpp"
 #include "testkit/ecology.hpp"
 
 namespace rubicon::test {

@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "ecology/faults/recorded.hpp"
 #include "ecology_files.hpp"
 #include "explain/outcome.hpp"
-#include "explain/text.hpp"
-#include "explain/words.hpp"
-#include "recorded.hpp"
+#include "explain/print/text.hpp"
+#include "explain/print/words.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

@@ -1,8 +1,8 @@
 // Many islands instead of few, each with the same to do (R1.SCALABILITY).
 #include <sstream>
 
+#include "ecology/island/lamp_and_climate.hpp"
 #include "ecology_files.hpp"
-#include "lamp_and_climate.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

@@ -1,7 +1,7 @@
 // The frost guard in an actor of its own, alone with a fake of its mote.
 #include <catch2/catch.hpp>
 
-#include <actors/program.hpp>
+#include <actors/island/program.hpp>
 #include <testkit/fake.hpp>
 #include <testkit/fixture.hpp>
 

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "config/load.hpp"
-#include "config/summary.hpp"
+#include "config/run/summary.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace rubicon::config;

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "radio/tossim_files.hpp"
+#include "radio/medium/tossim_files.hpp"
 
 /// Placed inside the text, short, and in plain ASCII.
 inline void check_problem(const rubicon::radio::file_problem& problem, std::string_view input) {

@@ -1,7 +1,7 @@
 // What decodes keeps its meaning when it is encoded and decoded again.
 #include <cstdlib>
 
-#include "mote/descriptor.hpp"
+#include "mote/join/descriptor.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto x = rubicon::mote::decode_descriptor({data, size});

@@ -1,7 +1,7 @@
 // What decodes encodes back to the same octets.
 #include <cstdlib>
 
-#include "mote/management.hpp"
+#include "mote/join/management.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const rubicon::byte_view octets(data, size);

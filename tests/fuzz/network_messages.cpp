@@ -4,9 +4,9 @@
 #include <cstdlib>
 
 #include "network/am.hpp"
-#include "network/channels.hpp"
-#include "network/clock_sync.hpp"
-#include "network/collection.hpp"
+#include "network/channels/channels.hpp"
+#include "network/clock/clock_sync.hpp"
+#include "network/tree/collection.hpp"
 
 using namespace rubicon;
 using namespace rubicon::network;

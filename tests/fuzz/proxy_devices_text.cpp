@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include "core/device_keys.hpp"
+#include "core/tuples/device_keys.hpp"
+#include "proxy/classes/tuple_key.hpp"
 #include "proxy/manager.hpp"
-#include "proxy/tuple_key.hpp"
 #include "require.hpp"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "core/codec.hpp"
-#include "proxy/layout.hpp"
+#include "proxy/classes/layout.hpp"
 #include "proxy/proxy.hpp"
 #include "require.hpp"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 
 // tests/CMakeLists.txt lists the targets, and names the LLVMFuzzerTestOneInput of each after it.
 #define FUZZ_TARGET(name) extern "C" int fuzz_##name(const std::uint8_t* data, std::size_t size);

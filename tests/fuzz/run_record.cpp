@@ -2,7 +2,7 @@
 // tells can be followed and told.
 #include <cstdlib>
 
-#include "explain/text.hpp"
+#include "explain/print/text.hpp"
 
 using namespace rubicon;
 using namespace rubicon::explain;

@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "file_problem.hpp"
-#include "radio/tossim_files.hpp"
+#include "radio/medium/tossim_files.hpp"
 
 using namespace rubicon;
 using namespace rubicon::radio;

@@ -10,7 +10,7 @@
 #include <variant>
 
 #include "file_problem.hpp"
-#include "radio/tossim_files.hpp"
+#include "radio/medium/tossim_files.hpp"
 
 using namespace rubicon::radio;
 

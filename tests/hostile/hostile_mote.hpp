@@ -5,12 +5,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/random.hpp"
-#include "mote/management.hpp"
+#include "core/numbers/random.hpp"
+#include "mote/join/management.hpp"
 #include "network/am.hpp"
 #include "network/beacon.hpp"
-#include "network/collection_packet.hpp"
 #include "network/router_message.hpp"
+#include "network/tree/collection_packet.hpp"
 #include "network/wire.hpp"
 #include "support/island_fixture.hpp"
 

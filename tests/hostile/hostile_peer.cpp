@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "hostile/control_loop.hpp"
-#include "hostile/options.hpp"
-#include "hostile/report.hpp"
+#include "hostile/driver/options.hpp"
+#include "hostile/driver/report.hpp"
 #include "hostile/victim.hpp"
 
 namespace {

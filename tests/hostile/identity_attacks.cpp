@@ -2,8 +2,8 @@
 #include <array>
 
 #include "hostile/attack.hpp"
-#include "peis/dead_host.hpp"
-#include "peis/routing_page.hpp"
+#include "peis/wire/dead_host.hpp"
+#include "peis/wire/routing_page.hpp"
 
 namespace rubicon::hostile {
 

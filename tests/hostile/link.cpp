@@ -12,9 +12,9 @@
 #include <unistd.h>
 
 #include "core/codec.hpp"
-#include "peis/acknowledgement.hpp"
-#include "peis/heartbeat.hpp"
-#include "peis/routing_page.hpp"
+#include "peis/wire/acknowledgement.hpp"
+#include "peis/wire/heartbeat.hpp"
+#include "peis/wire/routing_page.hpp"
 
 namespace rubicon::hostile {
 

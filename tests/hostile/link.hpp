@@ -10,10 +10,10 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "core/random.hpp"
-#include "peis/host_record.hpp"
-#include "peis/link.hpp"
-#include "peis/package.hpp"
+#include "core/numbers/random.hpp"
+#include "peis/link/link.hpp"
+#include "peis/wire/host_record.hpp"
+#include "peis/wire/package.hpp"
 
 namespace rubicon::hostile {
 

@@ -2,15 +2,15 @@
 #include <array>
 
 #include "hostile/attack.hpp"
-#include "peis/acknowledgement.hpp"
-#include "peis/announcement.hpp"
-#include "peis/dead_host.hpp"
-#include "peis/heartbeat.hpp"
-#include "peis/host_query.hpp"
-#include "peis/network_clock.hpp"
-#include "peis/routing_page.hpp"
-#include "peis/trace.hpp"
-#include "peis/tuple_record.hpp"
+#include "peis/overlay/network_clock.hpp"
+#include "peis/tuples/tuple_record.hpp"
+#include "peis/wire/acknowledgement.hpp"
+#include "peis/wire/announcement.hpp"
+#include "peis/wire/dead_host.hpp"
+#include "peis/wire/heartbeat.hpp"
+#include "peis/wire/host_query.hpp"
+#include "peis/wire/routing_page.hpp"
+#include "peis/wire/trace.hpp"
 
 namespace rubicon::hostile {
 

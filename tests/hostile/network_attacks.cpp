@@ -3,11 +3,11 @@
 
 #include "core/codec.hpp"
 #include "hostile/attack.hpp"
-#include "peis/host_query.hpp"
-#include "peis/link_url.hpp"
-#include "peis/network_clock.hpp"
-#include "peis/routing_page.hpp"
-#include "peis/trace.hpp"
+#include "peis/overlay/network_clock.hpp"
+#include "peis/wire/host_query.hpp"
+#include "peis/wire/link_url.hpp"
+#include "peis/wire/routing_page.hpp"
+#include "peis/wire/trace.hpp"
 
 namespace rubicon::hostile {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "hostile/attack.hpp"
-#include "peis/meta_tuple.hpp"
-#include "peis/tuple_record.hpp"
+#include "peis/tuples/meta_tuple.hpp"
+#include "peis/tuples/tuple_record.hpp"
 
 namespace rubicon::hostile {
 

@@ -12,10 +12,10 @@
 
 #include <spdlog/spdlog.h>
 
-#include "actors/run.hpp"
+#include "actors/run/run.hpp"
 #include "config/load.hpp"
-#include "config/units.hpp"
-#include "io/spare_memory.hpp"
+#include "config/toml/units.hpp"
+#include "io/process/spare_memory.hpp"
 
 using namespace rubicon;
 

@@ -12,12 +12,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "network/beacon.hpp"
-#include "network/coordinates.hpp"
-#include "network/gradient.hpp"
-#include "network/neighbours.hpp"
-#include "network/trickle.hpp"
+#include "network/channels/coordinates.hpp"
+#include "network/tree/gradient.hpp"
+#include "network/tree/neighbours.hpp"
+#include "network/tree/trickle.hpp"
 
 namespace rubicon::test {
 

@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "communication/layer.hpp"
-#include "core/random.hpp"
+#include "core/numbers/random.hpp"
 #include "support/catch.hpp"
 #include "support/island_fixture.hpp"
 #include "support/recorder.hpp"

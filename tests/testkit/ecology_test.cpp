@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <string>
 
-#include "actors/run.hpp"
+#include "actors/run/run.hpp"
 #include "report/report.hpp"
 #include "support/catch.hpp"
 #include "testkit/ecology.hpp"

@@ -1,0 +1,459 @@
+#include "actors/run/run_record.hpp"
+
+#include <cerrno>
+#include <limits>
+#include <stdexcept>
+#include <system_error>
+
+#include <spdlog/spdlog.h>
+
+#include "actors/messages/air.hpp"
+#include "actors/messages/common.hpp"
+#include "actors/messages/links.hpp"
+#include "actors/messages/peis.hpp"
+#include "actors/messages/serial.hpp"
+#include "core/text/printable.hpp"
+#include "network/am.hpp"
+#include "peis/link/link.hpp"
+#include "peis/wire/package.hpp"
+#include "view/ecology_json.hpp"
+#include "view/sample_json.hpp"
+
+namespace rubicon {
+
+namespace {
+
+using explain::kind;
+using explain::record;
+
+bool is_beacon(std::uint8_t am_type) {
+  return am_type == network::am::beacon;
+}
+
+// What each message adds to its record. @returns whether it is worth one
+
+bool fill(record& r, const radio_send& x) {
+  r.what = kind::radio_send;
+  r.id = x.token;
+  r.mote.mote = x.destination;
+  r.channel = x.am_type;
+  r.octets = to_bytes(x.octets.view());
+  r.yes = x.ack;
+  return !is_beacon(x.am_type);
+}
+
+bool fill(record& r, const radio_done& x) {
+  r.what = kind::radio_done;
+  r.id = x.token;
+  r.text = radio::to_string(x.status);
+  r.count = x.transmissions;
+  r.yes = x.arrived;
+  return true;
+}
+
+bool fill(record& r, const frame_received& x) {
+  r.what = kind::frame_received;
+  r.octets = to_bytes(x.psdu.view());
+  const auto frame = radio::decode(x.psdu.view());
+  return frame && !is_beacon(frame->am_type);
+}
+
+bool fill(record& r, const serial_write& x) {
+  r.what = kind::serial_write;
+  r.count = x.towards == serial::direction::to_mote ? 1 : 0;
+  r.octets = to_bytes(x.octets.view());
+  return true;
+}
+
+bool fill(record& r, const serial_octets& x) {
+  r.what = kind::serial_octets;
+  r.octets = to_bytes(x.octets.view());
+  return true;
+}
+
+bool fill(record& r, const plug_serial& x) {
+  r.what = kind::plug_serial;
+  r.yes = x.plugged;
+  return true;
+}
+
+bool fill(record& r, const link_opened& x) {
+  r.what = kind::link_opened;
+  r.id = x.link;
+  return true;
+}
+
+bool fill(record& r, const set_tuple& x) {
+  r.what = kind::set_tuple;
+  r.text = x.key;
+  r.octets = to_bytes(x.value.view());
+  r.yes = x.text;
+  return true;
+}
+
+bool fill(record& r, const delete_tuple& x) {
+  r.what = kind::delete_tuple;
+  r.text = x.key;
+  return true;
+}
+
+bool fill(record& r, const set_remote_tuple& x) {
+  r.what = kind::set_remote_tuple;
+  r.id = x.token;
+  r.peer = x.owner.value;
+  r.text = x.key;
+  r.octets = to_bytes(x.value.view());
+  r.yes = x.text;
+  return true;
+}
+
+bool fill(record& r, const set_meta_tuple& x) {
+  r.what = kind::set_remote_tuple;
+  r.id = x.token;
+  r.peer = x.owner.value;
+  r.text = x.key;
+  r.octets = to_bytes(std::string_view(x.reference));
+  r.yes = true;
+  return true;
+}
+
+bool fill(record& r, const tuple_event& x) {
+  r.what = kind::tuple_event;
+  r.id = x.watch;
+  r.peer = x.owner.value;
+  r.text = x.key;
+  r.octets = to_bytes(x.value.view());
+  r.yes = x.deleted;
+  return true;
+}
+
+bool fill(record& r, const watch_tuples& x) {
+  r.what = kind::watch_tuples;
+  r.id = x.watch;
+  r.peer = x.owner.value;
+  r.text = x.key;
+  return true;
+}
+
+bool fill(record& r, const send_peis_message& x) {
+  r.what = kind::send_peis_message;
+  r.id = x.token;
+  r.peer = x.destination.value;
+  r.channel = x.port;
+  r.octets = to_bytes(x.octets.view());
+  r.yes = x.reliable;
+  return true;
+}
+
+bool fill(record& r, const peis_outcome& x) {
+  r.what = kind::peis_outcome;
+  r.id = x.token;
+  r.text = x.cause;
+  r.yes = x.success;
+  return true;
+}
+
+bool fill(record& r, const notable_event& x) {
+  r.what = kind::event;
+  r.from = x.who;
+  r.text = x.what;
+  return true;
+}
+
+/// @returns whether it is a message of this kind
+/// @param worth set if so: whether it is worth a record
+template <class Message>
+bool take(const scheduler::delivery& x, record& r, bool& worth) {
+  const auto* found = x.as<Message>();
+  if (found == nullptr)
+    return false;
+  worth = fill(r, *found);
+  return true;
+}
+
+template <class... Messages>
+bool take_any(const scheduler::delivery& x, record& r) {
+  bool worth = false;
+  static_cast<void>((take<Messages>(x, r, worth) || ...));
+  return worth;
+}
+
+/// Motes that only the fault plan knows in this island.
+void add_planned(explain::island_names& named, const config::ecology_description& ecology,
+                 island_id island) {
+  const auto name_of = [&](const mote_address& mote) {
+    const auto home =
+        std::ranges::find(ecology.islands, mote.island, &config::island_description::id);
+    const auto found = std::ranges::find(home->motes, mote.mote, &config::mote_description::id);
+    return found->name;
+  };
+  for (const auto& fault : ecology.faults) {
+    if (const auto* second = std::get_if<config::mote_double_fault>(&fault.what);
+        second != nullptr && second->mote.island == island)
+      named.doubles[name_of(second->mote) + "-double"] = second->mote.mote.value;
+    if (const auto* move = std::get_if<config::move_island_fault>(&fault.what);
+        move != nullptr && move->to == island)
+      named.motes.try_emplace(move->mote.mote.value, name_of(move->mote));
+  }
+}
+
+explain::header header_of(const config::ecology_description& ecology, const run_source& source) {
+  explain::header x;
+  x.ecology = ecology.name;
+  x.seed = ecology.seed;
+  x.file = source.file;
+  x.digest = source.digest;
+  for (const auto& island : ecology.islands) {
+    explain::island_names named;
+    named.id = island.id.value;
+    named.name = island.name;
+    named.sink = island.sink.id.value;
+    named.gateway = island.gateway_name;
+    for (const auto& mote : island.motes)
+      named.motes[mote.id.value] = mote.name;
+    for (const auto& alias : island.aliases) {
+      named.aliases.push_back(alias.name);
+      x.peers[alias.id.value] = alias.name;
+    }
+    add_planned(named, ecology, island.id);
+    x.islands.push_back(std::move(named));
+    x.peers[gateway_of(island.id).value] = island.gateway_name;
+  }
+  for (const auto& peer : ecology.peers)
+    x.peers[peer.id.value] = peer.name;
+  return x;
+}
+
+} // namespace
+
+run_record::run_record(const std::string& path, const config::ecology_description& ecology,
+                       const run_source& source, std::uint64_t octets_max)
+    : path_(path), file_(path, std::ios::binary | std::ios::trunc), may_end_(octets_max > 0),
+      octets_left_(octets_max > 0 ? octets_max : std::numeric_limits<std::uint64_t>::max()) {
+  if (!file_)
+    throw std::runtime_error("cannot write record " + path + ": " +
+                             std::generic_category().message(errno));
+  put(encode(header_of(ecology, source)));
+  record r;
+  r.what = kind::ecology;
+  r.text = view::ecology_json(ecology);
+  put(r);
+}
+
+void run_record::write(const report::run_sample& x) {
+  if (octets_left_ == 0)
+    return;
+  record r;
+  r.what = kind::sample;
+  r.time = x.at;
+  r.text = view::encode(x);
+  put(r);
+  flush(); // whoever reads while it is written finds all up to here
+}
+
+void run_record::write(const scheduler::delivery& x) {
+  if (octets_left_ == 0)
+    return;
+  if (x.as<timer_expired>() != nullptr)
+    return;
+  if (const auto* carried = x.as<link_octets>()) {
+    record r;
+    r.what = kind::link_octets;
+    r.time = x.time;
+    r.from = x.sender;
+    r.to = x.path;
+    r.id = carried->link;
+    r.unheard = !x.received;
+    put_packages(std::move(r), carried->octets.view());
+    return;
+  }
+  record r;
+  const bool worth =
+      take_any<radio_send, radio_done, frame_received, set_tuple, tuple_event, serial_write,
+               serial_octets, watch_tuples, set_remote_tuple, set_meta_tuple, send_peis_message,
+               delete_tuple, peis_outcome, link_opened, plug_serial, notable_event>(x, r);
+  const auto cause = recorded_cause(x.cause);
+  if (!worth) {
+    if (cause != 0)
+      left_out_[x.number] = cause;
+    return;
+  }
+  r.number = x.number;
+  r.time = x.time;
+  if (r.from.empty())
+    r.from = x.sender;
+  r.to = x.path;
+  r.cause = cause;
+  r.unheard = !x.received;
+  if (r.what == kind::event)
+    last_story_ = r.from + '\t' + r.text;
+  put(r);
+}
+
+void run_record::write(const message_end& x) {
+  if (octets_left_ == 0)
+    return;
+  record r;
+  r.what = kind::message_ended;
+  r.time = x.at;
+  r.from = x.place;
+  r.id = x.number;
+  r.yes = x.outcome == message_end::how::arrived;
+  if (x.outcome == message_end::how::handed_over)
+    r.text = "handed_over";
+  else if (!r.yes)
+    r.text = to_string(x.cause);
+  put(r);
+}
+
+/// A delivery that is not in the record stands for its own cause.
+std::uint64_t run_record::recorded_cause(std::uint64_t number) const {
+  const auto found = left_out_.find(number);
+  return found == left_out_.end() ? number : found->second;
+}
+
+void run_record::write(const scheduler::remark& x) {
+  if (octets_left_ == 0)
+    return;
+  if (x.what == "event") {
+    put_event(x);
+    return;
+  }
+  if (const auto* told = std::any_cast<record>(&x.content)) {
+    auto r = *told;
+    r.time = x.time;
+    r.cause = recorded_cause(x.cause);
+    put(r);
+    return;
+  }
+  record r;
+  r.what = x.number != 0 ? kind::begun : kind::link_lost;
+  r.number = x.number;
+  r.time = x.time;
+  r.from = x.path;
+  r.cause = recorded_cause(x.cause);
+  r.id = x.id;
+  r.text = x.what;
+  if (x.what == "package_sent")
+    note_sent(r);
+  else if (x.what == "package_received")
+    note_received(r);
+  else if (r.what == kind::begun)
+    put(r);
+  else
+    put_packages(std::move(r), x.octets);
+}
+
+/// Those on real links are never seen to come.
+void run_record::note_sent(const record& x) {
+  constexpr std::size_t packages_max = 1U << 16U;
+  if (sent_.size() >= packages_max)
+    sent_.clear();
+  sent_[{x.from, x.id}] = {x.number, x.cause};
+}
+
+/// What a package causes is caused by its own record.
+void run_record::note_received(const record& x) {
+  const auto here = arrived_.extract({x.from, x.id});
+  left_out_[x.number] = here.empty() ? x.cause : here.mapped();
+}
+
+/// Those packages that carry content, each in a record of its own.
+/// @param octets of a link, or packages of it that are lost
+void run_record::put_packages(record r, byte_view octets) {
+  if (const auto request = peis::decode_connect_request(octets);
+      request && request->version == peis::protocol_version)
+    octets = octets.subspan(peis::connect_request_size);
+  for (auto header = peis::decode_header(octets); header; header = peis::decode_header(octets)) {
+    const auto size = peis::header_size + header->length;
+    if (size > octets.size())
+      return;
+    if (peis::carries_content(header->port)) {
+      const auto name = peis::name_of(*header);
+      const auto sent = sent_.extract({r.from, name});
+      const auto [number, cause] = sent.empty() ? numbers{} : sent.mapped();
+      r.number = number;
+      r.cause = cause;
+      r.octets = to_bytes(octets.first(size));
+      put(r);
+      if (!r.to.empty())
+        arrived_[{r.to, name}] = number;
+    }
+    octets = octets.subspan(size);
+  }
+}
+
+void run_record::put_event(const scheduler::remark& x) {
+  const auto text = to_string(x.octets);
+  if (text == last_story_)
+    return;
+  const auto tab = text.find('\t');
+  record r;
+  r.what = kind::event;
+  r.time = x.time;
+  r.from = text.substr(0, tab);
+  r.text = text.substr(tab + 1);
+  put(r);
+}
+
+void run_record::write(const radio::overheard& x) {
+  if (octets_left_ == 0)
+    return;
+  const auto frame = radio::decode(x.psdu.view());
+  if (!frame || frame->type != radio::frame_type::data || is_beacon(frame->am_type))
+    return;
+  record r;
+  r.what = kind::frame;
+  r.time = x.begin;
+  r.mote.island = island_id(x.pan);
+  r.text = radio::to_string(x.outcome);
+  r.octets = to_bytes(x.psdu.view());
+  r.yes = x.received;
+  r.cause = recorded_cause(x.from.number());
+  put(r);
+}
+
+void run_record::put(const record& x) {
+  if (error_.empty())
+    put(encode(x));
+}
+
+void run_record::put(const std::string& line) {
+  if (line.size() > octets_left_) { // nothing is kept for what will not be written
+    octets_left_ = 0;
+    left_out_.clear();
+    sent_.clear();
+    arrived_.clear();
+    return;
+  }
+  octets_left_ -= line.size();
+  errno = 0;
+  file_ << line;
+  check();
+}
+
+/// Right after what may have failed.
+void run_record::check() {
+  if (file_ || !error_.empty())
+    return;
+  if (may_end_) {
+    octets_left_ = 0;
+    return;
+  }
+  error_ = "record " + path_ +
+           " is not complete: " + std::generic_category().message(errno != 0 ? errno : EIO);
+  spdlog::error("{}", printable(error_));
+}
+
+void run_record::flush() {
+  errno = 0;
+  file_.flush();
+  check();
+}
+
+std::string run_record::finish() {
+  flush();
+  return error_;
+}
+
+} // namespace rubicon

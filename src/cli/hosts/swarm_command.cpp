@@ -1,0 +1,231 @@
+#include "cli/hosts/swarm_command.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <list>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <poll.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include "cli/child_process.hpp"
+#include "cli/ecology_file.hpp"
+#include "cli/hosts/swarm_hosts.hpp"
+#include "cli/own_binary.hpp"
+#include "cli/print/console.hpp"
+#include "cli/print/swarm_output.hpp"
+#include "cli/swarm.hpp"
+#include "config/plan/placement.hpp"
+#include "config/toml/units.hpp"
+#include "core/text/host_port.hpp"
+#include "core/text/printable.hpp"
+#include "deploy/bundle.hpp"
+#include "io/loop.hpp"
+#include "io/process/signal_watch.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+using steady = std::chrono::steady_clock;
+
+/// SIGINT, SIGTERM and SIGHUP as a descriptor that poll() knows; they end the process again
+/// afterwards.
+class signal_descriptor {
+public:
+  signal_descriptor() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    if (struct sigaction how{};
+        ::sigaction(SIGHUP, nullptr, &how) == 0 && how.sa_handler != SIG_IGN)
+      sigaddset(&signals, SIGHUP);
+    static_cast<void>(pthread_sigmask(SIG_BLOCK, &signals, &before_));
+    descriptor_ = ::signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
+    if (descriptor_ == -1)
+      throw std::system_error(errno, std::generic_category(), "no signal descriptor");
+  }
+  ~signal_descriptor() {
+    static_cast<void>(take());
+    ::close(descriptor_);
+    static_cast<void>(pthread_sigmask(SIG_SETMASK, &before_, nullptr));
+  }
+  signal_descriptor(const signal_descriptor&) = delete;
+  signal_descriptor& operator=(const signal_descriptor&) = delete;
+
+  [[nodiscard]] int get() const { return descriptor_; }
+
+  /// Whether a signal came since the last time.
+  [[nodiscard]] bool take() const {
+    signalfd_siginfo what{};
+    return ::read(descriptor_, &what, sizeof what) == sizeof what;
+  }
+
+private:
+  int descriptor_ = -1;
+  sigset_t before_{};
+};
+
+struct seed_run {
+  std::uint64_t seed = 0;
+  steady::time_point started;
+  child_process child;
+  bool overran = false;
+};
+
+/// The runs in progress on this computer; what they mean is decided in `swarm`.
+class swarm_runs {
+public:
+  swarm_runs(const swarm_command& x, const swarm_words& words)
+      : command_(x), words_(words), seeds_(x.seeds), out_(x, seeds_, words) {}
+
+  exit_status run_all() {
+    for (start_some(); !runs_.empty() && !interrupted_ && out_.is_read(); start_some())
+      wait_and_collect();
+    runs_.clear(); // kills those that a signal left
+    if (interrupted_)
+      out_.add(seeds_.give_up());
+    return out_.finish(interrupted_);
+  }
+
+private:
+  void start_some() {
+    while (runs_.size() < words_.jobs) {
+      const auto seed = seeds_.next();
+      if (!seed)
+        return;
+      auto words = run_words(words_.file, *seed);
+      if (!words_.length.empty())
+        words.insert(words.end(), {"--for", words_.length});
+      runs_.push_back({*seed, steady::now(), child_process(own_binary, words)});
+    }
+  }
+
+  /// Until something happened, a run has had its time, or the progress is to be drawn again.
+  [[nodiscard]] int patience_ms() const {
+    auto until = steady::time_point::max();
+    for (const auto& run : runs_)
+      until = std::min(until, run.started + command_.timeout);
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - steady::now());
+    const auto longest = std::chrono::floor<std::chrono::milliseconds>(out_.drawn_every());
+    return static_cast<int>(std::clamp(left, std::chrono::milliseconds(0), longest).count());
+  }
+
+  void wait_and_collect() {
+    std::vector<pollfd> watched{{signals_.get(), POLLIN, 0}};
+    for (const auto& run : runs_) {
+      for (const auto descriptor : run.child.descriptors())
+        watched.push_back({descriptor, POLLIN, 0});
+    }
+    static_cast<void>(::poll(watched.data(), watched.size(), patience_ms()));
+    interrupted_ = interrupted_ || signals_.take();
+    for (auto run = runs_.begin(); run != runs_.end() && !interrupted_;) {
+      run->child.read();
+      if (!run->overran && steady::now() - run->started >= command_.timeout) {
+        run->overran = true;
+        run->child.kill();
+      }
+      if (!run->child.descriptors().empty()) {
+        ++run;
+        continue;
+      }
+      collect(*run);
+      run = runs_.erase(run);
+    }
+    out_.draw_progress();
+  }
+
+  void collect(seed_run& run) {
+    const auto real = run.overran ? command_.timeout : duration(steady::now() - run.started);
+    auto outcome = judge(run.seed, run.child.wait(), real, run.overran);
+    if (outcome)
+      out_.add(seeds_.ended(*std::move(outcome)));
+    else
+      interrupted_ = true; // the same Ctrl-C that comes to us
+  }
+
+  const swarm_command& command_;
+  const swarm_words words_;
+  swarm seeds_;
+  swarm_output out_;
+  bool interrupted_ = false;
+  signal_descriptor signals_;
+  std::list<seed_run> runs_; // ends before the signals are let through
+};
+
+/// `[[host]]` of the file, or ADDRESS:PORT. @returns why there is none
+std::variant<deployed_host, std::string> find_host(const config::ecology_description& all,
+                                                   const std::string& name) {
+  if (const auto* host = config::find_host(all, name))
+    return deployed_host{name, host->address, host->control_port};
+  if (const auto found = parse_host_port(name))
+    return deployed_host{name, found->host, found->port};
+  return '`' + name + "` is neither a [[host]] of the file nor ADDRESS:PORT";
+}
+
+exit_status refuse(const swarm_command& x, const std::string& why) {
+  say(x.file + ": " + why);
+  return exit_status::refused;
+}
+
+exit_status run_on_hosts(const swarm_command& x, const config::overrides& instead,
+                         swarm_words words) {
+  std::optional<duration> length;
+  if (!x.length.empty())
+    length = config::parse_duration(x.length);
+  auto file = deploy::pack(x.file, instead, length, x.known);
+  complain(file.loaded, x.file);
+  if (!file.loaded.ecology || !file.loaded.problems.empty())
+    return exit_status::refused;
+  words.from_wall = file.loaded.ecology->mode == config::run_mode::wall;
+  std::vector<deployed_host> hosts;
+  for (const auto& name : x.hosts) {
+    const auto found = find_host(*file.loaded.ecology, name);
+    if (const auto* why = std::get_if<std::string>(&found))
+      return refuse(x, *why);
+    hosts.push_back(std::get<deployed_host>(found));
+  }
+  bool interrupted = false;
+  io::loop loop;
+  const io::signal_watch signals(loop, [&](int) { interrupted = true; });
+  control::system actors(x.tls);
+  swarm seeds(x.seeds);
+  swarm_output out(x, seeds, std::move(words));
+  swarm_hosts runs(loop, actors, hosts, std::move(file.what), x.timeout, seeds, out);
+  while (runs.step() && !interrupted && out.is_read())
+    loop.wait_until(steady::now() + 20ms);
+  runs.end();
+  if (runs.refused())
+    return exit_status::refused; // each has said why
+  if (interrupted)
+    out.add(seeds.give_up());
+  return out.finish(interrupted);
+}
+
+} // namespace
+
+exit_status perform(const swarm_command& x) {
+  config::overrides instead;
+  instead.seed = x.seeds.first;
+  instead.mode = config::run_mode::virtual_time;
+  swarm_words words{x.file, x.length, x.jobs.value_or(std::thread::hardware_concurrency())};
+  words.jobs = std::max<std::uint64_t>(words.jobs, 1);
+  if (!x.hosts.empty())
+    return run_on_hosts(x, instead, words);
+  const auto file = load_or_complain(x.file, instead, x.known);
+  if (!file)
+    return exit_status::refused;
+  words.from_wall = file->ecology.mode == config::run_mode::wall;
+  return swarm_runs(x, words).run_all();
+}
+
+} // namespace rubicon::cli

@@ -1,0 +1,137 @@
+#include "cli/print/swarm_text.hpp"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "core/text/printable.hpp"
+#include "core/text/shell_word.hpp"
+#include "report/figures.hpp"
+#include "report/print/text_layout.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+using nlohmann::ordered_json;
+using report::counted;
+using report::printable;
+
+/// Of failed seeds on a line that is drawn again and again, and in the summary.
+constexpr std::size_t seeds_shown_max = 20;
+
+std::string seed_list(const std::vector<std::uint64_t>& seeds, std::uint64_t all) {
+  std::string text;
+  const auto shown = std::min(seeds.size(), seeds_shown_max);
+  for (std::size_t i = 0; i < shown; ++i)
+    text += ' ' + std::to_string(seeds[i]);
+  return text + (all > shown ? " …" : "");
+}
+
+/// The number of seeds; of all 2^64, one less.
+std::uint64_t size_of(seed_range x) {
+  const auto steps = x.last - x.first;
+  return steps == UINT64_MAX ? steps : steps + 1;
+}
+
+std::string speed(double simulated_s, duration real) {
+  return report::speed_factor(duration(static_cast<std::int64_t>(simulated_s * 1e9)),
+                              seconds(real));
+}
+
+} // namespace
+
+std::string replay_command(const swarm_words& x, std::uint64_t seed) {
+  return "rubicon run " + shell_word(x.file) + " --seed " + std::to_string(seed) +
+         (x.length.empty() ? "" : " --for " + shell_word(x.length)) +
+         (x.from_wall ? " --mode virtual" : "");
+}
+
+std::string violation_lines(const swarm_words& x, const seed_outcome& outcome) {
+  std::string text;
+  for (const auto& found : outcome.violations)
+    text += "seed " + std::to_string(outcome.seed) + "  " + printable(found.invariant) + "  " +
+            printable(found.detail) + "  replay: " + replay_command(x, outcome.seed) + '\n';
+  return text;
+}
+
+std::string swarm_progress(const swarm& x, duration real, std::size_t width) {
+  const auto all = size_of(x.seeds());
+  const auto done = x.finished();
+  const auto share = static_cast<double>(done) / static_cast<double>(all);
+  auto text = report::with_thousands(done) + " of " + counted(all, "run") + "  " +
+              std::to_string(static_cast<int>(share * 100)) + '%';
+  if (done > 0 && done < all)
+    text += "  " + report::real_time(seconds(real) * (1 - share) / share) + " left";
+  const auto& totals = x.so_far();
+  if (totals.failures > 0)
+    text += "  " + report::with_thousands(totals.failures) +
+            " with violations:" + seed_list(totals.failed_seeds, totals.failures);
+  return report::cut(text, width);
+}
+
+std::string swarm_summary(const swarm& x, const swarm_words& words, duration real,
+                          bool interrupted) {
+  const auto& totals = x.so_far();
+  auto text = counted(totals.runs, "run") + " in " + report::real_time(seconds(real)) + ", " +
+              std::to_string(words.jobs) + " at a time: ";
+  text += totals.failures == 0
+              ? "no violations"
+              : report::with_thousands(totals.failures) +
+                    " with violations:" + seed_list(totals.failed_seeds, totals.failures);
+  text += '\n';
+  for (const auto& [invariant, count] : totals.violations)
+    text += "  " + printable(invariant) + ": " + report::with_thousands(count) + '\n';
+  text += "  " + counted(totals.events, "event") + ", " + speed(totals.simulated_s, real);
+  if (totals.slowest_seed)
+    text += ", slowest seed " + std::to_string(*totals.slowest_seed) + " (" +
+            report::real_time(seconds(totals.slowest)) + ')';
+  text += '\n';
+  if (interrupted)
+    text += "interrupted: " + counted(size_of(x.seeds()) - totals.runs, "run") + " missing\n";
+  return text;
+}
+
+swarm_json::swarm_json() = default;
+swarm_json::~swarm_json() = default;
+
+void swarm_json::add(const swarm_words& words, const seed_outcome& x) {
+  for (const auto& found : x.violations) {
+    if (violations_.size() == swarm::listed_max) {
+      ++left_out_;
+      continue;
+    }
+    violations_.push_back({{"seed", x.seed},
+                           {"at_s", seconds(found.at.time_since_epoch())},
+                           {"invariant", found.invariant},
+                           {"detail", found.detail},
+                           {"replay", replay_command(words, x.seed)}});
+  }
+}
+
+std::string swarm_json::text(const swarm& x, const swarm_words& words, duration real,
+                             bool interrupted) const {
+  const auto& totals = x.so_far();
+  ordered_json object{
+      {"file", words.file},
+      {"first_seed", x.seeds().first},
+      {"last_seed", x.seeds().last},
+      {"jobs", words.jobs},
+      {"interrupted", interrupted},
+      {"runs", totals.runs},
+      {"failures", totals.failures},
+      {"failed_seeds", totals.failed_seeds},
+      {"events", totals.events},
+      {"simulated_s", totals.simulated_s},
+      {"wall_s", seconds(real)},
+      {"slowest_seed", nullptr},
+      {"slowest_s", seconds(totals.slowest)},
+      {"violations", violations_},
+      {"violations_left_out", left_out_},
+  };
+  if (totals.slowest_seed)
+    object["slowest_seed"] = *totals.slowest_seed;
+  return printable_json(object.dump(2, ' ', false, ordered_json::error_handler_t::replace)) + '\n';
+}
+
+} // namespace rubicon::cli

@@ -1,0 +1,21 @@
+#include "cli/run/report_output.hpp"
+
+#include "cli/print/console.hpp"
+#include "report/print/report_text.hpp"
+
+namespace rubicon::cli {
+
+exit_status status_of(const report::run_report& x) {
+  if (x.interrupted)
+    return exit_status::interrupted;
+  return x.complete && x.violations.empty() ? exit_status::good : exit_status::violated;
+}
+
+exit_status print_report(const report::run_report& x, bool json, bool full) {
+  const auto output = console_of(stdout);
+  const auto text =
+      json ? to_json(x) : to_text(x, {output.width, output.colour, output.cuts, full});
+  return print(stdout, text) ? status_of(x) : exit_status::refused;
+}
+
+} // namespace rubicon::cli

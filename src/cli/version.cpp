@@ -1,7 +1,0 @@
-#include "cli/version.hpp"
-
-namespace rubicon::cli {
-
-const char* const version = RUBICON_VERSION;
-
-} // namespace rubicon::cli

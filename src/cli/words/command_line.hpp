@@ -1,0 +1,186 @@
+// From the words of the command line to one typed command.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "actors/run/run.hpp"
+#include "cli/serial_command.hpp"
+#include "cli/swarm.hpp"
+#include "cli/words/network_command.hpp"
+#include "cli/words/original_options.hpp"
+#include "cli/words/watch_options.hpp"
+#include "config/load.hpp"
+#include "control/tls.hpp"
+#include "deploy/host_access.hpp"
+#include "explain/print/text.hpp"
+#include "io/tls/certificates.hpp"
+
+namespace rubicon::cli {
+
+/// `rubicon run FILE`
+struct run_command {
+  std::string file;
+  bool is_bundled = false; ///< it is a deploy::bundle, as `rubicon host` writes it
+  run_options options;
+  config::overrides instead; ///< files, and the seed of `options`
+  config::extensions known;
+  bool json = false;
+  bool full = false;      ///< every row, as text
+  bool is_strict = false; ///< a warning of the file is an error
+  watch_options watch;
+  bool reloads = false;           ///< on SIGHUP, in wall time (ACT-10)
+  bool check_determinism = false; ///< ACT-05
+  std::string host;               ///< only its part, in wall time; empty: all of the file
+  std::string starts_file;        ///< with `host`; empty: one of the user
+  duration elapsed{};             ///< with `host`: the others have run for so long
+  std::string part_file; ///< with `host`: reports go there, as deploy reads them; empty: printed
+  std::string log_level = "warn"; ///< trace, debug, info, warn, error or off
+  original_options original;      ///< --peis-id and so on
+  /// The options that decide what runs, as they were given, but --seed and --for.
+  std::string deciding;
+};
+
+/// Options of `rubicon run` that do not decide what runs, or that whoever repeats a run sets anew:
+/// all others are repeated in the commands that are advised.
+[[nodiscard]] const std::vector<std::string>& options_not_repeated();
+
+/// `rubicon check FILE`
+struct check_command {
+  std::string file;
+  config::overrides instead;
+  config::extensions known;
+  bool list = false;      ///< motes, peers and tuples instead of a summary
+  bool is_strict = false; ///< a warning is an error
+};
+
+/// `rubicon deploy FILE`
+struct deploy_command {
+  std::string file;
+  config::extensions known;
+  std::optional<duration> length;
+  std::optional<std::uint64_t> seed;
+  bool local = false;   ///< all hosts are processes of this computer
+  bool dry_run = false; ///< only prints what would run where, and whether it could
+  bool attach = false;  ///< follows what runs already
+  bool json = false;
+  bool full = false;              ///< every row, as text
+  std::string page_file;          ///< HTML goes here; empty: nowhere
+  std::optional<page_place> view; ///< serves the live page
+  bool control = false;           ///< which lets faults happen
+  std::string log_level = "warn"; ///< as of run; `off`: not even what happens
+  control::tls_files tls;
+};
+
+/// `rubicon host`
+struct host_command {
+  std::string name;                  ///< as `[[host]]` has it
+  std::string address = "127.0.0.1"; ///< where it takes commands
+  std::uint16_t port = 4242;
+  control::tls_files tls;
+  deploy::host_access access;
+  std::string state_folder; ///< empty: one of the user
+  std::string files_folder; ///< where parts write; empty: one in that of the state
+  config::extensions known;
+};
+
+/// `rubicon status`
+struct ask_status {
+  bool json = false;
+};
+/// `rubicon stop`
+struct stop_all {};
+/// `rubicon fault SENTENCE`
+struct fault_now {
+  std::string sentence;
+};
+
+/// What is done to a deployment that runs.
+struct deployed_command {
+  std::string ecology; ///< its name; empty: the one that was deployed last
+  std::variant<ask_status, stop_all, fault_now> what;
+};
+
+/// `rubicon doctor [FILE]`
+struct doctor_command {
+  std::string file; ///< whose hosts are looked at; empty: only this computer
+  config::extensions known;
+  control::tls_files tls;
+  bool json = false;
+};
+
+/// `rubicon schema`
+struct schema_command {
+  std::string tables_of; ///< a document whose tables of keys are made anew; empty: JSON Schema
+};
+
+/// `rubicon swarm FILE`
+struct swarm_command {
+  std::string file;
+  config::extensions known;
+  seed_range seeds;
+  std::optional<std::uint64_t> jobs; ///< runs at a time, 1 to 1024; unset: one a core
+  std::string length;      ///< as given, understood by `run --for`; empty: as the file says
+  duration timeout = 5min; ///< of real time, for each run
+  bool json = false;
+  std::string page_file;          ///< HTML goes here; empty: nowhere
+  std::vector<std::string> hosts; ///< `[[host]]` of the file or ADDRESS:PORT; none: this computer
+  control::tls_files tls;         ///< with `hosts`
+};
+
+/// `rubicon view RECORD`
+struct view_command {
+  std::string record;
+  page_place where;
+};
+
+/// `rubicon explain RECORD [WHAT]`
+struct explain_command {
+  std::string record;
+  std::string what;           ///< message or tuple; empty: what is there?
+  std::optional<duration> at; ///< of a tuple: its value at this time
+  bool all = false;           ///< of a tuple: all its values
+  explain::listing list;
+  bool json = false;
+};
+
+/// `rubicon certs list`
+struct list_certificates {
+  bool json = false;
+};
+
+/// `rubicon certs revoke`
+struct revoke_host {
+  std::string host;
+};
+
+/// `rubicon certs init`, `add HOST`, `renew HOST`, `revoke HOST` and `list`
+struct certs_command {
+  std::string folder = "certs";
+  std::variant<io::new_authority, io::new_certificate, io::renewal, revoke_host, list_certificates>
+      what;
+};
+
+/// `--help` and `--version`: text for standard output.
+struct show_command {
+  std::string text;
+};
+
+/// A command line that makes no sense: text for standard error.
+struct refused_command {
+  std::string text;
+};
+
+using command =
+    std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
+                 check_command, schema_command, swarm_command, explain_command, view_command,
+                 certs_command, network_command, serial_command, show_command, refused_command>;
+
+/// @param arguments the program's name first
+[[nodiscard]] command parse_command_line(std::span<const char* const> arguments);
+
+} // namespace rubicon::cli

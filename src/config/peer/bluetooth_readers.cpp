@@ -1,0 +1,181 @@
+// [peis.bluetooth], [[bluetooth_device]], and what a peer has of Bluetooth.
+#include <algorithm>
+#include <utility>
+
+#include "config/file_readers.hpp"
+#include "peis/bluetooth/bluetooth.hpp"
+#include "peis/wire/link_url.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+constexpr std::size_t adapters_max = 4;
+constexpr std::size_t adapter_name_max = 8; // peis-wire.md 5
+
+/// "hci0"
+struct adapter_name {
+  using type = std::string;
+
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
+    constexpr std::string_view prefix = "hci";
+    const auto* found = x.as<std::string>();
+    const bool good = found != nullptr && found->size() > prefix.size() &&
+                      found->size() <= adapter_name_max && found->starts_with(prefix) &&
+                      std::all_of(found->begin() + prefix.size(), found->end(),
+                                  [](char c) { return c >= '0' && c <= '9'; });
+    return good ? std::optional(*found)
+                : who.refuse(x, "the name of a Bluetooth adapter, as in \"hci0\"");
+  }
+  [[nodiscard]] static form takes() { return string_form("adapter, `\"hci0\"`"); }
+};
+
+/// "00:1B:44:11:3A:B7"
+struct device_address {
+  using type = peis::bluetooth_address;
+
+  [[nodiscard]] static std::optional<peis::bluetooth_address> read(const node& x,
+                                                                   const asker& who) {
+    const auto* found = x.as<std::string>();
+    const auto address = peis::parse_bluetooth_address(found == nullptr ? "" : *found);
+    if (!address)
+      return who.refuse(x, "the address of a Bluetooth device, as in \"00:1B:44:11:3A:B7\"");
+    return *address;
+  }
+  [[nodiscard]] static form takes() { return string_form("text `\"00:1B:44:11:3A:B7\"`"); }
+};
+
+/// What has `key` cannot run without Bluetooth (LNK-04).
+void need_bluetooth(const table_reader& in, std::string_view key) {
+  if (in.has(key) && !peis::has_bluetooth())
+    in.problems().add(in.at(key), "this rubicon was built without Bluetooth; "
+                                  "build it with -DRUBICON_BLUETOOTH=ON");
+}
+
+constexpr about bluetooth_meaning = {
+    "adapters of its computer that it uses, in simulation; peers of one host share them, and the "
+    "first to start announces all of them. A table: a real adapter",
+    "none"};
+
+/// bluetooth = ["hci0"], or bluetooth = { adapter = "hci0" }
+void read_adapter_names(table_reader& in, peer_description& out) {
+  const list_of<adapter_name> names{{}, 1, adapters_max};
+  const auto* given = in.value("bluetooth");
+  if (given == nullptr || given->as<node_table>() != nullptr) {
+    in.table("bluetooth", "[peer.bluetooth]", bluetooth_meaning, [&out](table_reader& x) {
+      x.required("adapter", adapter_name{}, out.adapter,
+                 "real Bluetooth adapter of its computer that it uses; needs `mode = \"wall\"`");
+    });
+    in.instead_of_table("bluetooth", names);
+    return;
+  }
+  std::vector<located<std::string>> adapters;
+  in.optional("bluetooth", names, adapters, bluetooth_meaning);
+  claims<std::string> named;
+  for (const auto& each : adapters)
+    named.claim(each.value, "the adapter `" + each.value + '`', each.at, in.problems(),
+                "is already listed");
+  out.bluetooth = values_of(std::move(adapters));
+}
+
+/// A real adapter is there in wall time only, and `bt://` addresses need one.
+void check_real_adapter(const table_reader& in, run_mode mode, const peer_description& x) {
+  if (mode == run_mode::virtual_time && !x.adapter.empty())
+    in.problems().add(in.at("bluetooth"), "an `adapter` needs mode = \"wall\": in virtual time "
+                                          "there is no real Bluetooth");
+  for (const auto& each : x.connect) {
+    const auto url = peis::parse_link_url(each);
+    if (mode == run_mode::virtual_time || !url || !peis::bluetooth_device(*url))
+      continue;
+    if (x.adapter.empty())
+      in.problems().add(in.at("connect"),
+                        '`' + each + "` needs `bluetooth = { adapter = \"hci0\" }`");
+    else if (url->port == peis::hello_port)
+      in.problems().add(in.at("connect"), '`' + each +
+                                              "` is where HELLOs arrive: give the port of the "
+                                              "peer's links, as in `bt://" +
+                                              url->host + ";8193`");
+  }
+}
+
+/// What a place is for.
+void check_place(const table_reader& in, const peer_description& x) {
+  const bool is_simulated = in.has("bluetooth") && x.adapter.empty() &&
+                            in.value("bluetooth")->as<node_table>() == nullptr;
+  if (is_simulated && !in.has("position_m"))
+    in.problems().add(in.at("bluetooth"), "`bluetooth` needs a `position_m`");
+  if (in.has("position_m") && !in.has("bluetooth"))
+    in.problems().add(in.at("position_m"), "`position_m` has no effect without `bluetooth`");
+  if (in.has("position_m") && in.has("bluetooth") && !is_simulated)
+    in.problems().add(in.at("position_m"), "`position_m` has no effect with a real adapter");
+}
+
+} // namespace
+
+void read_bluetooth(table_reader& in, bluetooth_description& out) {
+  need_bluetooth(in, "bluetooth");
+  in.table(
+      "bluetooth", "[peis.bluetooth]",
+      {"simulated Bluetooth between the adapters of peers", "see there"}, [&out](table_reader& x) {
+        x.optional("range", metres{0.1, 1000}, out.range_m,
+                   "devices farther away are not seen, and links longer than this are dropped");
+        x.optional("rate", bit_rate{}, out.rate_bps, "of each link, per direction; 0 for no limit");
+        x.optional("scan_period", time_span{1s, 30s}, out.scan_period,
+                   "between two scans of an adapter");
+        x.optional("rssi_threshold", power_level{}, out.threshold_dbm,
+                   "no link is opened to devices received more weakly; by default beyond 7.9 m");
+        x.optional(
+            "takeover", flag{}, out.takeover,
+            "when the peer that announces on a shared adapter ends, the next one takes over; "
+            "`false`: no peer does, and the peers behind that adapter are no longer found");
+      });
+}
+
+std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root) {
+  need_bluetooth(root, "bluetooth_device");
+  std::vector<bluetooth_device> out;
+  name_claims names;
+  claims<peis::bluetooth_address> addresses;
+  root.tables("bluetooth_device", "[[bluetooth_device]]",
+              "devices with Bluetooth that are not peers", [&](table_reader& in) {
+                bluetooth_device x;
+                if (in.required("name", name_text{}, x.name, "no other device has it"))
+                  names.claim(x.name, "device name", in.at("name"), in.problems());
+                if (in.required("address", device_address{}, x.address, "no other device has it"))
+                  addresses.claim(x.address, "Bluetooth address " + to_string(x.address),
+                                  in.at("address"), in.problems());
+                in.required("position_m", place{}, x.place, "where it is");
+                out.push_back(std::move(x));
+              });
+  return out;
+}
+
+void read_adapters(table_reader& in, run_mode mode, machine_places& places, peer_description& out) {
+  need_bluetooth(in, "bluetooth");
+  read_adapter_names(in, out);
+  const bool placed = in.optional(
+      "position_m", place{}, out.place,
+      {"position of its computer; needed by simulated `bluetooth`, and the same for all peers of "
+       "a host",
+       "none"});
+  in.optional("wired", flag{}, out.wired,
+              "it is on the simulated network between hosts; `false`: it has links over Bluetooth "
+              "only, or over the real network");
+  check_place(in, out);
+  check_real_adapter(in, mode, out);
+  const bool meets_others = in.has("bluetooth") || !out.connect.empty() || out.tcp || out.lan;
+  if (!out.wired && !meets_others)
+    in.problems().add(in.at("wired"), "without `bluetooth` it would have no links at all");
+  if (!out.wired && !out.links.empty())
+    in.problems().add(in.at("links"), "`links` need `wired = true`");
+  out.discovery = out.discovery && out.wired;
+  if (!placed || out.host.empty())
+    return;
+  const auto [known, is_new] = places.emplace(out.host, out.place);
+  if (!is_new && known->second != out.place)
+    in.problems().add(in.at("position_m"),
+                      "the peers of host `" + out.host +
+                          "` share its adapters: they must have the same position");
+}
+
+} // namespace rubicon::config

@@ -1,0 +1,198 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "config/file_readers.hpp"
+#include "config/plan/claims.hpp"
+#include "core/text/decimal.hpp"
+#include "goal/pursuer_keys.hpp"
+#include "peis/tuples/meta_tuple.hpp"
+
+namespace rubicon::config {
+
+namespace {
+
+constexpr duration shortest = 1ms;
+constexpr duration goal_timeout_max = 24h * 10;
+constexpr std::size_t goal_octets_max = 64;
+
+/// What an output tells: a text, or a number.
+struct told_value {
+  using type = std::string;
+
+  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
+    if (const auto* whole_number = x.as<std::int64_t>())
+      return std::to_string(*whole_number);
+    if (const auto* decimal = x.as<double>(); decimal != nullptr && std::isfinite(*decimal))
+      return shown(*decimal);
+    if (x.as<std::string>() == nullptr)
+      return who.refuse(x, "a text or a number");
+    return config::read(text{}, x, who);
+  }
+  [[nodiscard]] static form takes() {
+    return types_form("text of 1 to 100 octets, or number", {"string", "number"});
+  }
+};
+
+/// The names below that of one pursuer.
+class pursuer_names {
+public:
+  void claim(const table_reader& in, const std::string& name) {
+    constexpr std::array<std::string_view, 3> set_by_all{"goal", "state", "outcome"};
+    if (std::ranges::find(set_by_all, folded(name)) != set_by_all.end())
+      in.problems().add(in.at("name"), '`' + name + "` is a tuple of its own");
+    names_.claim(name, "name", in.at("name"), in.problems());
+  }
+
+private:
+  name_claims names_;
+};
+
+/// The key of what an input points at first; empty: its own tuple, or nothing.
+std::string target_of(std::string_view reference) {
+  const auto found = peis::parse_meta(reference);
+  return found && *found ? (*found)->name.text() : std::string();
+}
+
+void read_input(table_reader& in, pursuer_names& own, goal::pursuer_config& out) {
+  goal::input_config found;
+  if (in.required("name", name_text{}, found.name,
+                  {"the input is the tuple that the meta tuple `NAME.mi-INPUT` points at", "",
+                   "name of up to 29 characters"})) {
+    own.claim(in, found.name);
+    if (is_name("mi-" + found.name))
+      own.claim(in, "mi-" + found.name);
+    else
+      in.problems().add(in.at("name"),
+                        "`mi-" + found.name + "` would be longer than 32 characters");
+  }
+  in.optional("from", tuple_reference{}, found.reference,
+              {"initial target of that meta tuple", "its own tuple `NAME.INPUT`"});
+  if (const auto target = target_of(found.reference); !target.empty())
+    in.shared().seen.uses.push_back(
+        {"an input of " + in.shared().seen.peer + " reads", target, in.at("from")});
+  out.inputs.push_back(std::move(found));
+}
+
+void read_output(table_reader& in, pursuer_names& own, goal::pursuer_config& out) {
+  goal::output_config found;
+  if (in.required("name", name_text{}, found.name, "last part of the key"))
+    own.claim(in, found.name);
+  const bool has_value = in.required("value", told_value{}, found.value, "initial value");
+  in.all(found);
+  if (has_value && in.has("step") && !number_in(found.value))
+    in.problems().add(in.at("step"),
+                      "`step` needs a number as `value`, not " + in_quotes(found.value));
+  if (in.has("until") && !in.has("step"))
+    in.problems().add(in.at("until"), "`until` has no effect without `step`");
+  out.outputs.push_back(std::move(found));
+}
+
+void note(const table_reader& in, const goal::pursuer_config& own, const goal::condition& x) {
+  auto& seen = in.shared().seen;
+  const auto input = std::ranges::find(own.inputs, x.input, &goal::input_config::name);
+  const auto key = input == own.inputs.end() ? std::string() : target_of(input->reference);
+  if (key.empty())
+    return;
+  tuple_test test{"a state of " + seen.peer, key, texts_at(in, "equals", x.equals)};
+  if (x.above)
+    test.above = {*x.above, in.at("above")};
+  if (x.below)
+    test.below = {*x.below, in.at("below")};
+  seen.tests.push_back(std::move(test));
+}
+
+/// input, equals, above and below of a state.
+void read_needs(table_reader& in, const goal::pursuer_config& own, goal::state_config& out) {
+  goal::condition found;
+  const bool has_input = in.optional(
+      "input", name_text{}, found.input,
+      {"condition for entering the state; until then it waits", "", "name of an input"});
+  in.optional("equals", list_of<text>{{}, 1}, found.equals, "the input is one of these");
+  in.optional("above", real{}, found.above, "or a number, this or more");
+  in.optional("below", real{}, found.below,
+              {"and less than this", "", "number, more than `above`"});
+  const bool has_range = in.has("above") || in.has("below");
+  const bool known =
+      std::ranges::any_of(own.inputs, [&](const auto& x) { return x.name == found.input; });
+  if (has_input && !known)
+    in.problems().add(in.at("input"), "the app has no input `" + found.input + '`');
+  if (has_range && in.has("equals"))
+    in.problems().add(in.at("equals"),
+                      "a state needs either `equals`, or `above`, `below` or both");
+  if (in.has("input") != (has_range || in.has("equals")))
+    in.problems().add(in.at(), "`input` and its condition must be given together");
+  if (found.above && found.below && *found.below <= *found.above)
+    in.problems().add(in.at("below"),
+                      "`below` must be more than `above`, which is " + shown(*found.above));
+  note(in, own, found);
+  if (has_input)
+    out.needs = std::move(found);
+}
+
+void read_sets(table_reader& in, const goal::pursuer_config& own, goal::state_config& out) {
+  named_values<std::string> found;
+  in.optional("sets", pairs_of<told_value>{}, found,
+              {"outputs, and their values when the state is over", "none"});
+  for (auto& [name, value] : found) {
+    const auto output = std::ranges::find(own.outputs, name.value, &goal::output_config::name);
+    if (output == own.outputs.end())
+      in.problems().add(name.at, "the app has no output `" + name.value + '`');
+    else if (output->step != 0 && !number_in(value))
+      in.problems().add(name.at, '`' + name.value + "` has a `step` and must be a number, not " +
+                                     in_quotes(value));
+    out.sets.emplace_back(name.value, std::move(value));
+  }
+}
+
+void read_state(table_reader& in, const goal::pursuer_config& own, goal::goal_config& out) {
+  goal::state_config found;
+  if (in.required(
+          "state", name_text{}, found.name,
+          "published as `NAME.state`; not `idle` or `waiting`, which it publishes in between") &&
+      (found.name == "idle" || found.name == "waiting"))
+    in.problems().add(in.at("state"), '`' + found.name + "` is its value in between");
+  in.all(found);
+  read_needs(in, own, found);
+  read_sets(in, own, found);
+  out.states.push_back(std::move(found));
+}
+
+void read_goal(table_reader& in, claims<std::string>& goals, goal::pursuer_config& out) {
+  goal::goal_config found;
+  if (in.required("goal", text{goal_octets_max}, found.text,
+                  {"text that others write, letter by letter", "",
+                   "text of 1 to 64 octets, but not `none`"})) {
+    if (found.text == "none")
+      in.problems().add(in.at("goal"), "`none` stands for no goal");
+    goals.claim(found.text, "goal `" + found.text + '`', in.at("goal"), in.problems());
+  }
+  in.optional(
+      "timeout", time_span{shortest, goal_timeout_max}, found.timeout,
+      "it has failed after this time; if its last state ends at that moment, it has succeeded");
+  in.tables(
+      "states", "states", "one after the other, see below",
+      [&](table_reader& x) { read_state(x, out, found); }, 1);
+  out.goals.push_back(std::move(found));
+}
+
+} // namespace
+
+goal::pursuer_config read_pursuer(table_reader& in) {
+  goal::pursuer_config out;
+  pursuer_names own;
+  claims<std::string> goals;
+  in.optional("name", name_text{}, out.name,
+              {"first part of its keys; no two have the same", "that of the peer"});
+  in.tables("inputs", "inputs of a goal app",
+            {"see below; also as `[[peer.apps.inputs]]`, as the next two", "none"},
+            [&](table_reader& x) { read_input(x, own, out); });
+  in.tables("outputs", "outputs of a goal app", {"tuples that it publishes", "none"},
+            [&](table_reader& x) { read_output(x, own, out); });
+  in.tables("goals", "goals", {"goals that it can pursue; any other goal fails at once", "none"},
+            [&](table_reader& x) { read_goal(x, goals, out); });
+  return out;
+}
+
+} // namespace rubicon::config

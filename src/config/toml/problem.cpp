@@ -1,0 +1,67 @@
+#include "config/toml/problem.hpp"
+
+#include <algorithm>
+
+#include "core/text/printable.hpp"
+
+namespace rubicon::config {
+
+std::string to_string(const problem& x) {
+  auto place = x.file;
+  if (x.line != 0)
+    place += ':' + std::to_string(x.line);
+  if (x.line != 0 && x.column != 0)
+    place += ':' + std::to_string(x.column);
+  constexpr std::size_t octets_max = 4096; // a key that is quoted may be as long as the file
+  return printable(place + ": " + x.message, octets_max);
+}
+
+std::string place_text(mark x) {
+  return "(line " + std::to_string(x.line) + ", column " + std::to_string(x.column) + ')';
+}
+
+void complaints::add(mark at, std::string message) {
+  found_.emplace_back(at, printable(message));
+}
+
+void complaints::add(problem x) {
+  x.message = printable(x.message);
+  elsewhere_.push_back(std::move(x));
+}
+
+void complaints::warn(problem x) {
+  x.message = printable(x.message);
+  warnings_.push_back(std::move(x));
+}
+
+void complaints::doubt(mark at, std::string message) {
+  doubts_.emplace_back(at, printable(message));
+}
+
+namespace {
+
+/// In order of place, each once.
+std::vector<problem> sorted(std::vector<std::pair<mark, std::string>> found,
+                            const std::string& name) {
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  std::vector<problem> all;
+  all.reserve(found.size());
+  for (auto& [at, message] : found)
+    all.push_back({name, at.line, at.column, std::move(message)});
+  return all;
+}
+
+} // namespace
+
+std::vector<problem> complaints::doubts_of(const std::string& name) const {
+  return sorted(doubts_, name);
+}
+
+std::vector<problem> complaints::of_file(const std::string& name) const {
+  auto all = sorted(found_, name);
+  all.insert(all.end(), elsewhere_.begin(), elsewhere_.end());
+  return all;
+}
+
+} // namespace rubicon::config

@@ -1,0 +1,143 @@
+#include "peis/media/simulated_lan.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+namespace rubicon::peis {
+
+bool simulated_lan::separates(const fault& x, peer_id a, peer_id b) {
+  const auto group = [&x](peer_id id) {
+    const auto found = x.groups.find(id);
+    return found == x.groups.end() ? std::nullopt : std::optional(found->second); // the rest
+  };
+  return group(a) != group(b);
+}
+
+/// What the network does between two processes now.
+link_condition simulated_lan::condition_between(const process& a, const process& b) const {
+  link_condition x{!a.powered || !b.powered, 0};
+  auto passing = 1 - loss_;
+  for (const auto& [name, y] : faults_) {
+    x.cut = x.cut || separates(y, a.id, b.id);
+    if (y.lossy.empty() || (y.lossy.contains(a.id) && y.lossy.contains(b.id)))
+      passing *= 1 - y.loss;
+  }
+  x.loss = 1 - passing;
+  return x;
+}
+
+/// Tells the ends of a link what has changed for them: another condition, or that the process at
+/// the far end is gone, if the computer there still says so.
+/// @returns whether the link is no more
+bool simulated_lan::settle(link_id number, connection& x, outputs& out) const {
+  const auto& a = stations_.at(x.initiator);
+  const auto& b = stations_.at(x.acceptor);
+  const auto condition = condition_between(a, b);
+  if (a.runs && b.runs) {
+    if (std::exchange(x.condition, condition) != condition) {
+      out.emplace_back(condition_set{x.initiator, number, condition});
+      out.emplace_back(condition_set{x.acceptor, number, condition});
+    }
+    return false;
+  }
+  if (condition.cut)
+    return !a.runs && !b.runs;
+  if (a.runs)
+    out.emplace_back(link_reset{x.initiator, number});
+  if (b.runs)
+    out.emplace_back(link_reset{x.acceptor, number});
+  return true;
+}
+
+simulated_lan::outputs simulated_lan::settle_links() {
+  outputs out;
+  for (auto x = links_.begin(); x != links_.end();)
+    x = settle(x->first, x->second, out) ? links_.erase(x) : std::next(x);
+  std::erase_if(stations_, [this](const auto& x) {
+    return !x.second.runs && x.second.powered && std::ranges::none_of(links_, [&x](const auto& y) {
+      return y.second.initiator == x.first || y.second.acceptor == x.first;
+    });
+  });
+  return out;
+}
+
+void simulated_lan::join(station_id station, peer_id id, bool hears) {
+  stations_[station] = {id, hears, true, true};
+}
+
+simulated_lan::outputs simulated_lan::end(station_id station) {
+  if (const auto found = stations_.find(station); found != stations_.end())
+    found->second.runs = false;
+  return settle_links();
+}
+
+/// Whether a computer where nobody listens can say so.
+bool simulated_lan::can_refuse(const process& from, peer_id id) const {
+  const bool powered = std::ranges::none_of(
+      stations_, [id](const auto& x) { return x.second.id == id && !x.second.powered; });
+  return !condition_between(from, {id, false, false, powered}).cut;
+}
+
+simulated_lan::outputs simulated_lan::connect(station_id station, attempt_id attempt, peer_id to) {
+  const auto from = stations_.find(station);
+  if (from == stations_.end() || !from->second.runs)
+    return {};
+  const auto listener = std::ranges::find_if(stations_, [&](const auto& x) {
+    return x.second.id == to && x.second.runs && x.first != station;
+  });
+  if (listener == stations_.end()) {
+    if (!can_refuse(from->second, to))
+      return {};
+    return {link_refused{station, attempt}};
+  }
+  const auto condition = condition_between(from->second, listener->second);
+  if (condition.cut)
+    return {};
+  const link_id link{next_link_++};
+  const auto acceptor = listener->first;
+  links_[link] = {station, acceptor, condition};
+  return {link_made{acceptor, station, link, link_role::acceptor, {}, condition},
+          link_made{station, acceptor, link, link_role::initiator, attempt, condition}};
+}
+
+simulated_lan::outputs simulated_lan::announce(station_id station, const payload& octets) {
+  outputs out;
+  const auto from = stations_.find(station);
+  if (from == stations_.end())
+    return out;
+  for (const auto& [number, other] : stations_) {
+    if (number == station || !other.runs || !other.hears)
+      continue;
+    const auto condition = condition_between(from->second, other);
+    if (!condition.cut && !rng_.chance(condition.loss))
+      out.emplace_back(announcement_heard{number, octets});
+  }
+  return out;
+}
+
+simulated_lan::outputs simulated_lan::set_power(station_id station, bool on) {
+  const auto found = stations_.find(station);
+  if (found == stations_.end())
+    return {};
+  found->second.powered = on;
+  return settle_links();
+}
+
+simulated_lan::outputs simulated_lan::begin_fault(std::uint64_t name, const lan_fault& x) {
+  fault begun{{}, x.loss, {x.lossy.begin(), x.lossy.end()}};
+  for (std::size_t i = 0; i < x.groups.size(); ++i) {
+    for (const auto id : x.groups[i])
+      begun.groups[id] = i;
+  }
+  faults_[name] = std::move(begun);
+  return settle_links();
+}
+
+simulated_lan::outputs simulated_lan::end_fault(std::uint64_t name) {
+  faults_.erase(name);
+  return settle_links();
+}
+
+} // namespace rubicon::peis

@@ -1,0 +1,544 @@
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "report/event_log.hpp"
+#include "report/figures.hpp"
+#include "report/print/repeated_violations.hpp"
+#include "report/print/report_page.hpp"
+#include "report/print/report_text.hpp"
+#include "report/report.hpp"
+#include "report/report_parts.hpp"
+
+namespace rubicon::report {
+
+namespace {
+
+constexpr std::size_t log_lines_max = 40;
+constexpr std::size_t alike_min = 4; ///< equal neighbours in the event log that become one line
+constexpr std::size_t least_left_shown = 5;
+constexpr std::size_t failures_shown = 10;
+constexpr std::size_t violations_shown = 40;
+
+void add_title(report_page& page, const run_report& x) {
+  page.line(x.ecology, look::strong);
+  page.flow({rubicon::to_text(x.simulated) + " of " + x.mode + " time in " + real_time(x.wall_s) +
+                 " (" + speed_factor(x.simulated, x.wall_s) + " real time)",
+             "seed " + std::to_string(x.seed), counted(x.events, "event"),
+             x.trace_hash.empty() ? "" : "trace " + x.trace_hash,
+             x.ended_by.empty() ? "" : "ended by the flat battery of " + x.ended_by,
+             x.interrupted ? "interrupted early" : "",
+             x.reason.empty() ? "" : "not complete: " + x.reason});
+}
+
+/// Lines that tell the same become one: `fan and 2 others`, or `fan` so many times.
+logged_event joined_line(std::vector<logged_event>::const_iterator first,
+                         std::vector<logged_event>::const_iterator last) {
+  std::set<std::string> others;
+  for (auto x = first; x != last; ++x)
+    others.insert(x->who);
+  others.erase(first->who);
+  const auto count = static_cast<std::size_t>(last - first);
+  logged_event line = *first;
+  if (!others.empty())
+    line.who += " and " + counted(others.size(), "other");
+  if (others.size() + 1 < count)
+    line.what += ", " + counted(count, "time");
+  line.what += ", the last at " + run_time(std::prev(last)->at);
+  return line;
+}
+
+/// Neighbouring lines that tell the same of several become one.
+std::vector<logged_event> brief_log(const std::vector<logged_event>& log) {
+  std::vector<logged_event> brief;
+  for (auto first = log.begin(); first != log.end();) {
+    const auto last = std::find_if(
+        first, log.end(), [&](const logged_event& line) { return line.what != first->what; });
+    const auto count = static_cast<std::size_t>(last - first);
+    if (count < alike_min) {
+      brief.insert(brief.end(), first, last);
+    } else {
+      brief.push_back(joined_line(first, last));
+    }
+    first = last;
+  }
+  return brief;
+}
+
+void add_event_log(report_page& page, const run_report& x) {
+  if (x.event_log.empty())
+    return;
+  page.heading("Event log");
+  table rows({{"time", align::right}, {"who"}, {"what"}});
+  auto log = page.is_full() ? x.event_log : brief_log(x.event_log);
+  const auto thinned = page.is_full() ? 0 : thin(log, log_lines_max);
+  for (const auto& line : log)
+    rows.add({{run_time(line.at), look::faint}, line.who, line.what});
+  if (thinned > 0)
+    rows.add_note("… " + counted(thinned, "line") +
+                  " omitted where most events happened; --full shows all");
+  if (x.event_log_left_out > 0)
+    rows.add_note("… and " + with_thousands(x.event_log_left_out) +
+                  " more are not in the report; --csv writes all");
+  page.add(rows);
+}
+
+void add_membership_notes(table& rows, const island_report& island) {
+  std::string absent;
+  for (const auto& mote : island.motes)
+    if (mote.joins && !mote.joined)
+      absent += (absent.empty() ? "" : ", ") + mote.name;
+  if (!absent.empty())
+    rows.add_note("  never joined: " + absent, look::bad);
+}
+
+/// Those who have been silent for longest: `  silent: climate-7 for 8 h 24 min from 6,673 s`
+void add_silence_note(table& rows, const island_report& island) {
+  constexpr duration silence_min = 1min; // less is nothing that anybody would look into
+  constexpr std::size_t motes_max = 5;
+  std::vector<const mote_report*> all;
+  for (const auto& mote : island.motes)
+    if (mote.silence >= silence_min)
+      all.push_back(&mote);
+  std::ranges::stable_sort(all, std::greater(), [](const auto* x) { return x->silence; });
+  std::string text;
+  for (std::size_t i = 0; i < std::min(all.size(), motes_max); ++i)
+    text += (i == 0 ? "" : ", ") + all[i]->name + " for " +
+            span_text(all[i]->silence, all[i]->silence_from);
+  if (all.size() > motes_max)
+    text += " and " + counted(all.size() - motes_max, "more mote");
+  if (!text.empty())
+    rows.add_note("  silent: " + text, look::bad);
+}
+
+/// `  led by kitchen-gateway: 2 times, 512.4 s, at the end; kitchen-gateway-2: ...`
+void add_lead_note(table& rows, const island_report& island) {
+  std::string text;
+  for (const auto& x : island.gateways) {
+    text += (text.empty() ? "" : "; ") + x.name + ": " + counted(x.lead.led, "time");
+    if (x.lead.led > 0)
+      text += ", " + real_time(seconds(x.lead.leading));
+    if (x.lead.leads)
+      text += ", at the end";
+  }
+  if (!text.empty())
+    rows.add_note("  led by " + text);
+}
+
+void add_measuring_note(table& rows, const run_report& island) {
+  if (const auto count = island.motes_measuring(); count > 0)
+    rows.add_note("  " + counted(count, "measuring mote"));
+}
+
+void add_loss_notes(table& rows, const island_report& island) {
+  const auto add = [&](const char* where, const std::string& what) {
+    if (!what.empty())
+      rows.add_note(where + what);
+  };
+  const auto in_range = "  of " + with_thousands(island.radio.sent) + " copies in range: ";
+  add(in_range.c_str(), causes(really_lost(island.radio)));
+  add("  radio gave up: ", causes(island.radio.mac_failed));
+  add("  lost on the cable: ", causes(island.serial.lost));
+  add("  not accepted from real motes: ", causes(island.real.dropped));
+  add("  not sent to real motes: ", causes(island.real.inputs_failed));
+  auto messages = island.messages.lost;
+  messages["in_transit"] = island.messages.in_transit;
+  messages["duplicates"] = island.messages.duplicates;
+  add("  messages: ", causes(messages));
+  add("  messages refused: ", causes(island.messages.refused));
+}
+
+void add_island_row(table& rows, const std::string& name, const run_report& part,
+                    const std::string& id) {
+  const auto radio = part.radio();
+  const auto messages = part.messages();
+  const auto alive = part.motes_alive();
+  const auto motes = part.motes_configured() + part.motes_measuring();
+  const bool only_measures = part.motes_configured() == 0 && motes > 0;
+  rows.add({{name, look::strong},
+            id,
+            with_thousands(motes),
+            only_measures ? "–" : with_thousands(part.motes_joined()),
+            {with_thousands(alive), alive < motes ? look::bad : look::plain},
+            with_thousands(messages.reliable_sent + messages.unreliable_sent),
+            with_thousands(messages.arrived),
+            share_of(messages.reliable_acked, messages.reliable_sent - messages.reliable_open),
+            with_thousands(radio.requests),
+            share_of(radio.mac_sent, radio.requests - radio.mac_open),
+            with_thousands(part.serial().frames_received)});
+}
+
+void add_islands(report_page& page, const run_report& x) {
+  if (x.islands.empty())
+    return;
+  page.heading("Islands");
+  table rows({{"island"},
+              {"id", align::right},
+              {"motes", align::right},
+              {"joined", align::right},
+              {"alive", align::right},
+              {"messages", align::right},
+              {"arrived", align::right},
+              {"acked", align::right},
+              {"frames", align::right},
+              {"sent", align::right},
+              {"serial", align::right}});
+  const auto shown = page.shown(x.islands.size(), rows_max);
+  for (std::size_t i = 0; i < shown; ++i) {
+    run_report alone;
+    alone.islands.push_back(x.islands[i]);
+    add_island_row(rows, x.islands[i].name, alone, to_string(x.islands[i].id));
+    add_membership_notes(rows, x.islands[i]);
+    add_silence_note(rows, x.islands[i]);
+    add_measuring_note(rows, alone);
+    add_lead_note(rows, x.islands[i]);
+    add_loss_notes(rows, x.islands[i]);
+  }
+  page.add_rest(rows, x.islands.size(), shown);
+  if (x.islands.size() > 1)
+    add_island_row(rows, "all", x, "");
+  page.add(rows);
+}
+
+std::string microseconds_text(duration x) {
+  return with_thousands(static_cast<std::uint64_t>(x / 1us)) + " µs";
+}
+
+/// Motes of groups; nothing without any.
+void add_groups(report_page& page, const run_report& x) {
+  std::vector<const island_report*> all;
+  for (const auto& island : x.islands)
+    if (island.smepp.programs > 0)
+      all.push_back(&island);
+  if (all.empty())
+    return;
+  page.heading("Groups");
+  table rows({{"island"},
+              {"members", align::right},
+              {"frames", align::right},
+              {"octets", align::right},
+              {"events", align::right},
+              {"received", align::right},
+              {"open", align::right},
+              {"missing", align::right},
+              {"state", align::right}});
+  const auto shown = page.shown(all.size(), rows_max);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& part = all[i]->smepp;
+    rows.add({{all[i]->name, look::strong},
+              with_thousands(part.members) + " of " + with_thousands(part.programs),
+              with_thousands(part.frames),
+              with_thousands(part.octets),
+              with_thousands(part.events_raised),
+              with_thousands(part.events_received),
+              with_thousands(part.events_open),
+              with_thousands(part.events_missing()),
+              with_thousands(part.state_octets) + " B"});
+    if (const auto lost = causes(part.events_lost); !lost.empty())
+      rows.add_note("  events lost: " + lost);
+    if (const auto refused = causes(part.refused); !refused.empty())
+      rows.add_note("  frames refused: " + refused);
+  }
+  page.add_rest(rows, all.size(), shown);
+  page.add(rows);
+}
+
+/// `  clocks: at worst 1,204 µs off, c2 at 10:40; 99.8% of 1,200 judgements below 1 ms, none
+/// outside what motes say`
+void add_clock_note(table& rows, const clock_report& x) {
+  if (x.judged == 0)
+    return;
+  auto text = "  clocks: at worst " + microseconds_text(x.error_max) + " off, " + x.error_max_mote +
+              " at " + clock_text(x.error_max_at.time_since_epoch()) + "; " +
+              percent(static_cast<double>(x.below_1ms), static_cast<double>(x.judged)) + " of " +
+              counted(x.judged, "judgement") + " below 1 ms, ";
+  if (x.outside == 0)
+    text += "none outside the motes' own error bounds";
+  else
+    text += with_thousands(x.outside) + " outside the motes' own error bounds, for " +
+            real_time(seconds(x.outside_longest)) + " at most";
+  rows.add_note(text, x.outside > 0 ? look::bad : look::faint);
+}
+
+void add_network(report_page& page, const run_report& x) {
+  const auto has_network = [](const island_report& island) { return island.network.beacons > 0; };
+  if (std::ranges::none_of(x.islands, has_network))
+    return;
+  page.heading("Network");
+  table rows({{"island"},
+              {"hops", align::right},
+              {"packets", align::right},
+              {"arrived", align::right},
+              {"forwarded", align::right},
+              {"channels", align::right},
+              {"carried", align::right},
+              {"beacons", align::right},
+              {"clock ±", align::right},
+              {"time ±", align::right},
+              {"state", align::right}});
+  const auto shown = page.shown(x.islands.size(), rows_max);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& part = x.islands[i].network;
+    rows.add({{x.islands[i].name, look::strong},
+              with_thousands(part.hops_max),
+              with_thousands(part.packets),
+              with_thousands(part.arrived),
+              with_thousands(part.forwarded),
+              with_thousands(part.channels_opened),
+              with_thousands(part.channel_packets.arrived),
+              with_thousands(part.beacons),
+              part.synchronised > 0 ? microseconds_text(part.clock_error_max) : "–",
+              part.aligned > 0 ? microseconds_text(part.time_error_max) : "–",
+              with_thousands(part.state_octets) + " B"});
+    if (const auto lost = causes(part.lost); !lost.empty())
+      rows.add_note("  lost: " + lost);
+    add_clock_note(rows, x.islands[i].clock);
+  }
+  page.add_rest(rows, x.islands.size(), shown);
+  page.add(rows);
+}
+
+/// A mote and the island it lives in.
+struct energy_entry {
+  const island_report* island;
+  const mote_report* mote;
+};
+
+std::vector<energy_entry> least_left_first(const run_report& x) {
+  std::vector<energy_entry> entries;
+  for (const auto& island : x.islands)
+    for (const auto& mote : island.motes)
+      entries.push_back({&island, &mote});
+  std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
+    const auto rank = [](const auto& y) {
+      return std::pair(left_of(*y.mote), -y.mote->energy.used_mah);
+    };
+    return rank(a) < rank(b);
+  });
+  return entries;
+}
+
+/// Digits after the point that suit the largest of the figures.
+int decimals_for(double largest_mah) {
+  return largest_mah < 10 ? 3 : largest_mah < 100 ? 2 : 1;
+}
+
+void add_energy_row(table& rows, const energy_entry& entry, int decimals) {
+  const auto& mote = *entry.mote;
+  const auto& x = mote.energy;
+  const auto radio_on = x.radio_listen + x.radio_receive + x.radio_transmit;
+  const auto radio_all = seconds(radio_on + x.radio_off);
+  rows.add({entry.island->name + '/' + mote.name,
+            fixed(x.used_mah, decimals),
+            percent(left_of(mote), 1),
+            {projected_life(mote), mote.alive ? look::plain : look::bad},
+            percent(seconds(radio_on), radio_all),
+            percent(seconds(x.radio_transmit), radio_all),
+            percent(seconds(x.mcu_active), seconds(x.mcu_active + x.mcu_sleep))});
+}
+
+void add_energy(report_page& page, const run_report& x) {
+  const auto entries = least_left_first(x);
+  if (entries.empty())
+    return;
+  page.heading("Energy");
+  std::vector<double> used;
+  for (const auto& entry : entries)
+    used.push_back(entry.mote->energy.used_mah);
+  std::ranges::sort(used, std::greater());
+  const auto decimals = decimals_for(used.front());
+  const auto many = entries.size() > motes_listed_max;
+  if (many)
+    page.flow({"all motes " + fixed(x.used_mah(), decimals) + " mAh",
+               "least " + fixed(used.back(), decimals),
+               "median " + fixed(used[used.size() / 2], decimals),
+               "most " + fixed(used.front(), decimals)});
+  table rows({{many && !page.is_full() ? "least left" : "mote"},
+              {"mAh", align::right},
+              {"left", align::right},
+              {"lasts", align::right},
+              {"radio", align::right},
+              {"sending", align::right},
+              {"CPU", align::right}});
+  const auto shown = many ? page.shown(entries.size(), least_left_shown) : entries.size();
+  for (std::size_t i = 0; i < shown; ++i)
+    add_energy_row(rows, entries[i], decimals);
+  page.add_rest(rows, entries.size(), shown);
+  page.add(rows);
+}
+
+/// `22.3 C` as number and unit; a text without a number is all number.
+std::pair<std::string, std::string> number_and_unit(const std::string& value) {
+  const auto blank = value.find(' ');
+  const bool starts_as_number = value.find_first_of("0123456789") <= 1;
+  if (!starts_as_number || blank == std::string::npos)
+    return {value, ""};
+  return {value.substr(0, blank), value.substr(blank + 1)};
+}
+
+void add_proxies(report_page& page, const run_report& x) {
+  if (x.proxies.empty())
+    return;
+  page.heading("Proxy values");
+  table rows({{"proxy"}, {"name"}, {"value", align::point}, {"unit"}, {"status"}});
+  std::size_t row_count = 0;
+  std::size_t rows_shown = 0;
+  for (const auto& proxy : x.proxies) {
+    cell name = proxy.name;
+    cell status{proxy.status, proxy.status == "active" ? look::good : look::bad};
+    auto values = proxy.values;
+    if (values.empty())
+      values.emplace_back("–", "");
+    for (const auto& [key, value] : values) {
+      ++row_count;
+      if (page.shown(row_count, rows_max) < row_count)
+        continue;
+      ++rows_shown;
+      const auto [number, unit] = number_and_unit(value);
+      rows.add({std::exchange(name, {}), key, number, unit, std::exchange(status, {})});
+    }
+  }
+  page.add_rest(rows, row_count, rows_shown);
+  page.add(rows);
+}
+
+/// `12`, or `0, 5 sent` of motes that acknowledge nothing.
+std::string acknowledged_text(const actuation_report& x) {
+  return with_thousands(x.acknowledged) +
+         (x.sent > 0 ? ", " + with_thousands(x.sent) + " sent" : std::string());
+}
+
+void add_actuations(report_page& page, const run_report& x) {
+  actuation_report all;
+  for (const auto& proxy : x.proxies)
+    all += proxy.actuations;
+  if (all.requested == 0)
+    return;
+  page.heading("Actuations");
+  table rows({{"proxy"},
+              {"requested", align::right},
+              {"acknowledged", align::right},
+              {"median", align::right},
+              {"99 %", align::right},
+              {"slowest", align::right},
+              {"failed"}});
+  std::size_t row_count = 0;
+  std::size_t rows_shown = 0;
+  for (const auto& proxy : x.proxies) {
+    const auto& actuations = proxy.actuations;
+    if (actuations.requested == 0)
+      continue;
+    ++row_count;
+    if (page.shown(row_count, rows_max) < row_count)
+      continue;
+    ++rows_shown;
+    rows.add({proxy.name,
+              with_thousands(actuations.requested),
+              acknowledged_text(actuations),
+              real_time(latency_s(actuations, 0.5)),
+              real_time(latency_s(actuations, 0.99)),
+              real_time(seconds(actuations.slowest)),
+              {causes(actuations.failed), look::bad}});
+  }
+  page.add_rest(rows, row_count, rows_shown);
+  if (row_count > 1)
+    rows.add({{"all", look::strong},
+              with_thousands(all.requested),
+              acknowledged_text(all),
+              real_time(latency_s(all, 0.5)),
+              real_time(latency_s(all, 0.99)),
+              real_time(seconds(all.slowest)),
+              {causes(all.failed), look::bad}});
+
+  page.add(rows);
+}
+
+void add_peers(report_page& page, const run_report& x) {
+  if (x.peers.empty())
+    return;
+  page.heading("PEIS network");
+  table rows({{"peer"},
+              {"id", align::right},
+              {"links", align::right},
+              {"hosts known", align::right},
+              {"tuples", align::right},
+              {"packages", align::right},
+              {"lost"}});
+  const auto shown = page.shown(x.peers.size(), rows_max);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& peer = x.peers[i];
+    rows.add({peer.alive ? peer.name : peer.name + " (ended)", to_string(peer.id),
+              with_thousands(peer.links), with_thousands(peer.hosts_known),
+              with_thousands(peer.tuples), with_thousands(peer.peis.packages),
+              causes(peer.peis.lost)});
+  }
+  page.add_rest(rows, x.peers.size(), shown);
+  page.add(rows);
+  table limits({{"peer"}, {"refused or delayed by its limits"}});
+  for (std::size_t i = 0; i < shown; ++i) {
+    if (!x.peers[i].limits.empty())
+      limits.add({x.peers[i].name, causes(x.peers[i].limits)});
+  }
+  page.add(limits);
+}
+
+void add_verdict(report_page& page, const run_report& x) {
+  page.heading("Verdict");
+  page.flow({counted(x.actors.spawned, "actor"), with_thousands(x.actors.restarted) + " restarted",
+             octet_size(x.serial().octets) + " over serial lines",
+             with_thousands(x.radio().transmissions) + " radio transmissions"});
+  table failures({{"failed actor"}});
+  const auto shown_failures = page.shown(x.actors.failures.size(), failures_shown);
+  for (std::size_t i = 0; i < shown_failures; ++i)
+    failures.add({x.actors.failures[i]});
+  page.add_rest(failures, x.actors.failures.size(), shown_failures);
+  page.add(failures);
+  if (x.violations.empty()) {
+    page.line(x.interrupted ? "  ✓ no violations until it was interrupted" : "  ✓ no violations",
+              look::good);
+    return;
+  }
+  page.line("  ✗ " + counted(x.violations.size(), "violation"), look::bad);
+  table rows({{"time", align::right}, {"invariant"}, {"detail"}});
+  const auto all = repeated(x.violations);
+  const auto shown = page.shown(all.size(), violations_shown);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& violation = all[i].first;
+    rows.add({{run_time(violation.at), look::faint},
+              {violation.invariant, look::bad},
+              detail_of(all[i])});
+  }
+  page.add_rest(rows, all.size(), shown);
+  page.add(rows);
+}
+
+} // namespace
+
+std::string to_text(const run_report& x, std::size_t width, bool colour) {
+  return to_text(x, {width, colour});
+}
+
+std::string to_text(const run_report& x, const text_options& options) {
+  report_page page(options);
+  add_title(page, x);
+  add_event_log(page, x);
+  add_islands(page, x);
+  add_network(page, x);
+  add_groups(page, x);
+  add_flows(page, x);
+  add_deliveries(page, x);
+  add_losses(page, x);
+  add_streams(page, x);
+  add_programs(page, x);
+  add_energy(page, x);
+  add_proxies(page, x);
+  add_actuations(page, x);
+  add_peers(page, x);
+  add_expectations(page, x);
+  add_verdict(page, x);
+  return page.finish();
+}
+
+} // namespace rubicon::report

@@ -1,0 +1,375 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "cli/words/command_line.hpp"
+#include "support/catch.hpp"
+
+using namespace rubicon;
+using namespace rubicon::cli;
+
+namespace {
+
+command parse(std::vector<const char*> words) {
+  words.insert(words.begin(), "rubicon");
+  return parse_command_line(words);
+}
+
+run_command parse_run(std::vector<const char*> words) {
+  words.insert(words.begin(), {"run", "home.toml"});
+  const auto x = parse(words);
+  REQUIRE(std::holds_alternative<run_command>(x));
+  return std::get<run_command>(x);
+}
+
+/// What is said about a command line that is refused; empty if it is not.
+std::string refusal(std::vector<const char*> words) {
+  const auto x = parse(std::move(words));
+  const auto* refused = std::get_if<refused_command>(&x);
+  return refused == nullptr ? "" : refused->text;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+} // namespace
+
+TEST_CASE("without options the file decides", "[cli]") {
+  const auto x = parse_run({});
+  CHECK(x.file == "home.toml");
+  CHECK(!x.options.length);
+  CHECK(!x.options.seed);
+  CHECK(!x.options.mode);
+  CHECK(x.options.speed == 0);
+  CHECK(x.options.debug_folder.empty()); // NFR-01: off by default
+  CHECK(x.options.pcap_folder.empty());
+  CHECK(!x.options.pcap_lost);
+  CHECK(x.instead.topology.empty());
+  CHECK(x.instead.noise_trace.empty());
+  CHECK(!x.instead.seed);
+  CHECK(x.options.handle_signals);
+  CHECK(x.log_level == "warn");
+  CHECK(!x.json);
+  CHECK(!x.check_determinism);
+}
+
+TEST_CASE("each option of run reaches the run", "[cli][GEN-07][NFR-01]") {
+  CHECK(parse_run({"--for", "10min"}).options.length == 10min);
+  CHECK(parse_run({"--for=1.5s"}).options.length == 1500ms);
+  CHECK(parse_run({"--seed", "18446744073709551615"}).options.seed == 18446744073709551615U);
+  CHECK(parse_run({"--mode", "wall"}).options.mode == config::run_mode::wall);
+  CHECK(parse_run({"--mode", "virtual"}).options.mode == config::run_mode::virtual_time);
+  CHECK(parse_run({"--speed", "2.5"}).options.speed == 2.5);
+  CHECK(parse_run({"--debug-dir", "logs"}).options.debug_folder == "logs");
+  CHECK(parse_run({"--debug-dir", "logs"}).options.debug_of == std::vector<std::string>{"*"});
+  CHECK(parse_run({"--debug-dir", "logs", "--debug-of", "mote/kitchen", "--debug-of", "sink"})
+            .options.debug_of == std::vector<std::string>{"mote/kitchen", "sink"});
+  CHECK(parse_run({"--log", "debug"}).log_level == "debug");
+  CHECK(parse_run({"--pcap", "captures"}).options.pcap_folder == "captures");
+  CHECK(!parse_run({"--pcap", "captures"}).options.pcap_lost);
+  CHECK(parse_run({"--pcap-lost", "--pcap", "captures"}).options.pcap_lost);
+  CHECK(parse_run({"--topology", "grid.txt"}).instead.topology == "grid.txt");
+  CHECK(parse_run({"--noise-trace", "meyer.txt"}).instead.noise_trace == "meyer.txt");
+  CHECK(parse_run({"--seed", "7"}).instead.seed == 7U);
+  CHECK(parse_run({"--json"}).json);
+  CHECK(parse_run({"--check-determinism"}).check_determinism);
+}
+
+TEST_CASE("what decides what runs is repeated, in any order, and quoted", "[cli]") {
+  CHECK(parse_run({}).deciding.empty());
+  CHECK(
+      parse_run({"--seed", "3", "--for", "10s", "--record", "x", "--log", "off"}).deciding.empty());
+  CHECK(parse_run({"--speed", "5", "--mode=wall", "--seed", "3"}).deciding ==
+        "--mode wall --speed 5");
+  CHECK(parse_run({"--noise-trace", "a b.txt", "--topology", "grid.txt"}).deciding ==
+        "--topology grid.txt --noise-trace 'a b.txt'");
+  CHECK(parse_run({"--host", "kitchen", "--starts", "n"}).deciding == "--host kitchen --starts n");
+}
+
+TEST_CASE("no option of run is forgotten where a run is repeated", "[cli]") {
+  const std::vector<std::string> repeated{"--mode", "--speed",  "--topology", "--noise-trace",
+                                          "--host", "--starts", "--elapsed"};
+  const auto& others = options_not_repeated();
+  const auto help = parse({"run", "--help"});
+  REQUIRE(std::holds_alternative<show_command>(help));
+  const auto& text = std::get<show_command>(help).text;
+  std::size_t found = 0;
+  for (auto at = text.find("\n  --"); at != std::string::npos; at = text.find("\n  --", at + 1)) {
+    const auto end = text.find_first_not_of("abcdefghijklmnopqrstuvwxyz-", at + 3);
+    const auto name = text.substr(at + 3, end - at - 3);
+    CAPTURE(name); // a new one decides what runs, or it does not: say so here or there
+    CHECK(std::count(repeated.begin(), repeated.end(), name) +
+              std::count(others.begin(), others.end(), name) ==
+          1);
+    ++found;
+  }
+  CHECK(found > 20);
+  for (const auto& name : others) // and none that there is no more
+    if (name != "--help")
+      CHECK(!contains(refusal({"run", "x.toml", name.c_str()}), "there is no option"));
+}
+
+TEST_CASE("check takes the files that run takes", "[cli]") {
+  const auto x = parse({"check", "a.toml", "--topology", "grid.txt", "--noise-trace", "m.txt"});
+  REQUIRE(std::holds_alternative<check_command>(x));
+  CHECK(std::get<check_command>(x).file == "a.toml");
+  CHECK(std::get<check_command>(x).instead.topology == "grid.txt");
+  CHECK(std::get<check_command>(x).instead.noise_trace == "m.txt");
+  CHECK_FALSE(std::get<check_command>(x).is_strict);
+  CHECK(std::get<check_command>(parse({"check", "a.toml", "--strict"})).is_strict);
+  CHECK(parse_run({"--strict"}).is_strict);
+}
+
+TEST_CASE("each option of explain reaches it, and none without meaning", "[cli][explain]") {
+  const auto parse_explain = [](std::vector<const char*> words) {
+    words.insert(words.begin(), {"explain", "home.rec"});
+    const auto x = parse(words);
+    REQUIRE(std::holds_alternative<explain_command>(x));
+    return std::get<explain_command>(x);
+  };
+  CHECK(parse_run({"--record", "home.rec"}).options.record_file == "home.rec");
+  CHECK(parse_run({}).options.record_file.empty());
+  const auto list = parse_explain({"--lost", "--from", "kitchen", "--limit", "3", "--json"});
+  CHECK(list.record == "home.rec");
+  CHECK(list.what.empty());
+  CHECK(list.list.lost_only);
+  CHECK(list.list.from == "kitchen");
+  CHECK(list.list.limit == 3);
+  CHECK(list.json);
+  CHECK(parse_explain({}).list.limit == 20);
+  CHECK(parse_explain({"a.b", "--at", "3min12s"}).at == duration(192s));
+  CHECK(parse_explain({"a.b", "--all"}).all);
+  CHECK(contains(refusal({"explain"}), "RECORD"));
+  CHECK(contains(refusal({"explain", "x", "--at", "3s"}), "--at: of which tuple?"));
+  CHECK(contains(refusal({"explain", "x", "--all"}), "--all: of which tuple?"));
+  CHECK(contains(refusal({"explain", "x", "a.b", "--all", "--at", "3s"}), "--at"));
+  CHECK(contains(refusal({"explain", "x", "a.b", "--lost"}), "--lost"));
+  CHECK(contains(refusal({"explain", "x", "--limit", "-1"}), "--limit"));
+  CHECK(contains(refusal({"run", "x.toml", "--check-determinism", "--record", "y"}),
+                 "--check-determinism"));
+}
+
+TEST_CASE("each option of swarm reaches the swarm", "[cli]") {
+  const auto parse_swarm = [](std::vector<const char*> words) {
+    words.insert(words.begin(), {"swarm", "home.toml"});
+    const auto x = parse(words);
+    REQUIRE(std::holds_alternative<swarm_command>(x));
+    return std::get<swarm_command>(x);
+  };
+  const auto x = parse_swarm({"--seeds", "3..10"});
+  CHECK(x.file == "home.toml");
+  CHECK(x.seeds.first == 3);
+  CHECK(x.seeds.last == 10);
+  CHECK(!x.jobs);
+  CHECK(x.length.empty());
+  CHECK(x.timeout == 300s);
+  CHECK(!x.json);
+  const auto y = parse_swarm({"--seeds", "0..18446744073709551615", "--jobs", "3", "--for", "10min",
+                              "--timeout", "90s", "--json"});
+  CHECK(y.seeds.last == 18446744073709551615U);
+  CHECK(y.jobs == 3U);
+  CHECK(y.length == "10min");
+  CHECK(y.timeout == 90s);
+  CHECK(y.json);
+  CHECK(parse_swarm({"--seeds", "7"}).seeds.last == 7); // one seed is a range too
+}
+
+TEST_CASE("a swarm without sensible seeds, jobs or times is refused", "[cli]") {
+  CHECK(contains(refusal({"swarm", "a.toml"}), "--seeds"));
+  const auto seeds = GENERATE(as<const char*>{}, "", "..", "1..", "..3", "3..1", "1-3", "1..3..5",
+                              "1...3", "0..18446744073709551616", " 1..2");
+  CAPTURE(seeds);
+  CHECK(contains(refusal({"swarm", "a.toml", "--seeds", seeds}), "--seeds"));
+  CHECK(contains(refusal({"swarm", "a.toml", "--seeds", "1..2", "--jobs", "0"}), "--jobs: not"));
+  CHECK(contains(refusal({"swarm", "a.toml", "--seeds", "1..2", "--jobs", "1025"}), "1025"));
+  CHECK(contains(refusal({"swarm", "a.toml", "--seeds", "1..2", "--for", "soon"}), "--for: not"));
+  CHECK(contains(refusal({"swarm", "a.toml", "--seeds", "1..2", "--timeout", "0s"}),
+                 "--timeout: not a length of time: '0s'"));
+}
+
+TEST_CASE("each option of serial reaches its command", "[cli][serial]") {
+  const auto of = [](std::vector<const char*> words) {
+    words.insert(words.begin(), "serial");
+    const auto x = parse(words);
+    REQUIRE(std::holds_alternative<serial_command>(x));
+    return std::get<serial_command>(x);
+  };
+  const auto heard =
+      of({"listen", "/dev/ttyUSB0", "--baud", "telosb", "--count", "3", "--for", "2s", "--json"});
+  CHECK(heard.device == "/dev/ttyUSB0");
+  CHECK(heard.baud == 115200);
+  CHECK(std::get<listen_serial>(heard.what).count == 3);
+  CHECK(std::get<listen_serial>(heard.what).length == 2s);
+  CHECK(std::get<listen_serial>(heard.what).json);
+  const auto sent = of({"send", "sf@host:9003", "0x93", "00ff", "--to", "7", "--group", "0x7d"});
+  CHECK(sent.device.empty());
+  CHECK(sent.host == "host");
+  CHECK(sent.port == 9003);
+  const auto& message = std::get<send_serial>(sent.what);
+  CHECK(message.am_type == 0x93);
+  CHECK(message.payload == bytes{0, 0xff});
+  CHECK(message.destination == 7);
+  CHECK(message.group == 0x7d);
+  CHECK(of({"send", "/dev/ttyS0", "6", "--baud", "38400"}).baud == 38400);
+  CHECK(of({"listen", "sf@host"}).port == 9002);
+  CHECK(of({"send", "x", "6"}).payload_max == 28);
+  CHECK(of({"send", "x", "6", "--payload", "114"}).payload_max == 114);
+  CHECK(of({"forward", "x", "0.0.0.0:9004", "--payload", "40"}).payload_max == 40);
+  const auto forwarded = of({"forward", "/dev/ttyS0", "0.0.0.0:9004"});
+  CHECK(std::get<forward_serial>(forwarded.what).address == "0.0.0.0");
+  CHECK(std::get<forward_serial>(forwarded.what).port == 9004);
+}
+
+TEST_CASE("a command of serial that makes no sense is refused", "[cli][serial]") {
+  CHECK(contains(refusal({"serial", "listen"}), "SOURCE"));
+  CHECK(contains(refusal({"serial", "listen", "sf@"}), "not sf@HOST:PORT"));
+  CHECK(contains(refusal({"serial", "listen", "sf@host:0"}), "not a number from 1 to 65535"));
+  CHECK(contains(refusal({"serial", "listen", "x", "--baud", "fast"}), "neither a platform"));
+  CHECK(contains(refusal({"serial", "send", "x", "256"}), "not a number from 0 to 255"));
+  CHECK(contains(refusal({"serial", "send", "x", "6", "0"}), "octets in hexadecimal"));
+  CHECK(contains(refusal({"serial", "send", "x", "6", std::string(230, '0').c_str()}),
+                 "up to 114 octets"));
+  CHECK(contains(refusal({"serial", "send", "x", "6", "--payload", "115"}), "from 1 to 114"));
+  CHECK(contains(refusal({"serial", "forward", "x", "localhost:9002"}), "IPv4 address"));
+}
+
+TEST_CASE("each option of certs reaches its command", "[cli]") {
+  const auto parse_certs = [](std::vector<const char*> words) {
+    words.insert(words.begin(), "certs");
+    const auto x = parse(words);
+    REQUIRE(std::holds_alternative<certs_command>(x));
+    return std::get<certs_command>(x);
+  };
+  const auto init = parse_certs({"init"});
+  CHECK(init.folder == "certs");
+  CHECK(std::get<io::new_authority>(init.what).name == "rubicon");
+  CHECK(std::get<io::new_authority>(init.what).days == 3652);
+  const auto named = parse_certs({"init", "--dir", "x", "--name", "flat", "--days", "36500"});
+  CHECK(named.folder == "x");
+  CHECK(std::get<io::new_authority>(named.what).name == "flat");
+  CHECK(std::get<io::new_authority>(named.what).days == 36500);
+  const auto plain = std::get<io::new_certificate>(parse_certs({"add", "kitchen", "--host"}).what);
+  CHECK(plain.use == io::certificate_use::host);
+  CHECK(plain.host == "kitchen");
+  CHECK(plain.addresses.empty());
+  CHECK(plain.days == 825);
+  const auto added =
+      std::get<io::new_certificate>(parse_certs({"add", "--address", "a.b", "kitchen",
+                                                 "--address=::1", "--coordinator", "--days", "1"})
+                                        .what);
+  CHECK(added.use == io::certificate_use::coordinator);
+  CHECK(added.host == "kitchen");
+  CHECK(added.addresses == std::vector<std::string>{"a.b", "::1"});
+  CHECK(added.days == 1);
+  const auto same = std::get<io::renewal>(parse_certs({"renew", "kitchen"}).what);
+  CHECK(same.host == "kitchen");
+  CHECK(same.days == 825);
+  CHECK(!same.new_key);
+  CHECK(same.use == io::certificate_use::any);
+  const auto other = std::get<io::renewal>(
+      parse_certs({"renew", "kitchen", "--new-key", "--host", "--days", "9"}).what);
+  CHECK(other.new_key);
+  CHECK(other.use == io::certificate_use::host);
+  CHECK(other.days == 9);
+  CHECK(std::get<revoke_host>(parse_certs({"revoke", "kitchen"}).what).host == "kitchen");
+  CHECK(!std::get<list_certificates>(parse_certs({"list"}).what).json);
+  CHECK(parse_certs({"list", "--dir", "x"}).folder == "x");
+  CHECK(std::get<list_certificates>(parse_certs({"list", "--json"}).what).json);
+}
+
+TEST_CASE("a command of certs that makes no sense is refused", "[cli]") {
+  CHECK(!refusal({"certs"}).empty());
+  for (const auto* each : {"add", "renew", "revoke"}) {
+    CHECK(contains(refusal({"certs", each}), "HOST"));
+    CHECK(!refusal({"certs", each, "kitchen", "attic"}).empty());
+  }
+  CHECK(!refusal({"certs", "add", "kitchen", "--host", "--coordinator"}).empty());
+  CHECK(!refusal({"certs", "renew", "kitchen", "--host", "--coordinator"}).empty());
+  CHECK(contains(refusal({"certs", "init", "--dir", ""}), "--dir"));
+  const auto days = GENERATE(as<const char*>{}, "0", "-1", "36501", "1.5", "ten", "");
+  CAPTURE(days);
+  CHECK(contains(refusal({"certs", "init", "--days", days}), "--days"));
+  CHECK(contains(refusal({"certs", "add", "kitchen", "--host", "--days", days}), "--days"));
+}
+
+TEST_CASE("options may stand before the file", "[cli]") {
+  const auto x = parse({"run", "--json", "--seed", "3", "home.toml"});
+  REQUIRE(std::holds_alternative<run_command>(x));
+  CHECK(std::get<run_command>(x).file == "home.toml");
+}
+
+TEST_CASE("a command line that makes no sense is refused with its reason", "[cli]") {
+  const auto line = GENERATE(
+      std::vector<const char*>{}, std::vector<const char*>{"fly"}, std::vector<const char*>{"run"},
+      std::vector<const char*>{"check"}, std::vector<const char*>{"run", "a.toml", "b.toml"},
+      std::vector<const char*>{"run", "a.toml", "--nope"},
+      std::vector<const char*>{"check", "a.toml", "--seed", "1"},
+      std::vector<const char*>{"run", "a.toml", "--for"},
+      std::vector<const char*>{"run", "a.toml", "--for", "soon"},
+      std::vector<const char*>{"run", "a.toml", "--for", "0s"},
+      std::vector<const char*>{"run", "a.toml", "--for=-3s"},
+      std::vector<const char*>{"run", "a.toml", "--seed=-1"},
+      std::vector<const char*>{"run", "a.toml", "--seed", "18446744073709551616"},
+      std::vector<const char*>{"run", "a.toml", "--seed", "1.5"},
+      std::vector<const char*>{"run", "a.toml", "--mode", "fast"},
+      std::vector<const char*>{"run", "a.toml", "--speed", "0"},
+      std::vector<const char*>{"run", "a.toml", "--speed", "nan"},
+      std::vector<const char*>{"run", "a.toml", "--speed", "inf"},
+      std::vector<const char*>{"run", "a.toml", "--log", "loud"},
+      std::vector<const char*>{"run", "a.toml", "--pcap"},
+      std::vector<const char*>{"run", "a.toml", "--pcap="},
+      std::vector<const char*>{"run", "a.toml", "--pcap-lost"},
+      std::vector<const char*>{"run", "a.toml", "--topology", ""},
+      std::vector<const char*>{"check", "a.toml", "--pcap", "x"},
+      std::vector<const char*>{"run", "a.toml", "--check-determinism", "--mode", "wall"});
+  const auto text = refusal(line);
+  CAPTURE(line, text);
+  CHECK(text.starts_with("rubicon: "));
+  CHECK(text.ends_with("\n"
+                       "See rubicon --help.\n"));
+}
+
+TEST_CASE("a refusal names the option and what was wrong with it", "[cli]") {
+  CHECK(contains(refusal({"run", "a.toml", "--nope"}), "--nope"));
+  CHECK(
+      contains(refusal({"run", "a.toml", "--for", "soon"}), "--for: not a length of time: 'soon'"));
+  CHECK(contains(refusal({"run", "a.toml", "--seed=-1"}), "'-1'"));
+  CHECK(contains(refusal({"run"}), "FILE"));
+}
+
+TEST_CASE("who mistypes a command or an option is told what was meant", "[cli]") {
+  const auto meant = [](const std::string& what) {
+    return "rubicon: " + what +
+           "\n"
+           "See rubicon --help.\n";
+  };
+  CHECK(refusal({"rnu", "a.toml"}) == meant("there is no command `rnu`: did you mean `run`?"));
+  CHECK(refusal({"run", "a.toml", "--sed", "3"}) ==
+        meant("there is no option `--sed`: did you mean `--seed`?"));
+  CHECK(refusal({"swarm", "a.toml", "--seed=1..3"}) ==
+        meant("there is no option `--seed`: did you mean `--seeds`?"));
+  CHECK(refusal({"tuples", "gte"})
+            .starts_with("rubicon: there is no command `gte`: did you mean `get`?"));
+  CHECK(refusal({"frobnicate"}).starts_with("rubicon: there is no command `frobnicate`: "));
+  CHECK(refusal({"swarm", "-", "--seeds", "1..3"}).find("standard input") != std::string::npos);
+}
+
+TEST_CASE("help names every role and every exit status", "[cli][GEN-01]") {
+  const auto x = parse({"--help"});
+  REQUIRE(std::holds_alternative<show_command>(x));
+  const auto& text = std::get<show_command>(x).text;
+  for (const auto* role :
+       {"mote", "sink", "gateway", "PEIS peer", "proxy", "proxy manager", "init"}) {
+    CAPTURE(role);
+    CHECK(contains(text, "\n  " + std::string(role) + ' '));
+  }
+  CHECK(contains(text, "Exit status: 0 success; 1"));
+}
+
+TEST_CASE("version and a command's help are shown, not refused", "[cli]") {
+  const auto version = parse({"--version"});
+  REQUIRE(std::holds_alternative<show_command>(version));
+  CHECK(std::get<show_command>(version).text.starts_with("rubicon "));
+  CHECK(std::holds_alternative<show_command>(parse({"run", "--help"})));
+}

@@ -1,0 +1,1 @@
+rubicon_unit_test(unit.rfid SOURCES unit/rfid/reader_test.cpp NEEDS rubicon_rfid)

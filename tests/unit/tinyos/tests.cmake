@@ -1,0 +1,3 @@
+rubicon_unit_test(unit.tinyos SOURCES
+  unit/tinyos/base_station_test.cpp unit/tinyos/program_test.cpp
+  NEEDS rubicon_tinyos)

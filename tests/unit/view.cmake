@@ -1,4 +1,0 @@
-rubicon_unit_test(unit.view SOURCES
-  unit/view_conversation_test.cpp unit/view_sample_test.cpp unit/view_timeline_test.cpp
-  NEEDS rubicon_view nlohmann_json::nlohmann_json)
-rubicon_fuzz(view_question SOURCE fuzz/view_question.cpp NEEDS rubicon_view)
