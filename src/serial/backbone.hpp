@@ -1,0 +1,135 @@
+// The backbone between an island's sink and a further one: a serial cable from each to a PC, which
+// passes packets on from one to the other.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "core/address.hpp"
+#include "core/bytes.hpp"
+#include "core/fields.hpp"
+#include "core/provenance.hpp"
+#include "core/random.hpp"
+#include "core/time.hpp"
+#include "serial/backbone_config.hpp"
+
+namespace rubicon::serial {
+
+/// Which way a packet goes: up to the island's sink, or down to the further one.
+enum class backbone_way : std::uint8_t { up, down };
+
+[[nodiscard]] constexpr backbone_way opposite(backbone_way x) {
+  return x == backbone_way::up ? backbone_way::down : backbone_way::up;
+}
+
+/// A packet of the Network module.
+struct backbone_packet {
+  std::optional<std::uint64_t> token; ///< nothing: to all, nobody acknowledges
+  std::uint8_t am_type = 0;
+  payload octets;
+};
+
+/// Give this packet to the end that it has reached.
+struct backbone_arrived {
+  backbone_way way = backbone_way::up;
+  std::uint8_t am_type = 0;
+  payload octets;
+  duration
+      age{}; ///< so long ago it was sent, as its receiver can know: wrong by jitter / 2 at most
+  provenance from = {};
+};
+
+/// Tell the sender how it has ended.
+struct backbone_done {
+  backbone_way way = backbone_way::up; ///< that the packet went
+  std::uint64_t token = 0;
+  bool acked = false;
+  provenance from = {};
+};
+
+using backbone_output = std::variant<backbone_arrived, backbone_done>;
+using backbone_outputs = std::vector<backbone_output>;
+
+/// Packets of one way: sent = arrived + overflow + cut + end_off + those in transit.
+struct backbone_counters {
+  std::uint64_t sent = 0;
+  std::uint64_t arrived = 0;
+  std::uint64_t overflow = 0; ///< lost at a full queue
+  std::uint64_t cut = 0;      ///< lost because the backbone was cut
+  std::uint64_t end_off = 0;  ///< reached a sink that was out of order
+};
+RUBICON_FIELDS(backbone_counters, sent, arrived, overflow, cut, end_off);
+
+/// Two independent ways. Each carries packets one after the other: the octets of a packet at the
+/// baud rate of the sender's cable, then again at that of the receiver's, the latency, and up to
+/// the jitter more; none overtakes another. The receiver acknowledges a packet at once; the
+/// acknowledgement takes the latency. Who has none after ack_wait takes the packet for lost.
+class backbone {
+public:
+  static constexpr duration ack_wait = 100ms; ///< beyond the longest time there and back
+  /// Octets of a TinyOS serial frame besides the payload (tinyos.md 1.1): two flags, protocol,
+  /// sequence number, dispatch, header of eight, CRC.
+  static constexpr std::size_t overhead = 15;
+
+  backbone() = default;
+
+  /// @pre config.baud > 0
+  backbone(backbone_config config, random_stream rng) : config_(config), rng_(rng) {}
+
+  void send(backbone_way way, backbone_packet x, instant now);
+
+  /// The sink that packets of this way reach runs, or is out of order.
+  void set_end(backbone_way way, bool on) { of(way).is_on = on; }
+
+  /// Loses what is in transit, and what is sent until repair().
+  /// @returns what had arrived by `now`
+  [[nodiscard]] backbone_outputs cut(instant now);
+  void repair() { is_cut_ = false; }
+
+  [[nodiscard]] backbone_outputs on_time(instant now); ///< harmless before deadline()
+  [[nodiscard]] std::optional<instant> deadline() const;
+
+  [[nodiscard]] bool is_cut() const { return is_cut_; }
+  [[nodiscard]] const backbone_counters& counters(backbone_way way) const {
+    return lanes_[static_cast<std::size_t>(way)].counters;
+  }
+
+private:
+  struct transit {
+    backbone_packet packet;
+    duration age{};
+    instant due;
+    provenance from = {};
+  };
+
+  struct ending {
+    backbone_done what;
+    instant due;
+  };
+
+  struct one_way {
+    std::deque<transit> packets; ///< in order of arrival, queue at most
+    instant free_at{};           ///< when the sender's cable is free again,
+    instant last_due{};          ///< and the last packet arrives
+    bool is_on = false;
+    backbone_counters counters;
+  };
+
+  [[nodiscard]] one_way& of(backbone_way way) { return lanes_[static_cast<std::size_t>(way)]; }
+  void lose(backbone_way way, const backbone_packet& x, const provenance& from, instant at);
+  void end(backbone_done x, instant due);
+  void arrive(backbone_way way, backbone_outputs& out);
+
+  backbone_config config_;
+  random_stream rng_;
+  std::array<one_way, 2> lanes_;
+  std::vector<ending> endings_; ///< by time: of those that a sender waits for
+  bool is_cut_ = false;
+};
+
+} // namespace rubicon::serial
