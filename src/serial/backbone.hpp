@@ -56,14 +56,14 @@ using backbone_output = std::variant<backbone_arrived, backbone_done>;
 using backbone_outputs = std::vector<backbone_output>;
 
 /// Packets of one way: sent = arrived + overflow + cut + end_off + those in transit.
-struct backbone_counters {
+struct backbone_counts {
   std::uint64_t sent = 0;
   std::uint64_t arrived = 0;
   std::uint64_t overflow = 0; ///< lost at a full queue
   std::uint64_t cut = 0;      ///< lost because the backbone was cut
   std::uint64_t end_off = 0;  ///< reached a sink that was out of order
 };
-RUBICON_FIELDS(backbone_counters, sent, arrived, overflow, cut, end_off);
+RUBICON_FIELDS(backbone_counts, sent, arrived, overflow, cut, end_off);
 
 /// Two independent ways. Each carries packets one after the other: the octets of a packet at the
 /// baud rate of the sender's cable, then again at that of the receiver's, the latency, and up to
@@ -95,7 +95,7 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const;
 
   [[nodiscard]] bool is_cut() const { return is_cut_; }
-  [[nodiscard]] const backbone_counters& counters(backbone_way way) const {
+  [[nodiscard]] const backbone_counts& counters(backbone_way way) const {
     return lanes_[static_cast<std::size_t>(way)].counters;
   }
 
@@ -117,7 +117,7 @@ private:
     instant free_at{};           ///< when the sender's cable is free again,
     instant last_due{};          ///< and the last packet arrives
     bool is_on = false;
-    backbone_counters counters;
+    backbone_counts counters;
   };
 
   [[nodiscard]] one_way& of(backbone_way way) { return lanes_[static_cast<std::size_t>(way)]; }

@@ -84,7 +84,7 @@ bool has_routes(routed_grid& x) {
 } // namespace
 
 TEST_CASE("motes send to the nearest of two sinks, which are roots of one tree",
-          "[network][NET-02]") {
+          "[network][NET-05]") {
   for (std::uint64_t seed = 1; seed <= seeds(20); ++seed) {
     CAPTURE(seed);
     routed_grid alone(8, 1, 0.95, seed);
@@ -124,7 +124,7 @@ TEST_CASE("the time comes over a backbone, with its jitter as its doubt", "[netw
 }
 
 TEST_CASE("motes take another way when a further sink dies, and come back with it",
-          "[network][NET-07]") {
+          "[network][NET-05]") {
   for (std::uint64_t seed = 1; seed <= seeds(20); ++seed) {
     CAPTURE(seed);
     routed_grid x(8, 1, 0.95, seed, {id(8)});
@@ -141,7 +141,7 @@ TEST_CASE("motes take another way when a further sink dies, and come back with i
   }
 }
 
-TEST_CASE("a further sink whose backbone is cut is a mote like others", "[network][NET-07]") {
+TEST_CASE("a further sink whose backbone is cut is a mote like others", "[network][NET-05]") {
   for (std::uint64_t seed = 1; seed <= seeds(20); ++seed) {
     CAPTURE(seed);
     routed_grid x(8, 1, 0.95, seed, {id(8)});
@@ -158,7 +158,7 @@ TEST_CASE("a further sink whose backbone is cut is a mote like others", "[networ
   }
 }
 
-TEST_CASE("a grid with a sink in each corner is one island", "[network][NET-02]") {
+TEST_CASE("a grid with a sink in each corner is one island", "[network][NET-05]") {
   for (std::uint64_t seed = 1; seed <= seeds(5); ++seed) {
     CAPTURE(seed);
     const std::vector<mote_id> further{id(5), id(21), id(25)};
@@ -175,7 +175,7 @@ TEST_CASE("a grid with a sink in each corner is one island", "[network][NET-02]"
 }
 
 TEST_CASE("sinks that are in radio range of each other use their backbone alone",
-          "[network][NET-02]") {
+          "[network][NET-05]") {
   routed_grid x(3, 1, 1, 1, {id(2)});
   x.run_for(2min);
   CHECK(x.at(id(2)).tree().cost() == etx_backbone);

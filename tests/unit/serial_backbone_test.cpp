@@ -35,7 +35,7 @@ std::vector<std::pair<instant, backbone_output>> outputs_of(backbone& x) {
 
 } // namespace
 
-TEST_CASE("a packet crosses both cables, and is acknowledged", "[serial][GW-01]") {
+TEST_CASE("a packet crosses both cables, and is acknowledged", "[serial]") {
   auto x = make_backbone({.jitter = 0s});
   x.send(backbone_way::up, packet_of(41, 7), start);
   const auto passage = 2 * transmission_time(41 + backbone::overhead, 57600) + 2ms;
@@ -55,7 +55,7 @@ TEST_CASE("a packet crosses both cables, and is acknowledged", "[serial][GW-01]"
   CHECK(x.counters(backbone_way::down).sent == 0);
 }
 
-TEST_CASE("packets of one way queue up, and say how long they waited", "[serial][GW-01]") {
+TEST_CASE("packets of one way queue up, and say how long they waited", "[serial]") {
   auto x = make_backbone({.jitter = 0s});
   for (int i = 0; i < 3; ++i)
     x.send(backbone_way::down, packet_of(41), start);
@@ -72,7 +72,7 @@ TEST_CASE("packets of one way queue up, and say how long they waited", "[serial]
   }
 }
 
-TEST_CASE("the age of a packet is wrong by half of the jitter at most", "[serial][CLK-01]") {
+TEST_CASE("the age of a packet is wrong by half of the jitter at most", "[serial]") {
   auto x = make_backbone();
   duration most{};
   for (int i = 0; i < 200; ++i) {
