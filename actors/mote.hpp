@@ -10,6 +10,7 @@
 
 #include "actors/flow_host.hpp"
 #include "actors/messages/air.hpp"
+#include "actors/messages/backbone.hpp"
 #include "actors/messages/programs.hpp"
 #include "actors/messages/supervision.hpp"
 #include "actors/plain_host.hpp"
@@ -48,6 +49,7 @@ struct mote_arguments {
   std::uint64_t seed = 0;             ///< of the ecology
   radio::radio_index radio;
   air_actor air;
+  backbone_actor backbone; ///< of a further sink; empty: it is none
   ecology_actor ecology;
 };
 

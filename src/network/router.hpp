@@ -120,7 +120,7 @@ enum class medium : std::uint8_t { radio, backbone };
 /// Nobody waits for the end of what has this token.
 inline constexpr std::uint64_t no_token = std::numeric_limits<std::uint64_t>::max();
 
-/// Put this frame on the radio, or on the backbone that leads to next_hop, and tell on_sent() how
+/// Put this frame on the radio, or on the backbone that leads to next_hop, and notify on_sent() how
 /// it ended.
 struct frame_out {
   std::uint64_t token = 0; ///< no_token: not to be acknowledged, on a backbone

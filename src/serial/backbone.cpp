@@ -8,12 +8,12 @@
 
 namespace rubicon::serial {
 
-void backbone::send(backbone_way way, backbone_packet x, instant now) {
-  auto& lane = of(way);
+void backbone::send(backbone_direction to, backbone_packet x, instant now) {
+  auto& lane = of(to);
   ++lane.counters.sent;
   if (is_cut_ || lane.packets.size() >= config_.queue) {
     ++(is_cut_ ? lane.counters.cut : lane.counters.overflow);
-    lose(way, x, provenance(), now);
+    lose(to, x, provenance(), now);
     return;
   }
   const auto on_cable = transmission_time(x.octets.size() + overhead, config_.baud);
@@ -25,11 +25,11 @@ void backbone::send(backbone_way way, backbone_packet x, instant now) {
   lane.packets.push_back({std::move(x), known + config_.jitter / 2, lane.last_due});
 }
 
-void backbone::lose(backbone_way way, const backbone_packet& x, const provenance& from,
+void backbone::lose(backbone_direction to, const backbone_packet& x, const provenance& from,
                     instant at) {
   note_loss(from, loss::line_failed);
   if (x.token)
-    end({way, *x.token, false, from}, at + ack_wait + config_.latency + config_.jitter);
+    end({to, *x.token, false, from}, at + ack_wait + config_.latency + config_.jitter);
 }
 
 void backbone::end(backbone_done x, instant due) {
@@ -37,20 +37,20 @@ void backbone::end(backbone_done x, instant due) {
   endings_.insert(at, {std::move(x), due});
 }
 
-void backbone::arrive(backbone_way way, backbone_outputs& out) {
-  auto& lane = of(way);
+void backbone::arrive(backbone_direction to, backbone_outputs& out) {
+  auto& lane = of(to);
   auto x = std::move(lane.packets.front());
   lane.packets.pop_front();
   if (!lane.is_on) {
     ++lane.counters.end_off;
-    lose(way, x.packet, x.from, x.due);
+    lose(to, x.packet, x.from, x.due);
     return;
   }
   ++lane.counters.arrived;
   if (x.packet.token)
-    end({way, *x.packet.token, true, x.from}, x.due + config_.latency);
+    end({to, *x.packet.token, true, x.from}, x.due + config_.latency);
   out.emplace_back(
-      backbone_arrived{way, x.packet.am_type, std::move(x.packet.octets), x.age, x.from});
+      backbone_arrived{to, x.packet.am_type, std::move(x.packet.octets), x.age, x.from});
 }
 
 backbone_outputs backbone::on_time(instant now) {
@@ -60,12 +60,12 @@ backbone_outputs backbone::on_time(instant now) {
       break;
     // At equal times up comes first, so that the order never depends on the caller.
     bool is_packet = false;
-    for (const auto way : {backbone_way::up, backbone_way::down}) {
-      const auto& packets = of(way).packets;
+    for (const auto to : {backbone_direction::up, backbone_direction::down}) {
+      const auto& packets = of(to).packets;
       if (is_packet || packets.empty() || packets.front().due != *next)
         continue;
       is_packet = true;
-      arrive(way, out);
+      arrive(to, out);
     }
     if (is_packet)
       continue;
@@ -88,11 +88,11 @@ std::optional<instant> backbone::deadline() const {
 backbone_outputs backbone::cut(instant now) {
   auto out = on_time(now);
   is_cut_ = true;
-  for (const auto way : {backbone_way::up, backbone_way::down}) {
-    auto& lane = of(way);
+  for (const auto to : {backbone_direction::up, backbone_direction::down}) {
+    auto& lane = of(to);
     for (const auto& x : lane.packets) {
       ++lane.counters.cut;
-      lose(way, x.packet, x.from, now);
+      lose(to, x.packet, x.from, now);
     }
     lane.packets.clear();
     lane.free_at = lane.last_due = now;

@@ -20,11 +20,11 @@
 
 namespace rubicon::serial {
 
-/// Which way a packet goes: up to the island's sink, or down to the further one.
-enum class backbone_way : std::uint8_t { up, down };
+/// Where a packet goes: up to the island's sink, or down to the further one.
+enum class backbone_direction : std::uint8_t { up, down };
 
-[[nodiscard]] constexpr backbone_way opposite(backbone_way x) {
-  return x == backbone_way::up ? backbone_way::down : backbone_way::up;
+[[nodiscard]] constexpr backbone_direction opposite(backbone_direction x) {
+  return x == backbone_direction::up ? backbone_direction::down : backbone_direction::up;
 }
 
 /// A packet of the Network module.
@@ -36,7 +36,7 @@ struct backbone_packet {
 
 /// Give this packet to the end that it has reached.
 struct backbone_arrived {
-  backbone_way way = backbone_way::up;
+  backbone_direction to = backbone_direction::up;
   std::uint8_t am_type = 0;
   payload octets;
   duration
@@ -44,9 +44,9 @@ struct backbone_arrived {
   provenance from = {};
 };
 
-/// Tell the sender how it has ended.
+/// Notify the sender how it has ended.
 struct backbone_done {
-  backbone_way way = backbone_way::up; ///< that the packet went
+  backbone_direction to = backbone_direction::up; ///< of the packet
   std::uint64_t token = 0;
   bool acked = false;
   provenance from = {};
@@ -55,19 +55,19 @@ struct backbone_done {
 using backbone_output = std::variant<backbone_arrived, backbone_done>;
 using backbone_outputs = std::vector<backbone_output>;
 
-/// Packets of one way: sent = arrived + overflow + cut + end_off + those in transit.
-struct backbone_counts {
+/// Packets in one direction: sent = arrived + overflow + cut + end_off + those in transit.
+struct backbone_counters {
   std::uint64_t sent = 0;
   std::uint64_t arrived = 0;
   std::uint64_t overflow = 0; ///< lost at a full queue
   std::uint64_t cut = 0;      ///< lost because the backbone was cut
   std::uint64_t end_off = 0;  ///< reached a sink that was out of order
 };
-RUBICON_FIELDS(backbone_counts, sent, arrived, overflow, cut, end_off);
+RUBICON_FIELDS(backbone_counters, sent, arrived, overflow, cut, end_off);
 
-/// Two independent ways. Each carries packets one after the other: the octets of a packet at the
-/// baud rate of the sender's cable, then again at that of the receiver's, the latency, and up to
-/// the jitter more; none overtakes another. The receiver acknowledges a packet at once; the
+/// Two independent directions. Each carries packets one after the other: the octets of a packet at
+/// the baud rate of the sender's cable, then again at that of the receiver's, the latency, and up
+/// to the jitter more; none overtakes another. The receiver acknowledges a packet at once; the
 /// acknowledgement takes the latency. Who has none after ack_wait takes the packet for lost.
 class backbone {
 public:
@@ -81,10 +81,10 @@ public:
   /// @pre config.baud > 0
   backbone(backbone_config config, random_stream rng) : config_(config), rng_(rng) {}
 
-  void send(backbone_way way, backbone_packet x, instant now);
+  void send(backbone_direction to, backbone_packet x, instant now);
 
-  /// The sink that packets of this way reach runs, or is out of order.
-  void set_end(backbone_way way, bool on) { of(way).is_on = on; }
+  /// The sink that packets in this direction reach runs, or is out of order.
+  void set_end(backbone_direction to, bool on) { of(to).is_on = on; }
 
   /// Loses what is in transit, and what is sent until repair().
   /// @returns what had arrived by `now`
@@ -95,8 +95,8 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const;
 
   [[nodiscard]] bool is_cut() const { return is_cut_; }
-  [[nodiscard]] const backbone_counts& counters(backbone_way way) const {
-    return lanes_[static_cast<std::size_t>(way)].counters;
+  [[nodiscard]] const backbone_counters& counters(backbone_direction to) const {
+    return lanes_[static_cast<std::size_t>(to)].counters;
   }
 
 private:
@@ -112,22 +112,24 @@ private:
     instant due;
   };
 
-  struct one_way {
+  struct one_direction {
     std::deque<transit> packets; ///< in order of arrival, queue at most
     instant free_at{};           ///< when the sender's cable is free again,
     instant last_due{};          ///< and the last packet arrives
     bool is_on = false;
-    backbone_counts counters;
+    backbone_counters counters;
   };
 
-  [[nodiscard]] one_way& of(backbone_way way) { return lanes_[static_cast<std::size_t>(way)]; }
-  void lose(backbone_way way, const backbone_packet& x, const provenance& from, instant at);
+  [[nodiscard]] one_direction& of(backbone_direction to) {
+    return lanes_[static_cast<std::size_t>(to)];
+  }
+  void lose(backbone_direction to, const backbone_packet& x, const provenance& from, instant at);
   void end(backbone_done x, instant due);
-  void arrive(backbone_way way, backbone_outputs& out);
+  void arrive(backbone_direction to, backbone_outputs& out);
 
   backbone_config config_;
   random_stream rng_;
-  std::array<one_way, 2> lanes_;
+  std::array<one_direction, 2> lanes_;
   std::vector<ending> endings_; ///< by time: of those that a sender waits for
   bool is_cut_ = false;
 };

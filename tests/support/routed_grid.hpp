@@ -25,7 +25,7 @@ public:
       : width_(width), delivery_(delivery), rng_(seed), further_sinks_(std::move(further_sinks)) {
     for (const auto x : further_sinks_) {
       backbones_.emplace(x, serial::backbone({}, random_stream(seed, to_string(x))));
-      backbone(x).set_end(serial::backbone_way::up, true);
+      backbone(x).set_end(serial::backbone_direction::up, true);
     }
     for (int i = 1; i <= width * height; ++i)
       start(id(i));
@@ -150,7 +150,7 @@ private:
 
   void set_end(mote_id x, bool on) {
     if (const auto found = backbones_.find(x); found != backbones_.end())
-      found->second.set_end(serial::backbone_way::down, on);
+      found->second.set_end(serial::backbone_direction::down, on);
   }
 
   void put(mote_id from, network::frame_out frame) {
@@ -166,21 +166,21 @@ private:
     if (frame.token != network::no_token)
       x.token = frame.token;
     backbone(goes_down ? frame.next_hop : from)
-        .send(goes_down ? serial::backbone_way::down : serial::backbone_way::up, std::move(x),
-              now_);
+        .send(goes_down ? serial::backbone_direction::down : serial::backbone_direction::up,
+              std::move(x), now_);
   }
 
   void perform_backbone(mote_id further, const serial::backbone_outputs& todo) {
     for (const auto& output : todo) {
       if (const auto* x = std::get_if<serial::backbone_arrived>(&output)) {
-        const bool goes_up = x->way == serial::backbone_way::up;
+        const bool goes_up = x->to == serial::backbone_direction::up;
         const auto to = goes_up ? the_sink : further;
         perform(to, at(to).on_frame(goes_up ? further : the_sink, x->am_type, x->octets.view(),
                                     own(nodes_.at(to), now_ - x->age), own_time(to),
                                     network::medium::backbone));
       } else {
         const auto& done = std::get<serial::backbone_done>(output);
-        const auto sender = done.way == serial::backbone_way::up ? further : the_sink;
+        const auto sender = done.to == serial::backbone_direction::up ? further : the_sink;
         if (nodes_.contains(sender))
           perform(sender, at(sender).on_sent(done.token, done.acked, 1, own_time(sender)));
       }
@@ -189,20 +189,20 @@ private:
 
   void put_on_air(mote_id from, network::frame_out frame) {
     const auto wait = rng_.between(1ms, 6ms);
-    std::vector<mote_id> heard;
+    std::vector<mote_id> receivers;
     bool acked = false;
     unsigned tries = 0;
     for (const auto& [id, x] : nodes_) {
       if (frame.next_hop == broadcast_mote && near(from, id) && rng_.chance(delivery_))
-        heard.push_back(id);
+        receivers.push_back(id);
     }
     while (frame.next_hop != broadcast_mote && tries < 4 && !acked) {
       ++tries;
       if (!nodes_.contains(frame.next_hop) || !near(from, frame.next_hop) ||
           !rng_.chance(delivery_))
         continue;
-      if (heard.empty())
-        heard.push_back(frame.next_hop);
+      if (receivers.empty())
+        receivers.push_back(frame.next_hop);
       acked = rng_.chance(delivery_);
     }
     if (frame.age_at) {
@@ -212,7 +212,7 @@ private:
                         frame.payload.begin() + static_cast<std::ptrdiff_t>(*frame.age_at));
     }
     const auto when = now_ + wait;
-    for (const auto to : heard) {
+    for (const auto to : receivers) {
       agenda_.add(when, [this, from, to, frame] {
         if (nodes_.contains(to))
           perform(to,

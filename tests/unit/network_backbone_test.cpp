@@ -98,8 +98,8 @@ TEST_CASE("motes send to the nearest of two sinks, which are roots of one tree",
     CHECK(mean_hops(alone, {}) >= 4);
     CHECK(mean_hops(both, {id(8)}) <= 2.5);
     CHECK(exchanged(both) >= 13); // of 14: a unicast is given up now and then
-    CHECK(both.backbone(id(8)).counters(serial::backbone_way::up).arrived > 3);
-    CHECK(both.backbone(id(8)).counters(serial::backbone_way::down).arrived > 3);
+    CHECK(both.backbone(id(8)).counters(serial::backbone_direction::up).arrived > 3);
+    CHECK(both.backbone(id(8)).counters(serial::backbone_direction::down).arrived > 3);
   }
 }
 
@@ -123,7 +123,7 @@ TEST_CASE("the time comes over a backbone, with its jitter as its doubt", "[netw
   CHECK(clock.doubt(apart.own_time(id(3))) >= std::chrono::microseconds(100));
 }
 
-TEST_CASE("motes take another way when a further sink dies, and come back with it",
+TEST_CASE("motes take another route when a further sink dies, and come back with it",
           "[network][NET-05]") {
   for (std::uint64_t seed = 1; seed <= seeds(20); ++seed) {
     CAPTURE(seed);

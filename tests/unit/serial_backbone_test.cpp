@@ -13,8 +13,8 @@ namespace {
 /// Both sinks run.
 backbone make_backbone(backbone_config config = {}) {
   backbone x(config, random_stream(1));
-  x.set_end(backbone_way::up, true);
-  x.set_end(backbone_way::down, true);
+  x.set_end(backbone_direction::up, true);
+  x.set_end(backbone_direction::down, true);
   return x;
 }
 
@@ -37,13 +37,13 @@ std::vector<std::pair<instant, backbone_output>> outputs_of(backbone& x) {
 
 TEST_CASE("a packet crosses both cables, and is acknowledged", "[serial]") {
   auto x = make_backbone({.jitter = 0s});
-  x.send(backbone_way::up, packet_of(41, 7), start);
+  x.send(backbone_direction::up, packet_of(41, 7), start);
   const auto passage = 2 * transmission_time(41 + backbone::overhead, 57600) + 2ms;
   const auto found = outputs_of(x);
   REQUIRE(found.size() == 2);
   const auto& arrived = std::get<backbone_arrived>(found[0].second);
   CHECK(found[0].first == start + passage);
-  CHECK(arrived.way == backbone_way::up);
+  CHECK(arrived.to == backbone_direction::up);
   CHECK(arrived.am_type == 5);
   CHECK(arrived.octets == payload(bytes(41, 0x55)));
   CHECK(arrived.age == passage);
@@ -51,22 +51,22 @@ TEST_CASE("a packet crosses both cables, and is acknowledged", "[serial]") {
   CHECK(found[1].first == start + passage + 2ms);
   CHECK(done.token == 7);
   CHECK(done.acked);
-  CHECK(x.counters(backbone_way::up).arrived == 1);
-  CHECK(x.counters(backbone_way::down).sent == 0);
+  CHECK(x.counters(backbone_direction::up).arrived == 1);
+  CHECK(x.counters(backbone_direction::down).sent == 0);
 }
 
-TEST_CASE("packets of one way queue up, and say how long they waited", "[serial]") {
+TEST_CASE("packets in one direction queue up, and carry how long they waited", "[serial]") {
   auto x = make_backbone({.jitter = 0s});
   for (int i = 0; i < 3; ++i)
-    x.send(backbone_way::down, packet_of(41), start);
-  x.send(backbone_way::up, packet_of(41), start); // the other way does not wait
+    x.send(backbone_direction::down, packet_of(41), start);
+  x.send(backbone_direction::up, packet_of(41), start); // the other direction does not wait
   const auto one = transmission_time(41 + backbone::overhead, 57600);
   const auto found = outputs_of(x);
   REQUIRE(found.size() == 4);
-  CHECK(std::get<backbone_arrived>(found[0].second).way == backbone_way::up);
+  CHECK(std::get<backbone_arrived>(found[0].second).to == backbone_direction::up);
   for (int i = 0; i < 3; ++i) {
     const auto& arrived = std::get<backbone_arrived>(found[static_cast<std::size_t>(i + 1)].second);
-    CHECK(arrived.way == backbone_way::down);
+    CHECK(arrived.to == backbone_direction::down);
     CHECK(arrived.age == (i + 2) * one + 2ms);
     CHECK(found[static_cast<std::size_t>(i + 1)].first == start + arrived.age);
   }
@@ -77,7 +77,7 @@ TEST_CASE("the age of a packet is wrong by half of the jitter at most", "[serial
   duration most{};
   for (int i = 0; i < 200; ++i) {
     const auto sent = start + i * 1s;
-    x.send(backbone_way::down, packet_of(60), sent);
+    x.send(backbone_direction::down, packet_of(60), sent);
     const auto found = outputs_of(x);
     REQUIRE(found.size() == 1);
     const auto& arrived = std::get<backbone_arrived>(found[0].second);
@@ -91,7 +91,7 @@ TEST_CASE("the age of a packet is wrong by half of the jitter at most", "[serial
 TEST_CASE("nobody overtakes on a backbone", "[serial]") {
   auto x = make_backbone({.baud = 1'000'000, .jitter = 50ms});
   for (std::uint8_t i = 0; i < 20; ++i)
-    x.send(backbone_way::up, {std::nullopt, i, bytes(20)}, start);
+    x.send(backbone_direction::up, {std::nullopt, i, bytes(20)}, start);
   std::uint8_t next = 0;
   for (const auto& [when, what] : outputs_of(x))
     CHECK(std::get<backbone_arrived>(what).am_type == next++);
@@ -101,43 +101,43 @@ TEST_CASE("nobody overtakes on a backbone", "[serial]") {
 TEST_CASE("what a backbone loses is counted, and not acknowledged", "[serial]") {
   SECTION("at a sink that is out of order") {
     auto x = make_backbone();
-    x.set_end(backbone_way::down, false);
-    x.send(backbone_way::down, packet_of(41, 1), start);
-    x.send(backbone_way::down, packet_of(41), start);
+    x.set_end(backbone_direction::down, false);
+    x.send(backbone_direction::down, packet_of(41, 1), start);
+    x.send(backbone_direction::down, packet_of(41), start);
     const auto found = outputs_of(x);
     REQUIRE(found.size() == 1);
     CHECK_FALSE(std::get<backbone_done>(found[0].second).acked);
     CHECK(found[0].first > start + backbone::ack_wait);
-    CHECK(x.counters(backbone_way::down).end_off == 2);
-    CHECK(x.counters(backbone_way::down).arrived == 0);
+    CHECK(x.counters(backbone_direction::down).end_off == 2);
+    CHECK(x.counters(backbone_direction::down).arrived == 0);
   }
   SECTION("because it is cut") {
     auto x = make_backbone();
-    x.send(backbone_way::up, packet_of(41, 1), start);
+    x.send(backbone_direction::up, packet_of(41, 1), start);
     CHECK(x.cut(start + 1ms).empty());
     CHECK(x.is_cut());
-    x.send(backbone_way::up, packet_of(41, 2), start + 2ms);
+    x.send(backbone_direction::up, packet_of(41, 2), start + 2ms);
     const auto found = outputs_of(x);
     REQUIRE(found.size() == 2);
     for (const auto& [when, what] : found)
       CHECK_FALSE(std::get<backbone_done>(what).acked);
-    CHECK(x.counters(backbone_way::up).cut == 2);
+    CHECK(x.counters(backbone_direction::up).cut == 2);
     x.repair();
-    x.send(backbone_way::up, packet_of(41, 3), start + 1s);
+    x.send(backbone_direction::up, packet_of(41, 3), start + 1s);
     CHECK(outputs_of(x).size() == 2);
-    CHECK(x.counters(backbone_way::up).arrived == 1);
+    CHECK(x.counters(backbone_direction::up).arrived == 1);
   }
   SECTION("at a full queue") {
     auto x = make_backbone({.queue = 2});
     for (std::uint64_t i = 0; i < 4; ++i)
-      x.send(backbone_way::up, packet_of(41, i), start);
+      x.send(backbone_direction::up, packet_of(41, i), start);
     std::size_t acked = 0;
     for (const auto& [when, what] : outputs_of(x)) {
       const auto* done = std::get_if<backbone_done>(&what);
       acked += done != nullptr && done->acked ? 1 : 0;
     }
     CHECK(acked == 2);
-    CHECK(x.counters(backbone_way::up).overflow == 2);
-    CHECK(x.counters(backbone_way::up).sent == 4);
+    CHECK(x.counters(backbone_direction::up).overflow == 2);
+    CHECK(x.counters(backbone_direction::up).sent == 4);
   }
 }
