@@ -25,6 +25,16 @@ void backbone::send(backbone_direction to, backbone_packet x, instant now) {
   lane.packets.push_back({std::move(x), known + config_.jitter / 2, lane.last_due});
 }
 
+void backbone::set_end(backbone_direction to, bool on) {
+  of(to).is_on = on;
+  if (on)
+    return;
+  const auto from_it = opposite(to);
+  std::erase_if(endings_, [from_it](const ending& x) { return x.what.to == from_it; });
+  for (auto& x : of(from_it).packets)
+    x.packet.token.reset();
+}
+
 void backbone::lose(backbone_direction to, const backbone_packet& x, const provenance& from,
                     instant at) {
   note_loss(from, loss::line_failed);

@@ -83,8 +83,9 @@ public:
 
   void send(backbone_direction to, backbone_packet x, instant now);
 
-  /// The sink that packets in this direction reach runs, or is out of order.
-  void set_end(backbone_direction to, bool on) { of(to).is_on = on; }
+  /// The sink that packets in this direction reach runs, or is out of order: then nobody waits any
+  /// more for what it has sent, and its next life numbers packets anew.
+  void set_end(backbone_direction to, bool on);
 
   /// Loses what is in transit, and what is sent until repair().
   /// @returns what had arrived by `now`

@@ -141,3 +141,25 @@ TEST_CASE("what a backbone loses is counted, and not acknowledged", "[serial]") 
     CHECK(x.counters(backbone_direction::up).sent == 4);
   }
 }
+
+TEST_CASE("a sink's next life is not notified of packets of the one before", "[serial]") {
+  auto x = make_backbone({.latency = 1s, .jitter = 0s});
+  x.send(backbone_direction::up, packet_of(41, 1), start);
+  const auto first = x.on_time(start + 1500ms); // it has arrived, its acknowledgement has not
+  REQUIRE(first.size() == 1);
+  CHECK(std::holds_alternative<backbone_arrived>(first[0]));
+  x.send(backbone_direction::up, packet_of(41, 2), start + 1500ms);
+  x.send(backbone_direction::down, packet_of(41, 1), start + 1500ms);
+  x.set_end(backbone_direction::down, false); // the further sink ends
+  x.set_end(backbone_direction::down, true);
+  std::size_t arrived = 0;
+  std::vector<backbone_direction> done;
+  for (const auto& [when, what] : outputs_of(x)) {
+    if (const auto* ended = std::get_if<backbone_done>(&what))
+      done.push_back(ended->to);
+    else
+      ++arrived;
+  }
+  CHECK(arrived == 2);
+  CHECK(done == std::vector{backbone_direction::down});
+}
