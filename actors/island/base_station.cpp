@@ -116,6 +116,8 @@ sink_actor::behavior_type base_station(base_station_pointer self, sink_arguments
       },
       [](battery_low) {}, // it is fed by its cable
       [](battery_flat) {},
+      [](const backbone_received&) {}, // it has none
+      [](const backbone_sent&) {},
       [](crash_now) { throw std::runtime_error(std::string(planned_crash)); },
       [](const step_clock&) {}, // it gives no mote the time
       [self](const status_request& x) {

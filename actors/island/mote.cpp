@@ -51,7 +51,12 @@ struct mote_performer {
 
   void operator()(network::frame_out& x) const {
     const acting_on its(x.from);
-    self->send(self->state.arguments->air, request_of(self->state.arguments->radio, std::move(x)));
+    const auto& arguments = *self->state.arguments;
+    if (x.over == network::medium::backbone)
+      self->send(arguments.backbone,
+                 backbone_write{false, x.token, x.am_type, payload(std::move(x.payload))});
+    else
+      self->send(arguments.air, request_of(arguments.radio, std::move(x)));
   }
 
   void operator()(const mote::actuator_arrived& x) const { tell_state(self, x.name, x.state); }
@@ -274,11 +279,24 @@ void on_attach(mote_pointer self, const attach_program& x) {
   perform(self, mote::node_outputs{});
 }
 
+void on_backbone(mote_pointer self, const backbone_received& x) {
+  if (self->state.node && !self->state.flat)
+    perform(self, self->state.node->on_frame(x.source, x.am_type, x.octets.view(),
+                                             self->state.crystal.own(now(self) - x.age),
+                                             own_time(self), network::medium::backbone));
+}
+
+void attach_to_backbone(mote_pointer self, const backbone_end_actor& user) {
+  if (const auto& backbone = self->state.arguments->backbone)
+    self->send(backbone, attach_backbone{true, user});
+}
+
 /// The MCU has stopped: no programs, no timers, no answers on the radio.
 void die(mote_pointer self) {
   if (self->state.flat)
     return;
   self->state.flat = true;
+  attach_to_backbone(self, {});
   self->state.separate.send_detached(self);
   log(self, spdlog::level::info, "event=battery_flat");
   self->send(self->state.arguments->ecology, notable_event{self->path(), "battery flat"});
@@ -488,6 +506,7 @@ void start(mote_pointer self) {
       arguments.crystal.ahead_by(mote::boot_time(random_stream(arguments.seed, life + "/clock")));
   state.crystal = crystal;
   self->send(arguments.air, attach_radio{arguments.radio, {handle_of<radio_user_actor>(self)}});
+  attach_to_backbone(self, {handle_of<backbone_end_actor>(self)});
   if (arguments.stack == config::stack::full)
     state.node.emplace(std::shared_ptr<const mote::node_config>(state.arguments, &arguments.node),
                        state.crystal, state.store, random_stream(arguments.seed, life),
@@ -533,6 +552,11 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
       [self](const frame_received& x) { on_frame(self, x.psdu.view(), x.rssi_dbm); },
       [self](const timer_expired& x) { on_timer(self, x); },
       [self](const radio_done& x) { on_done(self, x); },
+      [self](const backbone_received& x) { on_backbone(self, x); },
+      [self](const backbone_sent& x) {
+        if (self->state.node && !self->state.flat)
+          perform(self, self->state.node->on_sent(x.token, x.acked, 1, own_time(self)));
+      },
       [self](battery_low) { on_battery_low(self); },
       [self](battery_flat) { die(self); },
       [self](const attach_program& x) {

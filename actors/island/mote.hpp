@@ -15,6 +15,7 @@
 #include "actors/island/separate_programs.hpp"
 #include "actors/island/smepp_shell.hpp"
 #include "actors/messages/air.hpp"
+#include "actors/messages/backbone.hpp"
 #include "actors/messages/programs.hpp"
 #include "actors/messages/supervision.hpp"
 #include "apps/messenger.hpp"
@@ -48,6 +49,7 @@ struct mote_arguments {
   std::uint64_t seed = 0;             ///< of the ecology
   radio::radio_index radio;
   air_actor air;
+  backbone_actor backbone; ///< of a further sink; empty: it is none
   ecology_actor ecology;
 };
 

@@ -1,5 +1,6 @@
 #include "actors/island/sink.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "actors/base/failure.hpp"
@@ -34,7 +35,12 @@ struct sink_performer {
 
   void operator()(network::frame_out& x) const {
     const acting_on its(x.from);
-    self->send(self->state.arguments.air, request_of(self->state.arguments.radio, std::move(x)));
+    const auto& arguments = self->state.arguments;
+    if (x.over == network::medium::backbone)
+      self->send(std::ranges::find(arguments.backbones, x.next_hop, &sink_backbone::to)->link,
+                 backbone_write{true, x.token, x.am_type, payload(std::move(x.payload))});
+    else
+      self->send(arguments.air, request_of(arguments.radio, std::move(x)));
   }
 
   void operator()(mote::to_gateway& x) const {
@@ -187,6 +193,8 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments,
   self->send(state.arguments.air, attach_radio{state.arguments.radio, {handle}});
   for (const auto& each : state.arguments.lines)
     self->send(each.line, attach_serial{serial::direction::to_mote, {handle}});
+  for (const auto& each : state.arguments.backbones)
+    self->send(each.link, attach_backbone{false, {handle}});
   perform(self, state.sink.start(own_time(self)));
   state.flows.start(self, state.arguments.apps, state.arguments.address, state.arguments.radio,
                     state.arguments.air,
@@ -215,6 +223,15 @@ sink_actor::behavior_type sink(sink_pointer self, sink_arguments arguments,
           perform(self, self->state.ports[i].on_time(now(self)), i);
       },
       [self](const serial_octets& x) { on_octets(self, x); },
+      [self](const backbone_received& x) {
+        perform(self,
+                self->state.sink.on_frame(x.source, x.am_type, x.octets.view(),
+                                          self->state.arguments.crystal.own(now(self) - x.age),
+                                          own_time(self), network::medium::backbone));
+      },
+      [self](const backbone_sent& x) {
+        perform(self, self->state.sink.on_sent(x.token, x.acked, 1, own_time(self)));
+      },
       [self](battery_low) {
         self->send(self->state.arguments.ecology,
                    notable_event{self->path(), "sink's battery low"});

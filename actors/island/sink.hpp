@@ -25,6 +25,12 @@ struct sink_line {
   serial::mote_port_config port;
 };
 
+/// The backbone to a further sink.
+struct sink_backbone {
+  mote_id to;
+  backbone_actor link;
+};
+
 /// What a sink actor is made of.
 struct sink_arguments {
   mote_address address;
@@ -34,6 +40,7 @@ struct sink_arguments {
   air_actor air;
   bool is_base_station = false; ///< then no mote joins it: tables, clock and members mean nothing
   std::vector<sink_line> lines; ///< at least one, in the order in which gateways take over
+  std::vector<sink_backbone> backbones;
   std::vector<config::mote_app> apps; ///< that measure
   mote::crystal crystal;              ///< ahead by what the clock of this life shows, once it runs
   mote::duty_config duty;

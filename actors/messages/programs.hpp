@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "actors/messages/air.hpp"
+#include "actors/messages/backbone.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/serial.hpp"
 #include "communication/remote_messages.hpp"
@@ -89,7 +90,7 @@ RUBICON_FIELDS(set_network_keys);
 
 struct mote_interface : extends<radio_user_interface, attach_program, program_commands, move_mote,
                                 crash_now, end_battery, step_clock, set_period, set_network_keys,
-                                timer_expired, status_request> {};
+                                backbone_received, backbone_sent, timer_expired, status_request> {};
 using mote_actor = ref<mote_interface>;
 
 /// From whoever spawned both: the program's mote runs, for the first time or again.
@@ -104,7 +105,7 @@ struct program_interface
 using program_actor = ref<program_interface>;
 
 struct sink_interface : extends<radio_user_interface, serial_octets, crash_now, step_clock,
-                                timer_expired, status_request> {};
+                                backbone_received, backbone_sent, timer_expired, status_request> {};
 using sink_actor = ref<sink_interface>;
 
 } // namespace rubicon

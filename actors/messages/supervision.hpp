@@ -107,6 +107,13 @@ struct serial_status {
 };
 RUBICON_FIELDS(serial_status, island, serial);
 
+/// What a backbone has carried and lost.
+struct backbone_status {
+  island_id island;
+  report::backbone_report backbone;
+};
+RUBICON_FIELDS(backbone_status, island, backbone);
+
 /// What the gateway's end of a line to real motes has counted.
 struct real_line_status {
   island_id island;
@@ -206,10 +213,11 @@ RUBICON_FIELDS(debug_wanted, who, text);
 /// The root supervisor, as those below it see it.
 struct ecology_interface
     : takes<notable_event, mote_flat, listing_changed, radio_status, energy_status, flow_status,
-            message_status, network_status, smepp_status, serial_status, real_line_status,
-            devices_status, gateway_status, peer_status, proxy_status, program_status,
-            module_status, sample_status, start_component, stop_component, actor_failed,
-            request_unmet, store_written, radio_left, outside_link_changed, debug_wanted> {};
+            message_status, network_status, smepp_status, serial_status, backbone_status,
+            real_line_status, devices_status, gateway_status, peer_status, proxy_status,
+            program_status, module_status, sample_status, start_component, stop_component,
+            actor_failed, request_unmet, store_written, radio_left, outside_link_changed,
+            debug_wanted> {};
 using ecology_actor = ref<ecology_interface>;
 
 /// To itself: this fault of the description's plan is due.

@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "actors/messages/air.hpp"
+#include "actors/messages/backbone.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/links.hpp"
 #include "actors/messages/peis.hpp"
@@ -75,6 +76,22 @@ bool fill(record& r, const plug_serial& x) {
   r.what = kind::plug_serial;
   r.yes = x.plugged;
   return true;
+}
+
+bool fill(record& r, const backbone_write& x) {
+  r.what = kind::backbone_write;
+  r.count = x.down ? 1 : 0;
+  r.channel = x.am_type;
+  r.octets = to_bytes(x.octets.view());
+  return !is_beacon(x.am_type);
+}
+
+bool fill(record& r, const backbone_received& x) {
+  r.what = kind::backbone_received;
+  r.mote.mote = x.source;
+  r.channel = x.am_type;
+  r.octets = to_bytes(x.octets.view());
+  return !is_beacon(x.am_type);
 }
 
 bool fill(record& r, const link_opened& x) {
@@ -271,7 +288,8 @@ void run_record::write(const scheduler::delivery& x) {
   const bool worth =
       take_any<radio_send, radio_done, frame_received, set_tuple, tuple_event, serial_write,
                serial_octets, watch_tuples, set_remote_tuple, set_meta_tuple, send_peis_message,
-               delete_tuple, peis_outcome, link_opened, plug_serial, notable_event>(x, r);
+               delete_tuple, peis_outcome, link_opened, plug_serial, backbone_write,
+               backbone_received, notable_event>(x, r);
   const auto cause = recorded_cause(x.cause);
   if (!worth) {
     if (cause != 0)

@@ -16,6 +16,7 @@
 #include "actors/messages/supervision.hpp"
 #include "actors/peis/peis_bluetooth.hpp"
 #include "actors/peis/peis_lan.hpp"
+#include "actors/serial/backbone.hpp"
 #include "actors/serial/outside_line.hpp"
 #include "actors/serial/pty_end.hpp"
 #include "actors/serial/replay_line.hpp"
@@ -149,6 +150,24 @@ std::shared_ptr<const mote::node_tables> tables_of(ecology_pointer self, island_
   return made;
 }
 
+/// How far the age of a packet may be wrong.
+std::chrono::microseconds doubt_of(const serial::backbone_config& x) {
+  return std::chrono::ceil<std::chrono::microseconds>(x.jitter / 2);
+}
+
+/// Of the further sinks of an island; before these.
+void spawn_backbones(ecology_pointer self, const config::island_description& island) {
+  for (const auto& mote : island.motes) {
+    if (!mote.backbone)
+      continue;
+    const auto path = "backbone/" + island.name + '/' + mote.name;
+    self->state.backbones[{island.id, mote.id}] = spawn_child(
+        *self->state.processes.at(island.id), self, path, backbone,
+        serial::backbone(*mote.backbone, random_stream(self->state.description.seed, path)),
+        backbone_place{island.id, island.sink.id, mote.id}, handle_of(self));
+  }
+}
+
 mote_arguments arguments_of(ecology_pointer self, const config::island_description& island,
                             const config::mote_description& mote, const apps::traffic& traffic,
                             radio::radio_index radio, const air_actor& air) {
@@ -180,6 +199,10 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.seed = self->state.description.seed;
   x.radio = radio;
   x.air = air;
+  if (mote.backbone) {
+    x.node.backbone = {{island.sink.id}, doubt_of(*mote.backbone)};
+    x.backbone = self->state.backbones.at(x.address);
+  }
   x.ecology = handle_of(self);
   return x;
 }
@@ -254,6 +277,14 @@ void spawn_bridge(ecology_pointer self, const config::island_description& island
   at_sink.registrar.roster_period *= slowness;
   at_sink.registrar.roster_page_gap *= slowness;
   at_sink.address = {island.id, island.sink.id};
+  for (const auto& mote : island.motes) {
+    if (!mote.backbone)
+      continue;
+    at_sink.backbones.push_back({mote.id, self->state.backbones.at({island.id, mote.id})});
+    auto& ends = at_sink.network.backbone;
+    ends.motes.push_back(mote.id);
+    ends.doubt = std::max(ends.doubt, doubt_of(*mote.backbone));
+  }
   at_sink.radio = radio;
   at_sink.air = air;
   at_sink.apps = island.sink.apps;
@@ -322,7 +353,7 @@ radio::radio_config radio_of(const config::island_description& island,
   x.place = mote.place;
   x.kind = mote.platform;
   x.transmit_dbm = mote.transmit_dbm;
-  x.battery_mah = mote.battery_mah;
+  x.battery_mah = mote.backbone ? mains_mah : mote.battery_mah; // its cable feeds it
   x.access = mote.access;
   x.channel = config::channel_of(island, mote);
   x.listening = island.listening;
@@ -508,6 +539,8 @@ void spawn_place(ecology_pointer self, const config::air_description& air) {
                                   description.seed, handle_of(self), state.observe_frames);
   for (std::uint32_t i = 0; i < extra.size(); ++i)
     state.noises[extra[i]] = {medium, radio::radio_index{first_noise.value + i}};
+  for (const auto* island : islands)
+    spawn_backbones(self, *island);
   for (const auto& x : motes)
     state.successors[x.fault] = std::make_shared<const mote_arguments>(arguments_of(
         self, own_island(self, x.island), x.mote, state.traffic.at(x.island), x.radio, medium));

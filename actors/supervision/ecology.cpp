@@ -107,6 +107,8 @@ void on_mote_down(ecology_pointer self, supervised_mote& mote, const caf::error&
   }
   const auto plan = note_end(self, path, path, reason);
   self->send(mote.arguments->air, radio_power{mote.arguments->radio, radio::power::off});
+  if (mote.arguments->backbone)
+    self->send(mote.arguments->backbone, attach_backbone{true, {}});
   const auto next = plan ? state.successors.find(plan->fault) : state.successors.end();
   if (next != state.successors.end() && next->second->address == mote.arguments->address) {
     const auto& crash =
@@ -129,6 +131,8 @@ void on_sink_down(ecology_pointer self, island_id island, supervised_sink& sink,
   self->send(sink.arguments->air, radio_power{sink.arguments->radio, radio::power::off});
   for (const auto& each : sink.arguments->lines)
     self->send(each.line, attach_serial{serial::direction::to_mote, {}});
+  for (const auto& each : sink.arguments->backbones)
+    self->send(each.link, attach_backbone{false, {}});
   self->delayed_send(self, outage(note_end(self, sink.path, event_source(sink), reason)),
                      restart_sink{island});
 }
@@ -362,6 +366,9 @@ root_actor::behavior_type ecology(ecology_pointer self, config::ecology_descript
           island_of(self, x.island).smepp += x.smepp;
       },
       [self](const serial_status& x) { island_of(self, x.island).serial += x.serial; },
+      [self](const backbone_status& x) {
+        island_of(self, x.island).network.backbone += x.backbone;
+      },
       [self](const real_line_status& x) { island_of(self, x.island).real += x.real; },
       [self](const devices_status& x) {
         self->state.listed[x.island] = x.listed;

@@ -198,6 +198,7 @@ struct ecology_state : collected_answers {
   /// What a mote is after a fault of the plan, by the fault's index.
   std::map<std::uint32_t, std::shared_ptr<const mote_arguments>> successors;
   std::map<std::pair<island_id, std::size_t>, serial_line_actor> lines; ///< of sinks, numbered
+  std::map<mote_address, backbone_actor> backbones;                     ///< of further sinks
   std::map<island_id, serial_line_actor> real_lines; ///< to real motes beside simulated ones
   /// Of the world; nullptr until a reader needs them.
   std::shared_ptr<const std::vector<rfid::tag>> tags;

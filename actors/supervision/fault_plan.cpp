@@ -169,6 +169,10 @@ struct fault_applier : peer_fault_applier {
   }
 
   void operator()(const config::unplug_fault& x) const {
+    if (x.further_sink) {
+      unplug(self->state.backbones.at(*x.further_sink), x.length);
+      return;
+    }
     auto& lines = self->state.lines;
     if (x.island == config::any_island) {
       if (const auto* line = draw(self, lines, [](const serial_line_actor&) { return true; }))
@@ -184,7 +188,8 @@ struct fault_applier : peer_fault_applier {
       unplug(real->second, x.length);
   }
 
-  void unplug(const serial_line_actor& line, duration length) const {
+  template <class Line>
+  void unplug(const Line& line, duration length) const {
     self->send(line, plug_serial{false});
     self->delayed_send(line, length, plug_serial{true});
   }

@@ -212,6 +212,7 @@ void begin_collecting(ecology_pointer self) {
     x.address = address;
     x.name = mote.arguments->name.substr(mote.arguments->name.find('/') + 1);
     x.type = mote.type;
+    x.further_sink = static_cast<bool>(mote.arguments->backbone);
     x.joins = mote.arguments->stack == config::stack::full;
     x.joined = mote.joined;
     x.alive = !mote.flat && mote.handle != nullptr;

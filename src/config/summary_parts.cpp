@@ -63,6 +63,8 @@ struct fault_cells {
                         place_text(x.place) + ", off" + lasting(x.length)};
   }
   row operator()(const unplug_fault& x) const {
+    if (x.further_sink)
+      return {"unplug", "backbone of " + mote(*x.further_sink) + lasting(x.length)};
     return {"unplug", (x.gateway ? peer(*x.gateway) : island(x.island)) + lasting(x.length)};
   }
   row operator()(const kill_fault& x) const { return {"kill", peer(x.peer) + lasting(x.length)}; }

@@ -4,7 +4,6 @@
 
 namespace rubicon::explain {
 
-/// @param fragment @param fragments which part of it the frame carries
 std::optional<sighting> air_follower::recognise(const record& r, mote_address who,
                                                 std::uint32_t& fragment, std::uint32_t& fragments) {
   const auto am_type = static_cast<std::uint8_t>(r.channel);

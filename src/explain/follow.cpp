@@ -21,13 +21,15 @@ private:
   tuple_follower tuples_{all_};
   air_follower air_{all_, messages_};
   line_follower lines_{all_, messages_};
+  backbone_follower backbones_{all_, air_};
   link_follower links_{all_, messages_, tuples_};
   bool keeps_view_;
 };
 
 void following::follower::take(const record& r) {
   all_.note(r);
-  const bool is_hop = r.what == kind::serial_octets || r.what == kind::link_octets;
+  const bool is_hop = r.what == kind::serial_octets || r.what == kind::link_octets ||
+                      r.what == kind::backbone_received;
   if (r.unheard && !is_hop) // nobody makes anything of it
     return;
   switch (r.what) {
@@ -46,7 +48,11 @@ void following::follower::take(const record& r) {
   case kind::serial_octets:
     return lines_.on_octets(r);
   case kind::plug_serial:
-    return lines_.on_plug(r);
+    return r.to.starts_with("backbone/") ? backbones_.on_plug(r) : lines_.on_plug(r);
+  case kind::backbone_write:
+    return backbones_.on_write(r);
+  case kind::backbone_received:
+    return backbones_.on_received(r);
   case kind::link_opened:
     return links_.on_opened(r);
   case kind::link_octets:

@@ -1,4 +1,5 @@
-// For files of this room only: what crosses the air, the serial lines, and the links between peers.
+// For files of this room only: what crosses the air, the serial lines, the backbones, and the links
+// between peers.
 #pragma once
 
 #include <array>
@@ -24,15 +25,17 @@ public:
   void on_received(const record& r);
   void on_done(const record& r);
 
+  /// What a packet of the Network module carries that `who` sends over any medium.
+  /// @param fragment @param fragments which part of it
+  [[nodiscard]] std::optional<sighting>
+  recognise(const record& r, mote_address who, std::uint32_t& fragment, std::uint32_t& fragments);
+
 private:
   struct request {
     node_index hop = no_node;
     std::uint32_t fragment = 0;
     bool to_all = false;
   };
-
-  [[nodiscard]] std::optional<sighting>
-  recognise(const record& r, mote_address who, std::uint32_t& fragment, std::uint32_t& fragments);
 
   growth& all_;
   message_follower& messages_;
@@ -67,6 +70,35 @@ private:
   growth& all_;
   message_follower& messages_;
   std::map<std::string, cable> lines_;
+};
+
+/// Packets between an island's sink and its further ones. A backbone keeps them in order: what was
+/// given to it before one that has come, and has not come itself, is lost.
+class backbone_follower {
+public:
+  backbone_follower(growth& all, air_follower& air) : all_(all), air_(air) {}
+
+  void on_write(const record& r);
+  void on_received(const record& r);
+  void on_plug(const record& r);
+
+private:
+  struct written {
+    std::uint64_t number = 0;
+    node_index hop = no_node;
+    std::size_t attempt = 0;
+    std::uint32_t fragment = 0;
+  };
+  struct connection {
+    bool is_cut = false;
+    std::array<std::deque<written>, 2> in_flight; ///< by direction
+  };
+
+  void lose(const written& x, const char* why);
+
+  growth& all_;
+  air_follower& air_;
+  std::map<std::string, connection> links_;
 };
 
 /// Packages, each in a record of its own, and what components ask their kernels to send.

@@ -51,7 +51,7 @@ retries retries_of(const traces& all, const message& x) {
       continue;
     if (hop.over == medium::air)
       sum.radio += repeats(hop);
-    else if (hop.over == medium::serial)
+    else if (hop.over == medium::serial || hop.over == medium::backbone)
       sum.serial += repeats(hop);
     else
       sum.peis += repeats(hop);
@@ -79,7 +79,7 @@ const node* last_hop_of(const traces& all, const message& x) {
 bool is_given_up(const node* last) {
   if (last == nullptr || last->arrived)
     return false;
-  if (last->over == medium::serial)
+  if (last->over == medium::serial || last->over == medium::backbone)
     return !last->attempts.empty() && !last->attempts.back().outcome.empty();
   return !last->failure.empty();
 }

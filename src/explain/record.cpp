@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::string_view, 26> kind_words = {
+constexpr std::array<std::string_view, 28> kind_words = {
     "begun",
     "radio_send",
     "radio_done",
@@ -22,6 +22,8 @@ constexpr std::array<std::string_view, 26> kind_words = {
     "serial_write",
     "serial_octets",
     "plug_serial",
+    "backbone_write",
+    "backbone_received",
     "link_opened",
     "link_octets",
     "link_lost",

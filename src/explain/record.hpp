@@ -28,7 +28,9 @@ enum class kind : std::uint8_t {
   frame_received,    ///< and reached a mote or sink
   serial_write,      ///< octets given to a serial line
   serial_octets,     ///< octets that came out of it
-  plug_serial,       ///< the cable is plugged in, or not
+  plug_serial,       ///< the cable or backbone is plugged in, or not
+  backbone_write,    ///< a packet given to a backbone
+  backbone_received, ///< and received at its other end
   link_opened,       ///< a PEIS link between two peers
   link_octets,       ///< packages that came over it
   link_lost,         ///< packages that did not
@@ -66,7 +68,8 @@ struct record {
   std::uint16_t channel = 0; ///< AM type
   std::string text;          ///< key, status, outcome, name, event, what has begun
   bytes octets;              ///< frame, payload, value
-  std::uint32_t count = 0;   ///< transmissions; 1 to_mote, 0 to_pc; state of an actuator
+  std::uint32_t count = 0;   ///< transmissions; 1 to_mote or to a further sink, 0 to_pc or to the
+                             ///< island's sink; state of an actuator
   bool yes = false;          ///< acked, received, reliable, deleted, plugged, text
   bool unheard = false;      ///< the receiver had ended
 

@@ -33,7 +33,7 @@ enum class step : std::uint8_t {
   notified, ///< a component receives the value
 };
 
-enum class medium : std::uint8_t { none, air, serial, peis };
+enum class medium : std::uint8_t { none, air, serial, backbone, peis };
 
 /// What a hop carries.
 enum class cargo : std::uint8_t {
@@ -43,7 +43,7 @@ enum class cargo : std::uint8_t {
   greeting_answer, ///< back to the sender
 };
 
-/// One frame on the air, one write to a line, one package on a link.
+/// One frame on the air, one write to a line or backbone, one package on a link.
 struct attempt {
   instant begin;
   std::string outcome; ///< `delivered`, or why not

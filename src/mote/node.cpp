@@ -98,6 +98,7 @@ node::node(std::shared_ptr<const node_config> config, crystal crystal, const non
   network.self = config_->id;
   network.duty = config_->duty.common();
   network.wake = config_->access.wake;
+  network.backbone = config_->backbone;
   packets_ = packet_service(network, random_stream(rng_.next()), now);
   duty_ = duty_cycle(config_->duty, false);
   for (const auto& x : config_->actuators)
@@ -203,10 +204,10 @@ std::optional<instant> node::next_notice(instant now) {
 // What comes.
 
 node_outputs node::on_frame(mote_id source, std::uint8_t am_type, byte_view payload, instant sfd,
-                            instant now) {
+                            instant now, network::medium over) {
   node_outputs out;
   duty_.on_frame(am_type, payload, now);
-  take(packets_.on_frame(source, am_type, payload, sfd, now), out, now);
+  take(packets_.on_frame(source, am_type, payload, sfd, now, over), out, now);
   settle(out, now);
   return out;
 }

@@ -54,6 +54,7 @@ struct node_config {
   /// Never nullptr; motes that are alike share one.
   std::shared_ptr<const node_tables> tables = std::make_shared<const node_tables>();
   network::access_times access; ///< of every radio of the island, at least
+  network::backbone_ends backbone;
   duty_config duty;
 };
 
@@ -145,10 +146,11 @@ public:
   [[nodiscard]] std::optional<std::uint8_t> actuator_state(const std::string& name,
                                                            instant now) const;
 
-  /// The radio has delivered a frame for this mote.
-  /// @param sfd when its start-of-frame delimiter was received
+  /// The radio, or a backbone, has delivered a frame for this mote.
+  /// @param sfd as in network::router::on_frame()
   [[nodiscard]] node_outputs on_frame(mote_id source, std::uint8_t am_type, byte_view payload,
-                                      instant sfd, instant now);
+                                      instant sfd, instant now,
+                                      network::medium over = network::medium::radio);
 
   /// How strongly the frame that was delivered last has come.
   [[nodiscard]] node_outputs on_signal(mote_id source, int rssi_dbm, instant now);

@@ -67,8 +67,9 @@ packet_service_outputs packet_service::send_management(mote_id to, byte_view mes
 }
 
 packet_service_outputs packet_service::on_frame(mote_id source, std::uint8_t am_type,
-                                                byte_view payload, instant sfd, instant now) {
-  return carry(router_.on_frame(source, am_type, payload, sfd, now), now);
+                                                byte_view payload, instant sfd, instant now,
+                                                network::medium over) {
+  return carry(router_.on_frame(source, am_type, payload, sfd, now, over), now);
 }
 
 packet_service_outputs packet_service::on_sent(std::uint64_t token, bool acked,

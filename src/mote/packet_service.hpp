@@ -62,7 +62,8 @@ public:
 
   // The rest of the Network module; outputs of router() itself go through carry().
   [[nodiscard]] packet_service_outputs on_frame(mote_id source, std::uint8_t am_type,
-                                                byte_view payload, instant sfd, instant now);
+                                                byte_view payload, instant sfd, instant now,
+                                                network::medium over = network::medium::radio);
   [[nodiscard]] packet_service_outputs on_sent(std::uint64_t token, bool acked,
                                                unsigned transmissions, instant now);
   [[nodiscard]] packet_service_outputs on_time(instant now); ///< harmless before deadline()

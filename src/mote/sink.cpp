@@ -44,8 +44,8 @@ sink_outputs sink::start(instant now) {
 }
 
 sink_outputs sink::on_frame(mote_id source, std::uint8_t am_type, byte_view payload, instant sfd,
-                            instant now) {
-  return finish(take(packets_.on_frame(source, am_type, payload, sfd, now), now), now);
+                            instant now, network::medium over) {
+  return finish(take(packets_.on_frame(source, am_type, payload, sfd, now, over), now), now);
 }
 
 sink_outputs sink::on_sent(std::uint64_t token, bool acked, unsigned transmissions, instant now) {

@@ -59,9 +59,11 @@ public:
   /// Nothing comes before the new content of its store.
   [[nodiscard]] sink_outputs start(instant now);
 
-  /// The radio has delivered a frame. @param sfd when its start-of-frame delimiter was received
+  /// The radio, or a backbone, has delivered a frame.
+  /// @param sfd as in network::router::on_frame()
   [[nodiscard]] sink_outputs on_frame(mote_id source, std::uint8_t am_type, byte_view payload,
-                                      instant sfd, instant now);
+                                      instant sfd, instant now,
+                                      network::medium over = network::medium::radio);
 
   /// A network::frame_out has ended.
   [[nodiscard]] sink_outputs on_sent(std::uint64_t token, bool acked, unsigned transmissions,

@@ -30,7 +30,8 @@ constexpr int beacon_lengths = 4;
 neighbours_config links_of(const router_config& config) {
   neighbours_config x;
   if (config.is_sink)
-    x.capacity = 24;
+    x.capacity = 24 + config.backbone.motes.size();
+  x.backbone = config.backbone.motes;
   // A beacon a window: links must be known after few. Windows are crowded: a link over which nearly
   // every unicast arrives, which is sent again, may lose half of its beacons.
   if (config.duty.enabled()) {
@@ -64,7 +65,7 @@ trickle_config beacons_of(const router_config& config) {
     x.interval_min = std::clamp(beacon_lengths * config.wake, x.interval_min, x.interval_max);
     x.shortest = 2;
   }
-  if (config.is_sink)
+  if (config.is_sink || !config.backbone.motes.empty())
     x.redundancy = std::numeric_limits<unsigned>::max();
   return x;
 }
@@ -202,6 +203,21 @@ frame_out router::frame_for(purpose why, mote_id to, std::uint8_t am_type, bytes
   return {token, to, am_type, std::move(payload), std::nullopt};
 }
 
+/// What is sent to all also goes over each backbone, as a copy that nobody acknowledges.
+void router::emit(frame_out x, router_outputs& out) const {
+  if (x.next_hop != broadcast_mote) {
+    x.over = links_.has_backbone(x.next_hop) ? medium::backbone : medium::radio;
+    out.emplace_back(std::move(x));
+    return;
+  }
+  for (const auto end : config_.backbone.motes) {
+    frame_out copy{no_token, end, x.am_type, x.payload, std::nullopt};
+    copy.over = medium::backbone;
+    out.emplace_back(std::move(copy));
+  }
+  out.emplace_back(std::move(x));
+}
+
 // Content.
 
 std::optional<std::size_t> router::room_to(mote_id destination) const {
@@ -236,7 +252,7 @@ void router::send_directs(router_outputs& out, instant now) {
     return;
   for (auto& x : std::exchange(waiting_directs_, {})) {
     handed_[x.token] = x.next_hop;
-    out.emplace_back(std::move(x));
+    emit(std::move(x), out);
   }
 }
 
@@ -269,7 +285,7 @@ void router::take(collection_outputs todo, router_outputs& out, instant now) {
     frame.in_slot = next.in_slot;
     if (next.next != broadcast_mote)
       handed_[frame.token] = next.next;
-    out.emplace_back(std::move(frame));
+    emit(std::move(frame), out);
   }
   if (packets_.take_loop_seen())
     hurry(now);
@@ -454,7 +470,7 @@ void router::take(channels_outputs todo, router_outputs& out) {
       frame.in_slot = next->in_slot;
       if (next->next != broadcast_mote)
         handed_[frame.token] = next->next;
-      out.emplace_back(std::move(frame));
+      emit(std::move(frame), out);
       continue;
     }
     std::visit(
@@ -506,16 +522,19 @@ void router::send_beacon(router_outputs& out, instant now, bool again, bool asks
     frame.age_at = beacon::age_at;
   beacon_in_flight_ = true;
   ++counters_.beacons;
-  out.emplace_back(std::move(frame));
+  emit(std::move(frame), out);
 }
 
 void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_outputs& out,
                        instant now) {
-  const auto x = decode_beacon(payload);
+  auto x = decode_beacon(payload);
   if (!x) {
     ++counters_.malformed;
     return;
   }
+  const bool over_backbone = links_.has_backbone(source);
+  if (over_backbone && x->clock.doubt != doubt_asks)
+    x->clock.doubt = doubt_of(limit_of(x->clock.doubt) + config_.backbone.doubt);
   const auto what = links_.on_beacon(x->report(source, config_.self, has_route()), now);
   search_.on_beacon(now);
   on_stamp(x->clock, sfd, out, now);
@@ -532,7 +551,7 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
   place_.on_beacon(source, x->coordinates, links_);
   if (what == admission::refused)
     return;
-  if (x->gradient.root == source)
+  if (x->gradient.root == source || over_backbone)
     links_.pin(source, true);
   if (tree_.on_beacon(source, x->gradient, links_, what == admission::restarted) &&
       now - helped_ >= config_.help_gap) {
@@ -761,8 +780,13 @@ void router::report(router_outputs& out, instant now) {
 // What comes.
 
 router_outputs router::on_frame(mote_id source, std::uint8_t am_type, byte_view payload,
-                                instant sfd, instant now) {
+                                instant sfd, instant now, medium over) {
   router_outputs out;
+  // Near the other end of a backbone the radio is not used beside it: a link has one cost.
+  if (over == medium::radio && links_.has_backbone(source)) {
+    ++counters_.beside_backbone;
+    return out;
+  }
   silent_windows_ = 0;
   keep_turns(now);
   switch (am_type) {

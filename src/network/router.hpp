@@ -2,8 +2,10 @@
 // up, down and to all, and channels (D1.1 3.3.3.1, GEN-08).
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <variant>
@@ -31,14 +33,25 @@
 
 namespace rubicon::network {
 
+/// The ends of backbones: of a further sink the island's sink, of that all further ones. What is
+/// sent to all goes over each backbone, too, and what is sent to one of these over its backbone
+/// alone.
+struct backbone_ends {
+  std::vector<mote_id> motes;
+  std::chrono::microseconds doubt{}; ///< how far the age of what comes may be wrong
+
+  friend bool operator==(const backbone_ends&, const backbone_ends&) = default;
+};
+
 /// Of the router itself.
 struct own_router_config {
   mote_id self;
   bool is_sink = false;
-  std::uint8_t era = 0;          ///< the sink's last one (clock_sync)
-  tick_setting tick;             ///< the sink's (CLK-03)
-  duty_window duty;              ///< when radios are on
-  duration wake{};               ///< access_times::wake
+  std::uint8_t era = 0; ///< the sink's last one (clock_sync)
+  tick_setting tick;    ///< the sink's (CLK-03)
+  duty_window duty;     ///< when radios are on
+  duration wake{};      ///< access_times::wake
+  backbone_ends backbone;
   std::size_t questions_max = 2; ///< in flight: where a mote is
   duration relay_spread = 150ms; ///< a clock round is passed on within this time
 
@@ -101,14 +114,22 @@ struct router_config : own_router_config {
   trickle_config beacons;
 };
 
-/// Put this frame on the radio and tell on_sent() how it ended.
+/// What carries a frame.
+enum class medium : std::uint8_t { radio, backbone };
+
+/// Nobody waits for the end of what has this token.
+inline constexpr std::uint64_t no_token = std::numeric_limits<std::uint64_t>::max();
+
+/// Put this frame on the radio, or on the backbone that leads to next_hop, and notify on_sent() how
+/// it ended.
 struct frame_out {
-  std::uint64_t token = 0;
-  mote_id next_hop; ///< broadcast_mote: to all, nobody acknowledges
+  std::uint64_t token = 0; ///< no_token: not to be acknowledged, on a backbone
+  mote_id next_hop;        ///< broadcast_mote: to all, nobody acknowledges
   std::uint8_t am_type = 0;
   bytes payload;
   std::optional<std::size_t> age_at; ///< as in radio::request; the next too
   bool in_slot = false;
+  medium over = medium::radio;
   provenance from = {};
 };
 
@@ -140,9 +161,11 @@ struct router_counters {
   std::uint64_t silences = 0;        ///< nobody answered any more: the time was doubted
   std::uint64_t period_requests = 0; ///< for more rounds of the clock
   std::uint64_t sequence_requests = 0;
+  std::uint64_t beside_backbone = 0; ///< frames received by radio from the other end of a backbone
 };
 RUBICON_FIELDS(router_counters, beacons, malformed, unknown_type, questions, unanswered, detours,
-               asks, answers, disputes, silences, period_requests, sequence_requests);
+               asks, answers, disputes, silences, period_requests, sequence_requests,
+               beside_backbone);
 
 /// One frame of each kind is in flight at a time: beacon, packet, channel message; packets for
 /// neighbours several. Where synaptic vectors have slots, all others keep to their turns.
@@ -173,9 +196,10 @@ public:
   /// A channel that was accepted is not wanted: the source hears no_room.
   [[nodiscard]] router_outputs refuse(channel_id channel, instant now);
 
-  /// @param sfd when the frame's start-of-frame delimiter was received
+  /// @param sfd when the frame's start-of-frame delimiter was received; of one that a backbone has
+  /// carried, when it was sent
   [[nodiscard]] router_outputs on_frame(mote_id source, std::uint8_t am_type, byte_view payload,
-                                        instant sfd, instant now);
+                                        instant sfd, instant now, medium over = medium::radio);
   [[nodiscard]] router_outputs on_sent(std::uint64_t token, bool acked, unsigned transmissions,
                                        instant now);
   [[nodiscard]] router_outputs on_time(instant now); ///< harmless before deadline()
@@ -259,6 +283,7 @@ private:
   [[nodiscard]] std::optional<virtual_coordinates> known_place(mote_id x, instant now) const;
   void learn_place(mote_id x, virtual_coordinates place, instant now);
   void learn_from(std::uint8_t am_type, byte_view payload, instant now);
+  void emit(frame_out x, router_outputs& out) const;
   [[nodiscard]] frame_out frame_for(purpose why, mote_id to, std::uint8_t am_type, bytes payload);
 
   own_router_config config_;

@@ -149,6 +149,17 @@ struct message_report {
 RUBICON_FIELDS(message_report, offered, refused, reliable_sent, reliable_acked, reliable_failed,
                reliable_open, unreliable_sent, arrived, lost, in_transit, received, duplicates);
 
+/// What the backbones of an island's further sinks have carried: packets of the Network module,
+/// beacons among them.
+struct backbone_report {
+  std::uint64_t sent = 0; ///< [packets] both ways; up + down + lost + those in transit at the end
+  std::uint64_t up = 0;   ///< [packets] that the sink received
+  std::uint64_t down = 0; ///< [packets] that further sinks received
+  /// [packets] `cut`, `queue_full`, or `end_off`: the sink at the end was out of order
+  cause_counts lost;
+};
+RUBICON_FIELDS(backbone_report, sent, up, down, lost);
+
 /// What the Network modules of an island's motes and its sink have done.
 struct network_report {
   std::uint64_t beacons = 0;   ///< sent
@@ -178,6 +189,7 @@ struct network_report {
   /// (`src/network`, `src/mote`, `src/stream`, `src/synaptic`, `src/transport`)
   cause_counts counters;
 
+  backbone_report backbone;          ///< between the sink and further ones
   largest<std::uint64_t> hops_max{}; ///< from a mote to the sink, at the end
   std::uint64_t synchronised = 0;    ///< motes that know the island's time at the end (CLK-01)
   /// largest difference of their island time to the sink's clock at the end
@@ -197,8 +209,8 @@ struct network_report {
 };
 RUBICON_FIELDS(network_report, beacons, packets, arrived, forwarded, repeated, channels_asked,
                channels_opened, channels_flooded, channels_broken, channel_packets, lost, counters,
-               hops_max, synchronised, clock_error_max, clock_excess_max, aligned, time_error_max,
-               time_excess_max, state_octets);
+               backbone, hops_max, synchronised, clock_error_max, clock_excess_max, aligned,
+               time_error_max, time_excess_max, state_octets);
 
 /// SMEPP Light of an island's motes. An event counts once for each subscription it is for.
 struct smepp_report {
@@ -283,7 +295,8 @@ struct mote_report {
   message_report messages = {}; ///< as above, of its programs, in all its lives
   /// the mote that it sends by at the end, or the sink; 0: it has no route to the sink
   mote_id parent = {};
-  std::uint8_t hops = 0;              ///< to the sink, at the end
+  std::uint8_t hops = 0;              ///< to the sink, at the end; a backbone counts as one
+  bool further_sink = false;          ///< it is a further sink of its island
   std::optional<int> signal_dbm = {}; ///< of its parent's newest frame; `null` if none has come
   /// the longest, after its first join and while it had power, that its gateway did not list it, or
   /// got none of its messages
@@ -291,7 +304,7 @@ struct mote_report {
   instant silence_from = {}; ///< when that began
 };
 RUBICON_FIELDS(mote_report, address, name, type, joins, joined, alive, incarnations, left_cause,
-               energy, messages, parent, hops, signal_dbm, silence, silence_from);
+               energy, messages, parent, hops, further_sink, signal_dbm, silence, silence_from);
 
 /// How one of several gateways of an island has led it (GW-14).
 struct lead_report {

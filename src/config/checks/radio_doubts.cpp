@@ -30,6 +30,7 @@ struct station {
   double transmit_dbm = 0;
   double sensitivity_dbm = 0;
   std::uint8_t channel = radio::default_channel;
+  bool is_sink = false; ///< of its island, the first or a further one
 
   [[nodiscard]] bool moves() const { return path != nullptr && !path->empty(); }
 };
@@ -162,20 +163,22 @@ private:
 std::vector<station> stations_of(const island_description& x, const radio::channel_config& radio) {
   std::vector<station> all{station_of(x.id, x.sink, radio)};
   all.back().channel = x.channel;
+  all.back().is_sink = true;
   for (const auto& mote : x.motes) {
     all.push_back(station_of(x.id, mote, radio));
     all.back().path = &mote.path;
+    all.back().is_sink = mote.backbone.has_value();
     all.back().channel = channel_of(x, mote);
   }
   return all;
 }
 
-/// Those to whom, and from whom, no chain of links leads from the first one.
+/// Those to whom, and from whom, no chain of links leads from a sink.
 std::vector<std::size_t> unreached(const std::vector<station>& all, const possible_links& links) {
-  std::vector<std::size_t> left(all.size() - 1);
-  for (std::size_t i = 0; i < left.size(); ++i)
-    left[i] = i + 1;
-  std::vector<std::size_t> reached{0};
+  std::vector<std::size_t> left;
+  std::vector<std::size_t> reached;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    (all[i].is_sink ? reached : left).push_back(i);
   for (std::size_t i = 0; i < reached.size() && !left.empty(); ++i)
     std::erase_if(left, [&](std::size_t each) {
       const bool near = links.both_hear(all[reached[i]], all[each]);
@@ -191,14 +194,17 @@ std::vector<std::size_t> unreached_of_many(const std::vector<station>& all,
                                            const radio::channel_config& radio) {
   double budget_db = 0;
   std::vector<position> places;
+  std::vector<position> sinks;
   for (const auto& each : all) {
     if (each.moves())
       return {};
     budget_db = std::max(budget_db, each.transmit_dbm - each.sensitivity_dbm);
     places.push_back(each.place);
+    if (each.is_sink)
+      sinks.push_back(each.place);
   }
-  return out_of_reach(places.front(), places,
-                      range_m(radio.propagation, budget_db + soft_edge_db, deviations_max));
+  return out_of_reach_of(sinks, places,
+                         range_m(radio.propagation, budget_db + soft_edge_db, deviations_max));
 }
 
 class radio_doubter {

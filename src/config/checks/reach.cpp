@@ -65,9 +65,15 @@ private:
 
 std::vector<std::size_t> out_of_reach(const position& from, const std::vector<position>& places,
                                       double range_m) {
+  return out_of_reach_of({from}, places, range_m);
+}
+
+std::vector<std::size_t> out_of_reach_of(const std::vector<position>& from,
+                                         const std::vector<position>& places, double range_m) {
   waiting_places waiting(places, range_m);
   std::vector<std::size_t> reached;
-  waiting.take_near(from, reached);
+  for (const auto& each : from)
+    waiting.take_near(each, reached);
   for (std::size_t i = 0; i < reached.size(); ++i)
     waiting.take_near(places[reached[i]], reached);
   return waiting.left();

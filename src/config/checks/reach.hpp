@@ -14,6 +14,11 @@ namespace rubicon::config {
 [[nodiscard]] std::vector<std::size_t>
 out_of_reach(const position& from, const std::vector<position>& places, double range_m);
 
+/// The same, with any of several places.
+[[nodiscard]] std::vector<std::size_t> out_of_reach_of(const std::vector<position>& from,
+                                                       const std::vector<position>& places,
+                                                       double range_m);
+
 /// How many steps of at most `range_m` lead from the place of index `from` to each; 0 also where
 /// none do. @param range_m > 0
 [[nodiscard]] std::vector<unsigned> hops_from(const std::vector<position>& places, std::size_t from,

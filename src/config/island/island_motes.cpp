@@ -10,6 +10,7 @@
 #include "config/island/model_readers.hpp"
 #include "config/island/size_check.hpp"
 #include "radio/medium/tossim_files.hpp"
+#include "serial/backbone_keys.hpp"
 
 namespace rubicon::config {
 
@@ -164,6 +165,42 @@ void island_motes::check_mac_profile(const table_reader& in, const mote_profile&
   }
 }
 
+/// What makes a mote a further sink.
+void island_motes::read_backbone(table_reader& in, mote_description& out) {
+  in.table("backbone", "[island.mote.backbone]",
+           {"makes the mote a further sink: a root of the same collection tree, powered by its "
+            "cable, with a backbone to the island's sink",
+            "none: it is an ordinary mote"},
+           [&out](table_reader& x) {
+             out.backbone.emplace();
+             out.backbone->baud = out.platform->serial_baud;
+             x.all(*out.backbone);
+           });
+  if (!out.backbone)
+    return;
+  const auto refuse = [&in](const std::string& what) {
+    in.problems().add(in.at("backbone"), what);
+  };
+  if (!joins())
+    refuse("`backbone` has no effect in an island whose motes do not join: with stack = \"mac\" or "
+           "a base station");
+  else if (island_.outside.has_sink())
+    refuse("a mote of an island with a real sink cannot be a further sink");
+  else if (island_.real.is_there())
+    refuse("an island with `real` cannot have further sinks");
+  if (island_.duty.enabled)
+    refuse("an island with `duty_cycle` cannot have further sinks");
+  if (island_.listening.enabled())
+    refuse("an island with `low_power_listening` cannot have further sinks");
+  if (!out.path.empty())
+    refuse("a further sink cannot have a `path`: it is connected to a cable");
+  if (channel_of(island_, out) != island_.channel)
+    refuse("a further sink has the `channel` of its island");
+  if (std::ranges::any_of(out.apps,
+                          [](const auto& app) { return std::holds_alternative<member_app>(app); }))
+    refuse("a further sink cannot be a member of a group, which controls its radio");
+}
+
 void island_motes::read_mote(table_reader& in) {
   mote_id id;
   const std::uint16_t least = island_.outside.has_sink() ? 0 : 1; // plain motes may have any
@@ -194,6 +231,7 @@ void island_motes::read_mote(table_reader& in) {
     in.problems().add(in.at("stays_when_flat"), "`stays_when_flat` has no effect without a `path`");
   if (in.has("step") && !in.has("path"))
     in.problems().add(in.at("step"), "`step` has no effect without a `path`");
+  read_backbone(in, out);
   if (has_id) {
     static_cast<void>(settle_traces(out.transducers, out.id, in.at("id"), in.shared()));
     const bool id_is_free = claim_id(out.id, in.at("id"), in.problems());
@@ -313,6 +351,7 @@ bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
 void island_motes::check_reach(complaints& problems) const {
   if (!range_m_ || !joins() || island_.outside.has_sink())
     return;
+  std::vector<position> sinks{island_.sink.place};
   std::vector<position> places;
   std::vector<std::size_t> motes; // of those on another channel radio_doubts warns
   for (std::size_t i = 0; i < island_.motes.size(); ++i) {
@@ -320,9 +359,11 @@ void island_motes::check_reach(complaints& problems) const {
       continue;
     motes.push_back(i);
     places.push_back(island_.motes[i].place);
+    if (island_.motes[i].backbone)
+      sinks.push_back(island_.motes[i].place);
   }
   std::set<mark> told; // one mote of a group will do
-  for (const auto i : out_of_reach(island_.sink.place, places, *range_m_)) {
+  for (const auto i : out_of_reach_of(sinks, places, *range_m_)) {
     const auto& mote = island_.motes[motes[i]];
     const auto at = placed_at_.find(mote.id);
     if (mote.path.empty() && at != placed_at_.end() && told.insert(at->second).second)

@@ -47,6 +47,7 @@ private:
   [[nodiscard]] bool joins() const { return island_.stack == stack::full; }
   mote_profile read_profile_of(table_reader& in);
   void check_stack(const table_reader& in, const mote_profile& profile) const;
+  void read_backbone(table_reader& in, mote_description& out);
   void check_mac_profile(const table_reader& in, const mote_profile& profile) const;
   void read_layout_of(table_reader& in, std::uint32_t first, std::vector<mote_description>& motes);
   void add_group(table_reader& in, std::uint32_t first, std::uint32_t count,

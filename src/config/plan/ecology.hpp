@@ -33,6 +33,7 @@
 #include "proxy/rules/rules_config.hpp"
 #include "radio/parameters.hpp"
 #include "rfid/reader_config.hpp"
+#include "serial/backbone_config.hpp"
 #include "serial/line_config.hpp"
 #include "smepp/member_config.hpp"
 #include "tinyos/program_config.hpp"
@@ -89,7 +90,8 @@ struct mote_description {
   std::optional<double> transmit_dbm; ///< unset: the platform's full power
   std::optional<double> battery_mah;  ///< unset: the platform's
   radio::access_parameters access;
-  std::optional<std::uint8_t> channel; ///< of its radio; unset: its island's
+  std::optional<std::uint8_t> channel;             ///< of its radio; unset: its island's
+  std::optional<serial::backbone_config> backbone; ///< set: it is a further sink of its island
   shared_list<device::transducer_config> transducers;
   shared_list<device::actuator_config> actuators;
   shared_list<mote_app> apps;
@@ -379,6 +381,7 @@ struct unplug_fault {
   island_id island; ///< any_island: one cable, drawn each time
   duration length = 30s;
   std::optional<peer_id> gateway = std::nullopt; ///< at the other end; unset: all of the island's
+  std::optional<mote_address> further_sink = std::nullopt; ///< set: its backbone instead
 };
 
 /// A peer's process, its programs included, ends at once. Its links are reset, as an operating

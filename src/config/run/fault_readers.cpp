@@ -69,6 +69,8 @@ private:
     kind("unplug",
          of(optional("gateway", &unplug_fault::gateway, gateway_name{},
                      "the one whose cable is unplugged; the island's other gateways keep theirs"),
+            optional("further_sink", &unplug_fault::further_sink, mote_name{},
+                     {"instead, the further sink whose backbone is cut", "none"}),
             optional("for", &unplug_fault::length, span, "length")));
   }
 
@@ -168,10 +170,22 @@ private:
       x.becomes = of_another_type(in, x.mote.island, *before, profile->second.mote());
   }
 
-  void check(table_reader& in, mote_double_fault& x) const { check_joining(in, x.mote); }
+  void check(table_reader& in, mote_double_fault& x) const {
+    check_joining(in, x.mote);
+    refuse_further_sink(in, x.mote);
+  }
+
+  /// Nobody has a second cable, and a cable holds its sink.
+  void refuse_further_sink(table_reader& in, const mote_address& x) const {
+    if (const auto* mote = find(x); mote != nullptr && mote->backbone)
+      in.problems().add(in.at("mote"), "mote `" + mote->name +
+                                           "` is a further sink, which stays at its cable: name "
+                                           "another mote");
+  }
 
   void check(table_reader& in, move_island_fault& x) const {
     check_joining(in, x.mote);
+    refuse_further_sink(in, x.mote);
     const auto* to = in.names().find(x.to);
     if (!in.sound() || to == nullptr)
       return;
@@ -205,15 +219,25 @@ private:
   }
 
   void check(table_reader& in, unplug_fault& x) const {
-    const bool has_gateway = in.has("gateway");
+    const bool has_further = in.has("further_sink");
+    const bool has_gateway = in.has("gateway") || has_further;
     if (has_gateway)
       in.expect("island");
     else
       in.required_if(true, "island", island_name{true}, x.island,
                      {"island whose serial cables are unplugged; `\"*\"`: one cable of any island",
-                      "with `gateway`, none"});
+                      "with `gateway` or `further_sink`, none"});
     if (has_gateway && in.has("island"))
-      in.problems().add(in.at("island"), "`island` has no effect with `gateway`");
+      in.problems().add(in.at("island"), has_further ? "`island` has no effect with `further_sink`"
+                                                     : "`island` has no effect with `gateway`");
+    if (has_further && in.has("gateway"))
+      in.problems().add(in.at("gateway"), "`gateway` has no effect with `further_sink`");
+    if (x.further_sink) {
+      x.island = x.further_sink->island;
+      if (const auto* mote = find(*x.further_sink); mote != nullptr && !mote->backbone)
+        in.problems().add(in.at("further_sink"),
+                          "mote `" + mote->name + "` is no further sink: it has no `backbone`");
+    }
     if (x.gateway)
       x.island = in.names().island_of_gateway(*x.gateway)->id;
     if (const auto* of = in.names().find(x.island); of != nullptr && !of->has_gateway)
@@ -267,6 +291,7 @@ private:
     x.battery_mah = before.battery_mah;
     x.access = before.access;
     x.channel = before.channel;
+    x.backbone = before.backbone;
     if (const auto* of = in.names().find(island); of != nullptr && !of->is_joined)
       refuse("in an island with stack = \"mac\" or with a base station a mote does not report its "
              "type");

@@ -28,8 +28,9 @@ namespace rubicon {
     "A mote on the channel's route had no next hop for it, or gave up repeating it.")              \
   X(channel_closed, "It reached the end of the channel after that was closed or replaced.")        \
   X(overtaken, "A newer packet of the same channel was sent instead.")                             \
-  X(line_failed, "The serial line lost it: corrupted and not repeated, unplugged, or its queue "   \
-                 "was full; `serial.lost` counts the causes.")                                     \
+  X(line_failed,                                                                                   \
+    "The serial line lost it: corrupted and not repeated, unplugged, or its queue "                \
+    "was full; `serial.lost` counts the causes. Or a backbone did; `network.backbone.lost`.")      \
   X(not_listed, "The gateway did not list the mote that sent it, or its destination.")             \
   X(not_leading, "It reached a gateway that did not lead its island.")                             \
   X(not_expressible, "The other gateway uses the strict form of 5.4, which cannot express it.")    \

@@ -46,6 +46,8 @@ std::string_view word_of(medium x) {
     return "air";
   case medium::serial:
     return "serial";
+  case medium::backbone:
+    return "backbone";
   case medium::peis:
     return "peis";
   case medium::none:

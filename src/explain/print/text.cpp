@@ -148,9 +148,9 @@ std::string around(const traces& all, instant from, instant to, const text_style
   report::table rows({{"around then", align::right}, {"who"}, {"what"}});
   std::size_t lines = 0;
   for (const auto& x : all.events) {
-    const bool is_fault = x.from.starts_with("serial_line/") || x.from.starts_with("peis_peer/") ||
-                          x.from.starts_with("ecology/") || x.text.starts_with("crashed") ||
-                          x.text.starts_with("battery") ||
+    const bool is_fault = x.from.starts_with("serial_line/") || x.from.starts_with("backbone/") ||
+                          x.from.starts_with("peis_peer/") || x.from.starts_with("ecology/") ||
+                          x.text.starts_with("crashed") || x.text.starts_with("battery") ||
                           (!key.empty() && x.text.starts_with(key + " = "));
     if (is_fault && x.time + shortly >= from && x.time <= to && ++lines <= lines_max)
       rows.add({report::run_time(x.time), names::of(x.from), printable(x.text)});

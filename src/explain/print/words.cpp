@@ -25,6 +25,8 @@ const char* name_of(medium x) {
     return "radio";
   case medium::serial:
     return "serial line";
+  case medium::backbone:
+    return "backbone";
   case medium::peis:
     return "PEIS";
   case medium::none:

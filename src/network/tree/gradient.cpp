@@ -120,7 +120,7 @@ gradient::offer gradient::best_offer(const neighbours& links, mote_id root, int 
                                      instant now) const {
   offer best;
   for (const auto& x : rows_) {
-    const int least = x.part.cost + etx_one; // however good its link is
+    const int least = x.part.cost + links.etx_min(x.mote);
     if (least >= below || (best.from && least > best.cost))
       continue;
     const auto offered = offer_of(x, links, root, now);

@@ -74,6 +74,12 @@ bool neighbours::is_silent(const neighbour& x) const {
   return x.missed >= config_.unusable_missed + allowance;
 }
 
+/// Whether the last two unicasts over a backbone were not acknowledged; a beacon gives it its
+/// chance again.
+bool neighbours::fails(const neighbour& x) {
+  return x.data_weight > 0 && x.data < quality_max / 2;
+}
+
 duration neighbours::gap_max(const neighbour& x) const {
   const bool is_young = x.samples < config_.good_samples;
   return is_young ? std::min(young_gap_max, config_.beacon_gap_max) : config_.beacon_gap_max;
@@ -220,6 +226,12 @@ void neighbours::on_sent(mote_id to, bool acked, unsigned transmissions, instant
   ++changes_;
   if (acked)
     alive(*x, now);
+  if (has_backbone(to)) { // it carries everything, or nothing
+    const quality before = x->data_weight > 0 ? x->data : quality_max;
+    x->data = acked ? quality_max : before / 2;
+    x->data_weight = 1;
+    return;
+  }
   for (unsigned i = 1; i <= std::min(transmissions, 255U); ++i) {
     if (x->data_weight == 0)
       x->data = start_quality;
@@ -283,6 +295,8 @@ std::optional<etx_cost> neighbours::etx(mote_id mote) const {
 }
 
 std::optional<etx_cost> neighbours::etx(const neighbour& x) const {
+  if (has_backbone(x.mote))
+    return is_silent(x) || fails(x) ? std::nullopt : std::optional(etx_backbone);
   const auto arrives = both_ways(x);
   if (!likely_out(x) || x.samples < config_.usable_samples || is_silent(x) || arrives == 0 ||
       arrives < config_.usable_from)

@@ -1,6 +1,7 @@
 // Who is heard, and how well, in both directions: the link estimator.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -26,6 +27,8 @@ using etx_cost = std::uint16_t;
 
 inline constexpr etx_cost etx_one = 128;
 inline constexpr etx_cost etx_infinite = 65535; ///< no route
+/// Of a backbone: no radio link costs less, and costs still fall along each route.
+inline constexpr etx_cost etx_backbone = 1;
 
 struct neighbours_config {
   std::size_t capacity = 12;            ///< what a mote has room for
@@ -45,6 +48,8 @@ struct neighbours_config {
   /// After a longer gap of sequence numbers the link is estimated anew. Back, or to one of the
   /// first so many, it is a restart.
   static constexpr std::uint16_t sequence_gap_max = 32;
+  /// Those at the other ends of backbones: their links are as good as they are there.
+  std::vector<mote_id> backbone = {};
   /// Least between evictions for links that do not matter.
   static constexpr duration replacement_gap = 10s;
 };
@@ -149,9 +154,17 @@ public:
   };
   [[nodiscard]] std::vector<heard_entry> heard(std::size_t count);
 
-  /// Of a link that is usable now; at least etx_one.
+  /// Of a link that is usable now; at least etx_min().
   [[nodiscard]] std::optional<etx_cost> etx(mote_id mote) const;
   [[nodiscard]] std::optional<etx_cost> etx(const neighbour& x) const;
+
+  /// The least that a link to this mote can cost, however good it is.
+  [[nodiscard]] etx_cost etx_min(mote_id mote) const {
+    return has_backbone(mote) ? etx_backbone : etx_one;
+  }
+  [[nodiscard]] bool has_backbone(mote_id mote) const {
+    return std::ranges::find(config_.backbone, mote) != config_.backbone.end();
+  }
 
   /// Both directions deliver well: what coordinates and greedy routing count as a link (NET-11).
   [[nodiscard]] bool good(mote_id mote) const;
@@ -170,6 +183,7 @@ private:
   [[nodiscard]] static std::optional<quality> likely_out(const neighbour& x);
   [[nodiscard]] quality both_ways(const neighbour& x) const;
   [[nodiscard]] bool is_silent(const neighbour& x) const;
+  [[nodiscard]] static bool fails(const neighbour& x);
   void sample(neighbour& x, bool heard) const;
   [[nodiscard]] duration gap_max(const neighbour& x) const;
   void judge(neighbour& x) const;

@@ -141,3 +141,98 @@ TEST_CASE("a request that fails is where its own value ends", "[explain]") {
   REQUIRE(x.all.all.tuples[1].nodes.size() == 2);
   CHECK(x.all.all.nodes[x.all.all.tuples[1].nodes[1]].failure == "no_route");
 }
+
+namespace {
+
+/// From the mote `far`, a further sink, to the island's sink.
+class backbone_world {
+public:
+  /// A reading of the mote is given to the backbone. @returns the message
+  std::uint32_t write() {
+    const auto cause = x_.begin_message();
+    transport::segment plain;
+    plain.source = mote_id{7};
+    plain.am_type = 2;
+    plain.payload = reading;
+    record r;
+    r.what = kind::backbone_write;
+    r.from = far_mote;
+    r.to = link_;
+    r.cause = cause;
+    r.channel = network::am::up;
+    r.octets = explain_fixture::up(7, 1, explain_fixture::whole(explain_fixture::packet_up(plain)));
+    writes_.push_back(put(std::move(r), &backbone_follower::on_write));
+    return static_cast<std::uint32_t>(x_.all.all.messages.size() - 1);
+  }
+
+  void receive(std::size_t write, bool unheard = false) {
+    record r;
+    r.what = kind::backbone_received;
+    r.from = link_;
+    r.to = sink_actor;
+    r.cause = writes_.at(write);
+    r.unheard = unheard;
+    static_cast<void>(put(std::move(r), &backbone_follower::on_received));
+  }
+
+  void plug(bool plugged) {
+    record r;
+    r.what = kind::plug_serial;
+    r.to = link_;
+    r.yes = plugged;
+    static_cast<void>(put(std::move(r), &backbone_follower::on_plug));
+  }
+
+  [[nodiscard]] words outcomes(std::uint32_t message) const { return ::outcomes(x_, message); }
+  [[nodiscard]] const node& last_hop(std::uint32_t message) const {
+    return x_.all.all.nodes[x_.all.all.messages[message].nodes.back()];
+  }
+
+private:
+  std::uint64_t put(record r, void (backbone_follower::*what)(const record&)) {
+    r.number = ++x_.number;
+    x_.all.note(r);
+    (backbones_.*what)(r);
+    return r.number;
+  }
+
+  std::string link_ = "backbone/kitchen/far";
+  followers x_;
+  backbone_follower backbones_{x_.all, x_.air};
+  std::vector<std::uint64_t> writes_;
+};
+
+} // namespace
+
+TEST_CASE("a backbone's packets are a hop, and those overtaken are lost", "[explain]") {
+  backbone_world x;
+  const auto first = x.write();
+  const auto second = x.write();
+  const auto third = x.write();
+  x.receive(1);
+  CHECK(x.outcomes(first) == words{"lost on the backbone"});
+  CHECK(x.outcomes(second) == words{"delivered"});
+  CHECK(x.outcomes(third) == words{""});
+  CHECK(x.last_hop(second).over == medium::backbone);
+  CHECK(x.last_hop(second).from == far_mote);
+  CHECK(x.last_hop(second).to == sink_actor);
+  CHECK(x.last_hop(second).arrived);
+  x.receive(2, true);
+  CHECK(x.outcomes(third) == words{"the receiver had ended"});
+}
+
+TEST_CASE("a backbone that is cut loses what is in flight and what is written then", "[explain]") {
+  backbone_world x;
+  const auto first = x.write();
+  const auto second = x.write();
+  x.plug(false);
+  x.receive(0); // at that moment
+  const auto third = x.write();
+  x.plug(true);
+  const auto fourth = x.write();
+  x.receive(3);
+  CHECK(x.outcomes(first) == words{"delivered"});
+  CHECK(x.outcomes(second) == words{"backbone cut"});
+  CHECK(x.outcomes(third) == words{"backbone cut"});
+  CHECK(x.outcomes(fourth) == words{"delivered"});
+}

@@ -411,3 +411,27 @@ TEST_CASE("the deadline is the earliest of all neighbours', whoever comes, goes 
   }
   CHECK(seen_departures > 10);
 }
+
+TEST_CASE("a backbone costs next to nothing until two unicasts in a row fail",
+          "[network][NET-02]") {
+  constexpr mote_id sink{1};
+  neighbours at({.backbone = {sink}});
+  CHECK(at.etx_min(sink) == etx_backbone);
+  CHECK(at.etx_min(mote_id{2}) == etx_one);
+  CHECK_FALSE(at.etx(sink));
+  sender its{sink};
+  its.hears_us.reset();
+  its.beacon(at);
+  CHECK(at.etx(sink) == etx_backbone); // at once, and whatever it says of us
+  at.on_sent(sink, false, 1, its.now);
+  CHECK(at.etx(sink) == etx_backbone);
+  at.on_sent(sink, true, 1, its.now);
+  at.on_sent(sink, false, 1, its.now);
+  CHECK(at.etx(sink) == etx_backbone);
+  at.on_sent(sink, false, 1, its.now);
+  CHECK_FALSE(at.etx(sink));
+  its.beacon(at);
+  CHECK(at.etx(sink) == etx_backbone);
+  at.on_time(its.now + 1h);
+  CHECK_FALSE(at.etx(sink)); // silent
+}

@@ -1,177 +1,21 @@
 #include <algorithm>
-#include <map>
 #include <set>
 #include <vector>
 
-#include "core/codec.hpp"
 #include "network/am.hpp"
 #include "network/beacon.hpp"
 #include "network/router.hpp"
-#include "support/agenda.hpp"
 #include "support/catch.hpp"
 #include "support/mote_ids.hpp"
+#include "support/routed_grid.hpp"
 
 namespace rubicon::network {
 
 namespace {
 
 using test::id;
+using test::routed_grid;
 using test::the_sink;
-
-/// Routers on a grid whose radios reach the eight motes around them, with a crystal each that runs
-/// too fast or too slow. A unicast is tried four times.
-class routed_grid {
-public:
-  routed_grid(int width, int height, double delivery, std::uint64_t seed = 1)
-      : width_(width), delivery_(delivery), rng_(seed) {
-    for (int i = 1; i <= width * height; ++i)
-      start(id(i));
-  }
-
-  void start(mote_id x) {
-    router_config config;
-    config.self = x;
-    config.is_sink = x == the_sink;
-    auto& here = nodes_[x];
-    here.ppm = rng_.unit() * 100 - 50;
-    here.ahead = duration(rng_.below(100'000'000'000));
-    here.life = router(config, random_stream(rng_.next()), own_time(x));
-  }
-
-  void kill(mote_id x) { nodes_.erase(x); }
-
-  router& at(mote_id x) { return nodes_.at(x).life; }
-
-  [[nodiscard]] instant own_time(mote_id x) const { return own(nodes_.at(x), now_); }
-
-  [[nodiscard]] std::vector<mote_id> motes() const {
-    std::vector<mote_id> all;
-    for (const auto& [id, x] : nodes_)
-      all.push_back(id);
-    return all;
-  }
-
-  void send(mote_id from, mote_id to, bytes content) {
-    perform(from, at(from).send(to, std::move(content), own_time(from)));
-  }
-
-  channel_id connect(mote_id from, mote_id to) {
-    auto [id, todo] = at(from).connect(to, {}, 5min, own_time(from));
-    perform(from, std::move(todo));
-    return id;
-  }
-
-  void perform(mote_id from, router_outputs todo) {
-    for (auto& x : todo) {
-      if (auto* frame = std::get_if<frame_out>(&x))
-        put_on_air(from, std::move(*frame));
-      else if (auto* content = std::get_if<content_in>(&x))
-        arrived.emplace_back(from, std::move(*content));
-      else if (const auto* open = std::get_if<channel_connected>(&x))
-        connected.insert(open->channel);
-      else if (const auto* over = std::get_if<channel_ended>(&x))
-        ended[over->channel] = over->why;
-      else if (auto* packet = std::get_if<channel_received>(&x))
-        received[packet->channel].push_back(std::move(packet->content));
-    }
-  }
-
-  void run_for(duration length) {
-    const auto end = now_ + length;
-    const auto next = [&] {
-      auto due = end;
-      for (auto& [id, x] : nodes_)
-        due = std::min(due, real(x, x.life.deadline()));
-      return due;
-    };
-    agenda_.run(now_, end, next, [this] {
-      for (const auto id : motes()) {
-        if (at(id).deadline() <= own_time(id))
-          perform(id, at(id).on_time(own_time(id)));
-      }
-    });
-  }
-
-  std::vector<std::pair<mote_id, content_in>> arrived;
-  std::set<channel_id> connected;
-  std::map<channel_id, channel_end> ended;
-  std::map<channel_id, std::vector<bytes>> received;
-
-private:
-  struct node {
-    router life;
-    double ppm = 0;
-    duration ahead{};
-  };
-
-  [[nodiscard]] static instant own(const node& x, instant real) {
-    const auto since = real.time_since_epoch();
-    return instant(
-        since + x.ahead +
-        duration(static_cast<duration::rep>(static_cast<double>(since.count()) * x.ppm * 1e-6)));
-  }
-
-  /// The first real time at which a mote's own clock shows `x`, to the microsecond.
-  [[nodiscard]] static instant real(const node& x, instant shown) {
-    const auto since = static_cast<double>((shown.time_since_epoch() - x.ahead).count());
-    auto guess = instant(duration(static_cast<duration::rep>(since / (1 + x.ppm * 1e-6))));
-    while (own(x, guess) < shown)
-      guess += 1us;
-    return guess;
-  }
-
-  [[nodiscard]] bool near(mote_id a, mote_id b) const {
-    const int ia = a.value - 1;
-    const int ib = b.value - 1;
-    return a != b && std::abs(ia % width_ - ib % width_) <= 1 &&
-           std::abs(ia / width_ - ib / width_) <= 1;
-  }
-
-  void put_on_air(mote_id from, frame_out frame) {
-    const auto wait = rng_.between(1ms, 6ms);
-    std::vector<mote_id> heard;
-    bool acked = false;
-    unsigned tries = 0;
-    for (const auto& [id, x] : nodes_) {
-      if (frame.next_hop == broadcast_mote && near(from, id) && rng_.chance(delivery_))
-        heard.push_back(id);
-    }
-    while (frame.next_hop != broadcast_mote && tries < 4 && !acked) {
-      ++tries;
-      if (!nodes_.contains(frame.next_hop) || !near(from, frame.next_hop) ||
-          !rng_.chance(delivery_))
-        continue;
-      if (heard.empty())
-        heard.push_back(frame.next_hop);
-      acked = rng_.chance(delivery_);
-    }
-    if (frame.age_at) {
-      byte_writer age;
-      age.big(static_cast<std::uint32_t>(wait / 1us));
-      std::ranges::copy(age.finish(),
-                        frame.payload.begin() + static_cast<std::ptrdiff_t>(*frame.age_at));
-    }
-    const auto when = now_ + wait;
-    for (const auto to : heard) {
-      agenda_.add(when, [this, from, to, frame] {
-        if (nodes_.contains(to))
-          perform(to,
-                  at(to).on_frame(from, frame.am_type, frame.payload, own_time(to), own_time(to)));
-      });
-    }
-    agenda_.add(when, [this, from, acked, tries, token = frame.token] {
-      if (nodes_.contains(from))
-        perform(from, at(from).on_sent(token, acked, tries, own_time(from)));
-    });
-  }
-
-  int width_;
-  double delivery_;
-  random_stream rng_;
-  instant now_;
-  std::map<mote_id, node> nodes_;
-  test::agenda agenda_;
-};
 
 } // namespace
 
