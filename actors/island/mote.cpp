@@ -117,8 +117,10 @@ void perform(mote_pointer self, mote::node_outputs todo) {
     std::visit(mote_performer{self}, output);
   state.separate.send_events(self);
   tell_search(self);
-  const auto due = earliest(state.node->deadline(), state.programs_due);
-  state.wake.follow(self, state.crystal.real(*due));
+  const auto due = *earliest(state.node->deadline(), state.programs_due);
+  if (std::exchange(state.due, due) != due)
+    state.due_real = state.crystal.real(due);
+  state.wake.follow(self, state.due_real);
   if (!had_turns)
     return;
   if (const auto report = state.reports.deadline())
@@ -181,7 +183,26 @@ bool take_group_frame(mote_pointer self, const radio::frame& x, byte_view psdu) 
   return true;
 }
 
+/// Where there are many motes, the memory of one has left the processor's cache since its last
+/// frame. What each frame needs of it is fetched while the frame is decoded.
+void fetch_ahead(const mote::node& x) {
+  constexpr std::ptrdiff_t line = 64;
+  const auto fetch = [](const void* from, std::size_t size) {
+    const auto* const first = static_cast<const char*>(from);
+    for (const auto* at = first; at < first + size; at += line)
+      __builtin_prefetch(at);
+  };
+  const auto& router = x.packets().router();
+  const auto& links = router.links().all();
+  fetch(links.data(), links.size() * sizeof(links[0]));
+  fetch(&router.tree(), sizeof(router.tree()));
+  fetch(&router.place(), sizeof(router.place()));
+  fetch(&router.clock(), sizeof(router.clock()));
+}
+
 void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
+  if (self->state.node)
+    fetch_ahead(*self->state.node);
   const auto frame = radio::decode(psdu);
   if (!frame || !is_for(*frame, self->state.arguments->address))
     return;
@@ -190,10 +211,10 @@ void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
   if (self->state.flows.take(self, *frame) || take_group_frame(self, *frame, psdu))
     return;
   if (auto& node = self->state.node; node && !self->state.flat) {
+    const auto time = own_time(self);
     auto todo = node->on_frame(frame->source, frame->am_type, frame->payload,
-                               self->state.crystal.own(sfd_of(psdu, now(self))), own_time(self));
-    std::ranges::move(node->on_signal(frame->source, rssi_dbm, own_time(self)),
-                      std::back_inserter(todo));
+                               self->state.crystal.own(sfd_of(psdu, now(self))), time);
+    std::ranges::move(node->on_signal(frame->source, rssi_dbm, time), std::back_inserter(todo));
     perform(self, std::move(todo));
   }
 }

@@ -74,6 +74,8 @@ struct mote_state {
   };
   std::unique_ptr<moving> moves; ///< nullptr: not at all
   timer wake;
+  instant due = instant::min();       ///< by the mote's clock, what `wake` follows,
+  instant due_real;                   ///< and by the world's: several conversions find it
   timer last_words{last_words_timer}; ///< until the fault plan's end of the battery
   timer reports_wake{reports_timer};
   timer groups_wake{groups_timer};

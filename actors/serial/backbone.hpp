@@ -7,7 +7,7 @@
 #include "actors/messages/backbone.hpp"
 #include "actors/messages/supervision.hpp"
 #include "core/address.hpp"
-#include "serial/backbone.hpp"
+#include "serial/cable/backbone.hpp"
 
 namespace rubicon {
 

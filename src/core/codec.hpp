@@ -78,6 +78,11 @@ private:
 /// Appends fields to octets it owns.
 class byte_writer {
 public:
+  byte_writer() = default;
+  /// For so many octets, or a few more than will be written: memory is taken once, not at each
+  /// doubling.
+  explicit byte_writer(std::size_t expected) { octets_.reserve(expected); }
+
   /// Network byte order.
   template <std::integral T>
   byte_writer& big(T value) {

@@ -27,10 +27,14 @@ public:
 
   constexpr fold64& add(std::string_view x) {
     add(x.size());
-    for (; x.size() >= 8; x.remove_prefix(8))
-      add(word_at(x.substr(0, 8)));
-    if (!x.empty())
-      add(word_at(x));
+    const auto* at = x.data();
+    auto left = x.size();
+    for (; left >= 8; left -= 8, at += 8)
+      add(word_at({at, 8}));
+    if (left > 0 && x.size() >= 8) // the rest is the end of a word that is there
+      add(word_at({at + left - 8, 8}) >> (8 * (8 - left)));
+    else if (left > 0)
+      add(word_at({at, left}));
     return *this;
   }
 

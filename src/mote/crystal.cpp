@@ -45,9 +45,12 @@ instant crystal::own(instant real) const {
 
 instant crystal::real(instant own) const {
   auto guess = own - ahead_;
-  for (int i = 0; i < 4; ++i) // each brings it nearer by a factor of 1e9 / ppb
-    guess += own - this->own(guess);
-  while (this->own(guess) < own)
+  auto shown = this->own(guess);
+  for (int i = 0; i < 4 && shown != own; ++i) { // each brings it nearer by a factor of 1e9 / ppb
+    guess += own - shown;
+    shown = this->own(guess);
+  }
+  for (; shown < own; shown = this->own(guess))
     guess += 1ns;
   while (this->own(guess - 1ns) >= own)
     guess -= 1ns;

@@ -12,7 +12,7 @@ namespace {
 
 /// What is carried begins with its AM type.
 bytes content(std::uint8_t am_type, byte_view octets) {
-  byte_writer out;
+  byte_writer out(1 + octets.size());
   out.big(am_type).append(octets);
   return out.finish();
 }

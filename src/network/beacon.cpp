@@ -28,7 +28,7 @@ link_report beacon::report(mote_id source, mote_id self, bool has_route) const {
 
 bytes encode(const beacon& x) {
   assert(x.heard.size() <= beacon::heard_max(x.clock));
-  byte_writer out;
+  byte_writer out(frame_payload_max);
   out.big(x.sequence).big(x.next_quarters);
   x.gradient.write(out);
   x.coordinates.write(out);

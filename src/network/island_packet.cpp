@@ -21,14 +21,14 @@ result<bytes> take_body(byte_reader& in) {
 
 bytes encode(const island_packet& x) {
   assert(x.body.size() <= body_max);
-  byte_writer out;
+  byte_writer out(packet_max - body_max + x.body.size());
   out.big(x.island.value).big(x.mote.value).big(x.channel).append(x.body);
   return out.finish();
 }
 
 bytes encode(const gateway_packet& x) {
   assert(x.body.size() <= body_max);
-  byte_writer out;
+  byte_writer out(packet_max - body_max + x.body.size());
   out.big(x.mote.value).big(x.channel).append(x.body);
   return out.finish();
 }

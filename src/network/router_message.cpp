@@ -37,7 +37,7 @@ struct message_writer {
 } // namespace
 
 bytes encode(const router_message& x) {
-  byte_writer to;
+  byte_writer to(frame_payload_max);
   to.octet(static_cast<std::uint8_t>(x.index()));
   std::visit(message_writer{to}, x);
   return to.finish();

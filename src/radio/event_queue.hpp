@@ -83,11 +83,13 @@ private:
     std::uint64_t order;
   };
 
-  static bool later(const entry& a, const entry& b) {
+  // No functions: calls by pointer are not inlined into the heaps' loops.
+  static constexpr auto later = [](const entry& a, const entry& b) {
     return a.content.at != b.content.at ? a.content.at > b.content.at : a.order > b.order;
-  }
-
-  static bool output_later(const event& a, const event& b) { return a.output_at > b.output_at; }
+  };
+  static constexpr auto output_later = [](const event& a, const event& b) {
+    return a.output_at > b.output_at;
+  };
 
   std::vector<entry> entries_;
   std::vector<event> by_output_;

@@ -65,12 +65,12 @@ result<frame> decode_data(byte_reader reader, bool ack_request) {
 } // namespace
 
 std::uint16_t fcs(byte_view octets) {
+  constexpr const auto& after = fcs_tables; // by the octets that follow
   unsigned crc = 0;
   for (; octets.size() >= fcs_stride; octets = octets.subspan(fcs_stride)) {
-    unsigned next = fcs_tables[7][(crc ^ octets[0]) & 0xff] ^ fcs_tables[6][(crc >> 8) ^ octets[1]];
-    for (std::size_t i = 2; i < fcs_stride; ++i)
-      next ^= fcs_tables[fcs_stride - 1 - i][octets[i]];
-    crc = next;
+    const auto* const x = octets.data();
+    crc = after[7][(crc ^ x[0]) & 0xff] ^ after[6][(crc >> 8) ^ x[1]] ^ after[5][x[2]] ^
+          after[4][x[3]] ^ after[3][x[4]] ^ after[2][x[5]] ^ after[1][x[6]] ^ after[0][x[7]];
   }
   for (const auto octet : octets)
     crc = (crc >> 8) ^ fcs_tables[0][(crc ^ octet) & 0xff];
@@ -78,7 +78,7 @@ std::uint16_t fcs(byte_view octets) {
 }
 
 bytes encode(const frame& x) {
-  byte_writer writer;
+  byte_writer writer(x.type == frame_type::ack ? ack_size : overhead + x.payload.size());
   if (x.type == frame_type::ack) {
     writer.little(fcf_ack).octet(x.dsn);
   } else {

@@ -13,7 +13,7 @@ bool is_known(std::uint8_t kind) {
 } // namespace
 
 bytes encode(const segment& x) {
-  byte_writer out;
+  byte_writer out(header_size + x.payload.size());
   out.big(x.source.value);
   out.big(static_cast<std::uint16_t>(x.sender << 12 | (x.counter & counter_max)));
   out.octet(x.am_type);

@@ -10,7 +10,7 @@
 
 #include "core/codec.hpp"
 #include "network/router.hpp"
-#include "serial/backbone.hpp"
+#include "serial/cable/backbone.hpp"
 #include "support/agenda.hpp"
 #include "support/mote_ids.hpp"
 

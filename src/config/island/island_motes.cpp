@@ -10,7 +10,7 @@
 #include "config/island/model_readers.hpp"
 #include "config/island/size_check.hpp"
 #include "radio/medium/tossim_files.hpp"
-#include "serial/backbone_keys.hpp"
+#include "serial/cable/backbone_keys.hpp"
 
 namespace rubicon::config {
 

@@ -72,7 +72,7 @@ std::string to_string(channel_end x) {
 }
 
 bytes encode(const channel_message& x) {
-  byte_writer to;
+  byte_writer to(frame_payload_max);
   to.octet(static_cast<std::uint8_t>(x.content.index() + 1));
   to.big(x.channel.source.value).big(x.channel.number);
   std::visit(channel_writer{to}, x.content);

@@ -24,7 +24,7 @@ std::size_t header_size(const std::vector<mote_id>& hops) {
 }
 
 bytes encode(const up_packet& x) {
-  byte_writer to;
+  byte_writer to(up_packet::header_size + x.content.size());
   to.big(x.origin.value).big(x.parent.value).big(x.sequence).big(x.cost).big(x.hops);
   to.append(x.content);
   return to.finish();
@@ -33,7 +33,7 @@ bytes encode(const up_packet& x) {
 bytes encode(const down_packet& x) {
   assert(!x.hops.empty() && x.hops.size() <= source_routes::hops_max && x.at < x.hops.size());
   const bool short_ids = fits_octets(x.hops);
-  byte_writer to;
+  byte_writer to(header_size(x.hops) + x.content.size());
   to.big(x.sequence);
   to.big(static_cast<std::uint8_t>(x.hops.size() | (short_ids ? narrow : 0))).big(x.at);
   for (const auto hop : x.hops) {
@@ -47,7 +47,7 @@ bytes encode(const down_packet& x) {
 }
 
 bytes encode(const flood_packet& x) {
-  byte_writer to;
+  byte_writer to(flood_packet::header_size + x.content.size());
   to.big(x.origin.value).big(x.sequence).big(x.hops).append(x.content);
   return to.finish();
 }

@@ -277,6 +277,7 @@ void neighbours::pin(mote_id mote, bool pinned) {
 
 std::vector<neighbours::heard_entry> neighbours::heard(std::size_t count) {
   std::vector<heard_entry> listed;
+  listed.reserve(std::min(count, table_.size()));
   auto at = std::ranges::upper_bound(table_, told_last_, {}, &neighbour::mote);
   for (std::size_t i = 0; i < table_.size() && listed.size() < count; ++i, ++at) {
     if (at == table_.end())

@@ -34,6 +34,8 @@ transmission stamped(radio_index from, const outgoing& x, instant begin) {
   return sent;
 }
 
+constexpr std::size_t receivers_usual = 8; ///< of a broadcast: memory for them is taken at once
+
 copy_outcome to_copy_outcome(outcome x) {
   switch (x) {
   case outcome::weak:
@@ -173,6 +175,8 @@ copy_outcome channel::on_data(const transmission& sent, const hearer& x, instant
   case verdict::accepted:
     outcome = copy_outcome::delivered;
     stay_awake(x.radio, now);
+    if (out.empty())
+      out.reserve(receivers_usual);
     out.emplace_back(delivered{x.radio, sent.psdu, sent.content, x.rssi_dbm, x.lqi, sent.origin});
     break;
   }

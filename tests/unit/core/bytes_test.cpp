@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <string>
+
 #include "core/bytes.hpp"
 #include "core/codec.hpp"
 #include "core/hash.hpp"
@@ -25,6 +28,16 @@ TEST_CASE("a writer and a reader agree on both byte orders", "[core]") {
   CHECK(in.octet() == 7);
   CHECK(in.ok());
   CHECK(in.remaining() == 0);
+}
+
+TEST_CASE("a writer that expects a size takes memory once, and may write more", "[core]") {
+  byte_writer writer(6);
+  writer.big(std::uint16_t{0x0102});
+  const auto* const memory = writer.view().data();
+  writer.little(std::uint32_t{0x03040506});
+  CHECK(writer.view().data() == memory);
+  writer.octet(7);
+  CHECK(to_hex(writer.finish()) == "01020605040307");
 }
 
 TEST_CASE("reading past the end yields zeros and stays failed", "[core]") {
@@ -63,6 +76,22 @@ TEST_CASE("a fold depends on content, length and order", "[core]") {
   CHECK(to_hex(fold64().add("rubicon").add(7).value()) ==
         to_hex(fold64().add("rubicon").add(7).value()));
   CHECK(to_hex(std::uint64_t{0xbeef}) == "000000000000beef");
+}
+
+TEST_CASE("a fold of text is that of its words, the first octet in the lowest bits", "[core]") {
+  std::string text;
+  for (unsigned size = 0; size <= 40; ++size) {
+    fold64 by_words;
+    by_words.add(std::uint64_t{size});
+    for (std::size_t at = 0; at < size; at += 8) {
+      std::uint64_t word = 0;
+      for (std::size_t i = at; i < std::min<std::size_t>(at + 8, size); ++i)
+        word |= std::uint64_t{static_cast<unsigned char>(text[i])} << (8 * (i - at));
+      by_words.add(word);
+    }
+    CHECK(fold64().add(text).value() == by_words.value());
+    text += static_cast<char>(200 + 3 * size); // beyond ASCII, where a char may be negative
+  }
 }
 
 TEST_CASE("times are written the way people read them", "[core]") {

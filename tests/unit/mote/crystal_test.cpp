@@ -32,6 +32,23 @@ TEST_CASE("a crystal never goes back, and real() is the first time that shows a 
     check(instant{duration(rng.below(1'000'000'000'000'000))});
 }
 
+TEST_CASE("real() is the first time that shows a moment, however the crystal wanders",
+          "[mote][CLK-01]") {
+  mote::crystal_config config;
+  config.ppb = GENERATE(std::int64_t{0}, 40'000, -1'000'000);
+  config.wander_ppb = GENERATE(std::int64_t{1}, 5'000, 100'000);
+  config.wander_period = GENERATE(duration(10min), duration(24h));
+  config.phase = config.wander_period / 3;
+  const auto x = crystal(config).ahead_by(17min);
+  random_stream rng(7);
+  for (int i = 0; i < 500; ++i) {
+    const instant moment{17min + rng.between(0s, 365 * 24h)};
+    const auto real = x.real(moment);
+    CHECK(x.own(real) >= moment);
+    CHECK(x.own(real - 1ns) < moment);
+  }
+}
+
 TEST_CASE("a crystal that wanders gains and loses with the temperature, and in the end nothing",
           "[mote][CLK-01]") {
   mote::crystal_config config;

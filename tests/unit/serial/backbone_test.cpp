@@ -1,6 +1,6 @@
-#include "serial/backbone.hpp"
+#include "serial/cable/backbone.hpp"
 
-#include "serial/line_config.hpp"
+#include "serial/cable/line_config.hpp"
 #include "support/catch.hpp"
 #include "unit/serial/fixture.hpp"
 

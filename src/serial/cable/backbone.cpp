@@ -1,10 +1,10 @@
-#include "serial/backbone.hpp"
+#include "serial/cable/backbone.hpp"
 
 #include <algorithm>
 #include <utility>
 
 #include "core/account/message_ledger.hpp"
-#include "serial/line_config.hpp"
+#include "serial/cable/line_config.hpp"
 
 namespace rubicon::serial {
 

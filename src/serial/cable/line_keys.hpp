@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/describe/keys.hpp"
-#include "serial/line_config.hpp"
+#include "serial/cable/line_config.hpp"
 
 namespace rubicon::serial {
 

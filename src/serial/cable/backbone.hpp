@@ -16,7 +16,7 @@
 #include "core/describe/fields.hpp"
 #include "core/numbers/random.hpp"
 #include "core/time.hpp"
-#include "serial/backbone_config.hpp"
+#include "serial/cable/backbone_config.hpp"
 
 namespace rubicon::serial {
 

@@ -1,4 +1,4 @@
-#include "serial/line.hpp"
+#include "serial/cable/line.hpp"
 
 #include <algorithm>
 #include <cassert>

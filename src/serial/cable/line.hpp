@@ -14,7 +14,7 @@
 #include "core/describe/fields.hpp"
 #include "core/numbers/random.hpp"
 #include "core/time.hpp"
-#include "serial/line_config.hpp"
+#include "serial/cable/line_config.hpp"
 
 namespace rubicon::serial {
 

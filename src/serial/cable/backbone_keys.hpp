@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/describe/keys.hpp"
-#include "serial/backbone_config.hpp"
+#include "serial/cable/backbone_config.hpp"
 
 namespace rubicon::serial {
 
