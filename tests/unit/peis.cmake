@@ -1,7 +1,7 @@
 rubicon_unit_test(unit.peis SOURCES
   unit/peis_golden_test.cpp unit/peis_link_test.cpp unit/peis_link_url_test.cpp unit/peis_key_test.cpp
   unit/peis_queue_test.cpp unit/peis_routing_test.cpp unit/peis_delivery_test.cpp
-  unit/peis_p2p_test.cpp unit/peis_p2p_parts_test.cpp unit/peis_tuple_space_test.cpp unit/peis_tuple_append_test.cpp
+  unit/peis_p2p_test.cpp unit/peis_p2p_parts_test.cpp unit/peis_network_classes_test.cpp unit/peis_tuple_space_test.cpp unit/peis_tuple_append_test.cpp
   unit/peis_own_tuples_test.cpp unit/peis_held_tuples_test.cpp unit/peis_local_subscriptions_test.cpp unit/peis_tuple_hosts_test.cpp
   unit/peis_pending_feeds_test.cpp unit/peis_subscriber_feed_test.cpp
   unit/peis_tuple_limits_test.cpp unit/peis_tuple_pushes_test.cpp unit/peis_tuple_read_test.cpp unit/peis_tuple_statistics_test.cpp unit/peis_meta_test.cpp unit/peis_kernel_test.cpp unit/peis_kernel_clients_test.cpp unit/peis_simulated_media_test.cpp
