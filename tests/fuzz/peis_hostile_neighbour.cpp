@@ -14,7 +14,10 @@
 
 #include "peis/acknowledgement.hpp"
 #include "peis/announcement.hpp"
+#include "peis/dead_host.hpp"
+#include "peis/host_query.hpp"
 #include "peis/kernel.hpp"
+#include "peis/trace.hpp"
 #include "peis/tuple_record.hpp"
 
 using namespace rubicon;

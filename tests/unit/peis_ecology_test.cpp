@@ -4,6 +4,7 @@
 #include <iterator>
 #include <set>
 
+#include "peis/announcement.hpp"
 #include "peis_fixture.hpp"
 #include "support/catch.hpp"
 

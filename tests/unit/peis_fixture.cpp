@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "peis/host_query.hpp"
 #include "peis/link_url.hpp"
 
 namespace rubicon::peis::test {

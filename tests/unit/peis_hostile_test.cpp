@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 
+#include "peis/announcement.hpp"
 #include "peis/dead_host.hpp"
 #include "peis/host_query.hpp"
 #include "peis/network_clock.hpp"

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "peis/host_query.hpp"
 #include "peis/link_url.hpp"
 #include "peis_fixture.hpp"
 #include "support/catch.hpp"

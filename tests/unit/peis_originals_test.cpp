@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "peis/announcement.hpp"
 #include "peis/link_url.hpp"
 #include "peis_fixture.hpp"
 #include "support/catch.hpp"
