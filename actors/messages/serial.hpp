@@ -6,7 +6,7 @@
 
 #include "actors/messages/common.hpp"
 #include "core/bytes.hpp"
-#include "serial/line.hpp"
+#include "serial/cable/line.hpp"
 
 namespace rubicon {
 

@@ -6,7 +6,7 @@
 #include "actors/base/timer.hpp"
 #include "actors/messages/serial.hpp"
 #include "actors/messages/supervision.hpp"
-#include "serial/line.hpp"
+#include "serial/cable/line.hpp"
 
 namespace rubicon {
 

@@ -10,7 +10,7 @@
 #include "cli/words/exit_status.hpp"
 #include "core/bytes.hpp"
 #include "core/time.hpp"
-#include "serial/line_config.hpp"
+#include "serial/cable/line_config.hpp"
 
 namespace rubicon::cli {
 

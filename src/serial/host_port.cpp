@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/account/message_ledger.hpp"
-#include "serial/line_config.hpp"
+#include "serial/cable/line_config.hpp"
 #include "serial/raw_packet.hpp"
 
 namespace rubicon::serial {

@@ -16,8 +16,8 @@
 #include "core/describe/fields.hpp"
 #include "core/time.hpp"
 #include "serial/ack_patience.hpp"
+#include "serial/cable/line_end.hpp"
 #include "serial/frame.hpp"
-#include "serial/line_end.hpp"
 #include "serial/packet.hpp"
 
 namespace rubicon::serial {

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "core/account/message_ledger.hpp"
+#include "serial/cable/line_config.hpp"
 #include "serial/frame.hpp"
-#include "serial/line_config.hpp"
 
 namespace rubicon::serial {
 

@@ -13,7 +13,7 @@
 #include "core/bytes.hpp"
 #include "core/describe/fields.hpp"
 #include "core/time.hpp"
-#include "serial/line_end.hpp"
+#include "serial/cable/line_end.hpp"
 #include "serial/packet.hpp"
 
 namespace rubicon::serial {

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "core/time.hpp"
+#include "serial/cable/line.hpp"
 #include "serial/frame.hpp"
-#include "serial/line.hpp"
 
 namespace rubicon::serial {
 

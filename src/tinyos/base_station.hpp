@@ -11,7 +11,7 @@
 #include "core/bounded_queue.hpp"
 #include "core/bytes.hpp"
 #include "core/describe/fields.hpp"
-#include "serial/line_config.hpp"
+#include "serial/cable/line_config.hpp"
 #include "serial/packet.hpp"
 
 namespace rubicon::tinyos {

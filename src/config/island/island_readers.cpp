@@ -11,7 +11,7 @@
 #include "mote/duty_keys.hpp"
 #include "radio/medium/tossim_files.hpp"
 #include "radio/parameter_keys.hpp"
-#include "serial/line_keys.hpp"
+#include "serial/cable/line_keys.hpp"
 
 namespace rubicon::config {
 

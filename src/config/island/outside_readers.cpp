@@ -11,7 +11,7 @@
 #include "core/text/host_port.hpp"
 #include "core/text/ipv4_network.hpp"
 #include "gateway/plain/plain_keys.hpp"
-#include "serial/line_keys.hpp"
+#include "serial/cable/line_keys.hpp"
 #include "serial/recording.hpp"
 
 namespace rubicon::config {

@@ -7,7 +7,7 @@
 
 #include "config/file_readers.hpp"
 #include "config/toml/table_reader.hpp"
-#include "serial/line_config.hpp"
+#include "serial/cable/line_config.hpp"
 
 namespace rubicon::config {
 

@@ -10,7 +10,7 @@
 #include "config/island/mote_readers.hpp"
 #include "config/plan/claims.hpp"
 #include "config/toml/problem.hpp"
-#include "serial/line_config.hpp"
+#include "serial/cable/line_config.hpp"
 
 namespace rubicon::config {
 

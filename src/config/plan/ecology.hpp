@@ -33,7 +33,7 @@
 #include "proxy/rules/rules_config.hpp"
 #include "radio/parameters.hpp"
 #include "rfid/reader_config.hpp"
-#include "serial/line_config.hpp"
+#include "serial/cable/line_config.hpp"
 #include "smepp/member_config.hpp"
 #include "tinyos/program_config.hpp"
 #include "traffic/flow_config.hpp"

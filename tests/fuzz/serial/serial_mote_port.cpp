@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "fuzz/require.hpp"
+#include "serial/cable/line_config.hpp"
 #include "serial/frame.hpp"
-#include "serial/line_config.hpp"
 #include "serial/mote_port.hpp"
 
 using namespace rubicon;

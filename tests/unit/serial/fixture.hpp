@@ -8,8 +8,8 @@
 
 #include "core/bytes.hpp"
 #include "core/time.hpp"
+#include "serial/cable/line.hpp"
 #include "serial/host_port.hpp"
-#include "serial/line.hpp"
 #include "serial/mote_port.hpp"
 
 namespace rubicon::serial::test {

@@ -1,4 +1,4 @@
-#include "serial/line.hpp"
+#include "serial/cable/line.hpp"
 
 #include "support/catch.hpp"
 #include "unit/serial/fixture.hpp"

@@ -1,7 +1,7 @@
 #include "serial/mote_port.hpp"
 
+#include "serial/cable/line_config.hpp"
 #include "serial/frame.hpp"
-#include "serial/line_config.hpp"
 #include "support/catch.hpp"
 #include "support/vectors.hpp"
 #include "unit/serial/fixture.hpp"
