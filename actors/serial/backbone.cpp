@@ -1,4 +1,4 @@
-#include "actors/serial/cable/backbone.hpp"
+#include "actors/serial/backbone.hpp"
 
 #include <utility>
 #include <variant>

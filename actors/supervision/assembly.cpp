@@ -16,7 +16,7 @@
 #include "actors/messages/supervision.hpp"
 #include "actors/peis/peis_bluetooth.hpp"
 #include "actors/peis/peis_lan.hpp"
-#include "actors/serial/cable/backbone.hpp"
+#include "actors/serial/backbone.hpp"
 #include "actors/serial/outside_line.hpp"
 #include "actors/serial/pty_end.hpp"
 #include "actors/serial/replay_line.hpp"

@@ -108,7 +108,7 @@ std::optional<instant> kernel::deadline() const {
 
 /// Handles a turn's input, and all that comes of it.
 outputs kernel::finish(instant now, bool turn) {
-  tuples_.set_clock_offset(network_.clock().offset());
+  tuples_.set_clock_offset(network_.view().clock.offset());
   publish(statistics_.due(network_, tuples_, now), now);
   while (turn && network_.serve_next(now)) {
     for (auto news = network_.take_events(); !news.empty(); news = network_.take_events()) {
@@ -137,7 +137,7 @@ void kernel::settle(instant now) {
 }
 
 void kernel::handle(host_appeared& x, instant now) {
-  const auto* record = network_.find_host(x.host);
+  const auto* record = network_.view().hosts.record_of(x.host);
   out_.emplace_back(x);
   perform(tuples_.on_host_appeared(x.host, record != nullptr && record->marked, now, x.incarnation),
           now);
@@ -162,9 +162,9 @@ void kernel::handle(host_vanished& x, instant now) {
 
 /// @param asked is sent next
 void kernel::expect_quit(const tuple& asked, request_id request) {
-  const auto* record = network_.find_host(asked.owner);
+  const auto* record = network_.view().hosts.record_of(asked.owner);
   if (request != no_request && asked.name.folded() == quit_key && asks_to_quit(asked) &&
-      record != nullptr && record->marked && !network_.shares_host(asked.owner))
+      record != nullptr && record->marked && !network_.view().hosts.shares_host(asked.owner))
     quits_[request] = {asked.owner, std::nullopt};
 }
 
@@ -260,7 +260,7 @@ void kernel::on_set(peer_id source, const payload& octets, instant now) {
 /// Peers of our own host and the managers of the configuration (TUP-22).
 bool kernel::may_stop_us(peer_id source) const {
   const auto& managers = config_.managers;
-  return network_.shares_host(source) ||
+  return network_.view().hosts.shares_host(source) ||
          std::find(managers.begin(), managers.end(), source) != managers.end();
 }
 
@@ -348,7 +348,7 @@ outputs kernel::leave(instant now) {
 }
 
 cause kernel::refusal(const result<key>& name) {
-  if (network_.has_left())
+  if (network_.view().own.left)
     return cause::left;
   if (name)
     return cause::none;
@@ -361,15 +361,15 @@ peer_id kernel::id() const {
 }
 
 std::vector<const host_record*> kernel::hosts() const {
-  return network_.hosts();
+  return network_.view().hosts.records();
 }
 
 bool kernel::reachable(peer_id host) const {
-  return host == id() || network_.reachable(host);
+  return host == id() || network_.view().routes.reachable(host);
 }
 
 bool kernel::knows_present(peer_id host) const {
-  return host == id() || network_.knows_present(host);
+  return host == id() || network_.view().hosts.knows_present(host);
 }
 
 timestamp kernel::network_time(instant now) const {
@@ -377,7 +377,7 @@ timestamp kernel::network_time(instant now) const {
 }
 
 kernel_counters kernel::counters() const {
-  kernel_counters all{network_.counters(), tuples_.counters(), unhooked_};
+  kernel_counters all{network_.view().own.counters, tuples_.counters(), unhooked_};
   all.tuples.refused += refused_;
   all.tuples.bad_meta_tuples = bad_meta_tuples_;
   return all;

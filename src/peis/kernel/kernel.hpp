@@ -18,7 +18,7 @@
 #include "core/numbers/random.hpp"
 #include "core/time.hpp"
 #include "peis/kernel/kernel_statistics.hpp"
-#include "peis/overlay/p2p.hpp"
+#include "peis/p2p/p2p.hpp"
 #include "peis/space/tuple_space.hpp"
 #include "peis/tuples/meta_tuple.hpp"
 #include "peis/tuples/tuple.hpp"
@@ -320,20 +320,20 @@ public:
   [[nodiscard]] std::vector<const host_record*> hosts() const;
 
   /// The links there are, ascending by number.
-  [[nodiscard]] std::vector<link_view> links() const { return network_.links(); }
+  [[nodiscard]] std::vector<link_view> links() const { return network_.view().links.views(); }
 
   /// The way to every host that is known, lost ones included (RTE-01).
-  [[nodiscard]] const routing_table& routing() const { return network_.routing(); }
+  [[nodiscard]] const routing_table& routing() const { return network_.view().routes.routes(); }
 
   /// The clock of the ecology as we see it (CLK-06).
-  [[nodiscard]] const network_clock& clock() const { return network_.clock(); }
+  [[nodiscard]] const network_clock& clock() const { return network_.view().clock; }
 
   /// Who we are, as a HELLO and its answer tell it (BT-05).
-  [[nodiscard]] bytes hello() const { return network_.hello(); }
+  [[nodiscard]] bytes hello() const { return network_.view().own.hello(); }
 
   /// [bluetoothIsConnectable] BT-06.
   [[nodiscard]] bool bluetooth_is_connectable(const bluetooth_address& address) const {
-    return network_.adapters().is_connectable(address);
+    return network_.view().adapters.is_connectable(address);
   }
 
   /// Can a message be sent to that peer now?

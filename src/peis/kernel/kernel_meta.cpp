@@ -6,7 +6,7 @@
 namespace rubicon::peis {
 
 outputs kernel::declare_meta_tuple(std::string_view name, instant now, request_id request) {
-  if (is_meta_tuple(id(), name) && !network_.has_left()) {
+  if (is_meta_tuple(id(), name) && !network_.view().own.left) {
     report(request, cause::none);
     return finish(now);
   }

@@ -41,16 +41,16 @@ std::string neighbour_text(const std::optional<peer_id>& neighbour) {
 }
 
 std::string routes_text(const p2p& network) {
-  const auto self = network.config().id;
+  const auto self = network.view().own.config.id;
   std::map<peer_id, std::string> lines;
   const auto add = [&](peer_id host, unsigned hops, peer_id via) {
     lines[host] =
         " (" + padded(host.value, 4) + ' ' + padded(hops, 2) + ' ' + padded(via.value, 4) + ")\n";
   };
   std::map<link_id, peer_id> neighbours;
-  for (const auto& x : network.links())
+  for (const auto& x : network.view().links.views())
     neighbours[x.link] = x.neighbour.value_or(any_peer);
-  for (const auto& [host, way] : network.routing().routes()) {
+  for (const auto& [host, way] : network.view().routes.routes().routes()) {
     const auto at = way.via ? neighbours.find(*way.via) : neighbours.end();
     add(host, way.hops, at == neighbours.end() ? any_peer : at->second);
   }
@@ -190,14 +190,14 @@ std::string kernel_statistics::text_of(kind which, const p2p& network, const tup
   case kind::subscribers:
     return subscribers_text(tuples);
   case kind::all_keys:
-    return all_keys_text(tuples, network.config().id);
+    return all_keys_text(tuples, network.view().own.config.id);
   }
   return {};
 }
 
 /// Octets in 5 s, halved, as real kernels show them.
 std::string kernel_statistics::traffic(const p2p& network, double seconds) {
-  const auto& counted = network.counters();
+  const auto& counted = network.view().own.counters;
   const auto shown = [&](std::uint64_t now, std::uint64_t before) {
     return fixed(per_second(now, before, seconds) * 2.5, 1);
   };
@@ -214,7 +214,7 @@ std::string kernel_statistics::connections(const p2p& network, double seconds) {
   const auto rate = [&](std::uint64_t now, std::uint64_t before) {
     return std::to_string(static_cast<std::uint64_t>(per_second(now, before, seconds)));
   };
-  for (const auto& x : network.links()) {
+  for (const auto& x : network.view().links.views()) {
     const auto before = links_before_[x.link];
     counted[x.link] = {x.octets_in, x.octets_out};
     text += '(' + neighbour_text(x.neighbour) + ' ' + rate(x.octets_in, before.in) + ' ' +

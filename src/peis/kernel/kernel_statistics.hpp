@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/time.hpp"
-#include "peis/overlay/p2p.hpp"
+#include "peis/p2p/p2p.hpp"
 #include "peis/space/tuple_space.hpp"
 
 namespace rubicon::peis {

@@ -23,7 +23,7 @@ outputs kernel::set_tuple(std::string_view name, tuple_content content, instant 
 }
 
 outputs kernel::insert_tuple(tuple draft, instant now, request_id request) {
-  if (network_.has_left()) {
+  if (network_.view().own.left) {
     report(request, cause::left);
   } else if (draft.owner == id()) {
     auto [why, todo] = tuples_.insert(std::move(draft), now);
@@ -44,7 +44,7 @@ outputs kernel::insert_tuple(tuple draft, instant now, request_id request) {
 outputs kernel::append_tuple(const prototype& wanted, payload added, instant now,
                              request_id request) {
   const bool ours = wanted.owner == id();
-  auto why = network_.has_left() ? cause::left : cause::none;
+  auto why = network_.view().own.left ? cause::left : cause::none;
   if (why == cause::none && !ours && wanted.mimetype)
     why = cause::bad_value;
   if (why == cause::none &&
@@ -68,7 +68,7 @@ outputs kernel::append_tuple(const prototype& wanted, payload added, instant now
   auto [verdict, todo] = tuples_.append(wanted, added, now);
   perform(std::move(todo), now);
   if (!ours) {
-    for (const auto* host : network_.hosts()) {
+    for (const auto* host : network_.view().hosts.records()) {
       if (host->id != id())
         perform({request_to(host->id)}, now);
     }
@@ -120,7 +120,7 @@ outputs kernel::delete_remote_tuple(peer_id owner, std::string_view name, reques
 /// and not what has become of it. What real kernels do is theirs.
 /// @param quits it may be the word to quit, which some are allowed to say
 cause kernel::refusal_of_owner(peer_id owner, const key& name, bool quits) const {
-  const auto* record = network_.find_host(owner);
+  const auto* record = network_.view().hosts.record_of(owner);
   const bool is_of_our_kind = record != nullptr && record->marked;
   const bool may_be_taken = !is_reserved(name) || (quits && name.folded() == quit_key);
   return is_of_our_kind && !may_be_taken ? cause::refused : cause::none;
@@ -162,7 +162,7 @@ outputs kernel::register_callback(const prototype& wanted, subscription_id id, i
 
 outputs kernel::watch(const prototype& wanted, tuple_space::interest kind, subscription_id id,
                       request_id request, instant now) {
-  auto why = network_.has_left() ? cause::left : cause::none;
+  auto why = network_.view().own.left ? cause::left : cause::none;
   if (why == cause::none && (id.value >= own_ids_first || indirections_.contains(id)))
     why = cause::bad_handle;
   if (why != cause::none) {

@@ -16,6 +16,9 @@
 #include "peis/tuples/tuple_record.hpp"
 #include "peis/wire/acknowledgement.hpp"
 #include "peis/wire/announcement.hpp"
+#include "peis/wire/dead_host.hpp"
+#include "peis/wire/host_query.hpp"
+#include "peis/wire/trace.hpp"
 
 using namespace rubicon;
 

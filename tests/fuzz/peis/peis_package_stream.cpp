@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "peis/link/link.hpp"
-#include "peis/overlay/p2p.hpp"
+#include "peis/p2p/p2p.hpp"
 
 using namespace rubicon;
 

@@ -7,7 +7,7 @@
 
 #include "peis/link/link.hpp"
 #include "peis/overlay/network_clock.hpp"
-#include "peis/overlay/p2p.hpp"
+#include "peis/p2p/p2p.hpp"
 #include "peis/wire/announcement.hpp"
 #include "peis/wire/heartbeat.hpp"
 #include "peis/wire/link_url.hpp"

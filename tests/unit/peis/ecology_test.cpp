@@ -4,6 +4,7 @@
 #include <iterator>
 #include <set>
 
+#include "peis/wire/announcement.hpp"
 #include "support/catch.hpp"
 #include "unit/peis/fixture.hpp"
 

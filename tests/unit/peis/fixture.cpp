@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "peis/wire/host_query.hpp"
 #include "peis/wire/link_url.hpp"
 
 namespace rubicon::peis::test {

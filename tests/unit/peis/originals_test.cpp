@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "peis/wire/announcement.hpp"
 #include "peis/wire/link_url.hpp"
 #include "support/catch.hpp"
 #include "support/seeds.hpp"

@@ -1,7 +1,7 @@
 rubicon_unit_test(unit.peis SOURCES
   unit/peis/golden_test.cpp unit/peis/link_test.cpp unit/peis/link_url_test.cpp unit/peis/tuples/key_test.cpp
   unit/peis/queue_test.cpp unit/peis/overlay/routing_test.cpp unit/peis/delivery_test.cpp
-  unit/peis/overlay/p2p_test.cpp unit/peis/overlay/p2p_parts_test.cpp unit/peis/tuples/tuple_space_test.cpp unit/peis/tuples/tuple_append_test.cpp
+  unit/peis/overlay/p2p_test.cpp unit/peis/overlay/p2p_parts_test.cpp unit/peis/overlay/network_classes_test.cpp unit/peis/tuples/tuple_space_test.cpp unit/peis/tuples/tuple_append_test.cpp
   unit/peis/tuples/own_tuples_test.cpp unit/peis/tuples/held_tuples_test.cpp unit/peis/tuples/local_subscriptions_test.cpp unit/peis/tuples/tuple_hosts_test.cpp
   unit/peis/tuples/pending_feeds_test.cpp unit/peis/tuples/subscriber_feed_test.cpp
   unit/peis/tuples/tuple_limits_test.cpp unit/peis/tuples/tuple_pushes_test.cpp unit/peis/tuples/tuple_read_test.cpp unit/peis/tuples/tuple_statistics_test.cpp unit/peis/tuples/meta_test.cpp unit/peis/kernel_test.cpp unit/peis/kernel_clients_test.cpp unit/peis/overlay/simulated_media_test.cpp

@@ -5,6 +5,7 @@
 
 #include "peis/overlay/network_clock.hpp"
 #include "peis/overlay/routing_table.hpp"
+#include "peis/wire/announcement.hpp"
 #include "peis/wire/dead_host.hpp"
 #include "peis/wire/host_query.hpp"
 #include "peis/wire/routing_page.hpp"

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "peis/wire/host_query.hpp"
 #include "peis/wire/link_url.hpp"
 #include "support/catch.hpp"
 #include "support/seeds.hpp"

@@ -1,0 +1,107 @@
+#include "peis/links/link_health.hpp"
+
+#include <algorithm>
+
+namespace rubicon::peis {
+
+namespace {
+
+constexpr duration beside_gap = 1s; // between two tries for one link
+
+} // namespace
+
+bool link_health::is_marked(const connection& x) const {
+  return x.neighbour && hosts_.is_marked(*x.neighbour);
+}
+
+duration link_health::patience(const connection& x) const {
+  if (!x.open)
+    return own_.config.handshake_timeout;
+  if (x.in.octets == 0)
+    return own_.config.greeting_timeout;
+  return x.signs.beat && is_marked(x) ? own_.config.heartbeat_timeout : own_.config.link_timeout;
+}
+
+/// A link also falls silent when what it was given does not leave.
+instant link_health::silence_deadline(const connection& x) const {
+  return std::min(x.in.last_package + patience(x), drain_deadline(x));
+}
+
+instant link_health::drain_deadline(const connection& x) const {
+  return x.out.unreported > 0 ? x.out.drained + own_.config.link_timeout : instant::max();
+}
+
+void link_health::watch_silence(const connection& x) {
+  next_silence_check_ = earliest(next_silence_check_, silence_deadline(x));
+}
+
+std::vector<std::pair<link_id, close_cause>> link_health::take_silent(instant now) {
+  if (!next_silence_check_ || now < *next_silence_check_)
+    return {};
+  std::vector<std::pair<link_id, close_cause>> silent;
+  next_silence_check_.reset();
+  for (const auto& [link, x] : links_.all()) {
+    const bool waits = x.open && x.in.waits; // what has come is still to be handled
+    if (waits && drain_deadline(x) > now)
+      next_silence_check_ = earliest(next_silence_check_, now + own_.config.heartbeat_timeout);
+    else if (waits || silence_deadline(x) <= now)
+      silent.emplace_back(link, x.open ? close_cause::silent : close_cause::handshake_silent);
+    else
+      watch_silence(x);
+  }
+  return silent;
+}
+
+bool link_health::can_be_doubted(const connection& x) const {
+  return x.open && x.named && !is_marked(x);
+}
+
+instant link_health::doubt_begins(const connection& x) const {
+  const auto silent = x.in.last_octets + own_.config.sign_after + own_.config.sign_timeout;
+  return x.out.unreported > 0 ? std::min(silent, x.out.drained + own_.config.sign_timeout) : silent;
+}
+
+bool link_health::is_doubtful(const connection& x, instant now) const {
+  return can_be_doubted(x) && doubt_begins(x) <= now;
+}
+
+instant link_health::asks_at(const connection& x) const {
+  return std::max(x.in.last_octets, x.signs.asked) + own_.config.sign_after;
+}
+
+/// When there is something to do about a link: to ask for a sign of life, or to try another.
+instant link_health::next_doubt_of(const connection& x) const {
+  return std::min(asks_at(x), std::max(doubt_begins(x), x.signs.next_beside));
+}
+
+void link_health::watch_doubt(const connection& x) {
+  if (can_be_doubted(x))
+    next_doubt_ = earliest(next_doubt_, next_doubt_of(x));
+}
+
+link_health::doubts link_health::take_doubts(instant now) {
+  if (!next_doubt_ || *next_doubt_ > now)
+    return {};
+  next_doubt_.reset();
+  doubts due;
+  for (auto& [link, x] : links_.all()) {
+    if (!can_be_doubted(x))
+      continue;
+    if (asks_at(x) <= now) {
+      x.signs.asked = now;
+      due.ask.push_back(link);
+    }
+    if (std::max(doubt_begins(x), x.signs.next_beside) <= now) {
+      x.signs.next_beside = now + beside_gap;
+      due.beside.push_back(link);
+    }
+    watch_doubt(x);
+  }
+  return due;
+}
+
+std::optional<instant> link_health::deadline() const {
+  return own_.left ? next_silence_check_ : earliest(next_silence_check_, next_doubt_);
+}
+
+} // namespace rubicon::peis

@@ -1,0 +1,225 @@
+#include "peis/p2p/matchmaker.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <utility>
+#include <variant>
+
+namespace rubicon::peis {
+
+namespace {
+
+constexpr duration merge_soon = 500ms; // after an attempt, while others wait
+constexpr duration news_jitter = 50ms; // peers that start together do not all call at once
+constexpr duration young_for = 10s;    // a link is not judged before (peis-wire.md 14)
+constexpr duration merge_gap = 50us;   // for each host that must be looked at
+constexpr unsigned host_wait_max = 30; // seconds between two tries of a host, at most
+constexpr unsigned lost_wait_max = 2;  // the same, of one to which there is no route
+constexpr duration judging_gap = 1s;
+constexpr duration naming_time = 5s; ///< to say who one is, on a link that one has asked for
+
+} // namespace
+
+bool matchmaker::has_room_for(const connect_request& request, const occasion& x) {
+  if (of_.links.open() >= of_.own.config.links_max)
+    return replace_least(x);
+  // What a link is worth takes a walk over all ways: only if it decides, and not for each who asks.
+  const bool judged =
+      (request.flags & connect_request::for_bandwidth) != 0 && x.now >= next_judgement_;
+  std::vector<link_option> options;
+  if (judged) {
+    options = link_options(x.now);
+  } else {
+    for (const auto& [link, each] : of_.links.all()) {
+      if (each.open && !each.always())
+        options.push_back({link, std::nullopt});
+    }
+  }
+  switch (admit(request.flags, options, of_.own.config.connections)) {
+  case admission::accept:
+    return true;
+  case admission::refuse:
+    next_judgement_ = judged ? x.now + judging_gap : next_judgement_;
+    return false;
+  case admission::replace_worst:
+    of_.closer.close(worst_of(options)->link, close_cause::unneeded, x);
+    return true;
+  }
+  return false;
+}
+
+/// All links are in use. One whose neighbour has asked for it and never said who it is goes, or one
+/// that leads nowhere that others do not lead; these are not judged anew for each who asks.
+bool matchmaker::replace_least(const occasion& x) {
+  for (const auto& [link, each] : of_.links.all()) {
+    if (each.asked_at && *each.asked_at + naming_time <= x.now && !each.named) {
+      of_.closer.close(link, close_cause::nameless, x);
+      return true;
+    }
+  }
+  if (x.now < next_judgement_)
+    return false;
+  const auto worst = worst_of(link_options(x.now));
+  if (!worst) {
+    next_judgement_ = x.now + judging_gap;
+    return false;
+  }
+  of_.closer.close(worst->link, close_cause::unneeded, x);
+  return true;
+}
+
+/// D1.1 3.1.6.5: force a connection to a host in a lower cluster; to one in a higher cluster only
+/// if that side does not manage it, and to one that was lost whatever its cluster was.
+void matchmaker::merge_clusters(const occasion& x) {
+  last_merge_ = x.now;
+  next_merge_ = x.now + of_.own.config.connections.cluster_period;
+  of_.hosts.expire_former(x.now);
+  of_.hosts.expire(x.now);
+  std::vector<const host_record*> foreign;
+  const auto consider = [&](const host_record& record, bool at_once) {
+    if (of_.routes.reachable(record.id) || !of_.dials.may_try(record.id, lost_wait_max, x.now) ||
+        of_.dials.urls_to(record).empty())
+      return;
+    if (at_once || record.cluster < of_.own.self.cluster ||
+        of_.contacts.note_foreign_run(record.id))
+      foreign.push_back(&record);
+  };
+  for (const auto& [id, each] : of_.hosts.all())
+    consider(each.record, each.lost.has_value() || each.forgotten);
+  for (const auto& [id, each] : of_.hosts.former())
+    consider(each.record, true);
+  if (foreign.empty())
+    return;
+  const auto& chosen = *foreign[of_.own.rng.below(foreign.size())];
+  static_cast<void>(of_.dials.connect(chosen, connect_request::for_merge, x));
+  next_merge_ = x.now + merge_soon;
+}
+
+void matchmaker::hasten_merge(instant now) {
+  const auto soon = now + of_.own.rng.between(duration(0), news_jitter);
+  const auto hosts = static_cast<int>(of_.hosts.all().size());
+  next_merge_ = std::min(next_merge_, std::max(soon, last_merge_ + hosts * merge_gap));
+}
+
+bool matchmaker::busy_with(peer_id host) const {
+  return of_.traffic.octets_per_second(host) > of_.own.config.connections.forced_octets_per_second;
+}
+
+void matchmaker::manage(const occasion& x) {
+  auto& own = of_.own;
+  next_manager_ = x.now + own.config.connections.manager_period;
+  of_.traffic.measure(x.now);
+  close_doubles(x);
+  if (force_by_traffic(x))
+    return;
+  const auto links = link_options(x.now);
+  const auto decision = decide(links, host_options(x.now), own.config.connections, own.rng);
+  if (const auto* open = std::get_if<open_link_to>(&decision)) {
+    static_cast<void>(of_.dials.connect(of_.hosts.find(open->host)->record, 0, x));
+  } else if (const auto* worst = std::get_if<close_worst>(&decision)) {
+    of_.closer.close(worst->link, close_cause::unneeded, x);
+  }
+}
+
+bool matchmaker::is_better(const connection& a, const connection& b, instant now) const {
+  if (of_.health.is_doubtful(a, now) != of_.health.is_doubtful(b, now))
+    return of_.health.is_doubtful(b, now);
+  return a.always() != b.always() ? a.always() : a.opened < b.opened;
+}
+
+/// One of two links between the same peers goes (CM-11). Of two marked ones the lower id decides,
+/// so that they do not close both; a real one decides for itself, too.
+void matchmaker::close_doubles(const occasion& x) {
+  std::map<peer_id, const connection*> kept;
+  std::vector<link_id> doubles;
+  for (const auto& [link, each] : of_.links.all()) {
+    if (!each.open || !each.named ||
+        (of_.health.is_marked(each) && *each.neighbour < of_.own.self.id))
+      continue;
+    auto& best = kept[*each.neighbour];
+    if (best == nullptr) {
+      best = &each;
+    } else if (is_better(each, *best, x.now)) {
+      doubles.push_back(std::exchange(best, &each)->id);
+    } else {
+      doubles.push_back(link);
+    }
+  }
+  for (const auto link : doubles)
+    of_.closer.close(link, close_cause::double_link, x);
+}
+
+/// CM-03.
+bool matchmaker::force_by_traffic(const occasion& x) {
+  for (const auto& [id, each] : of_.hosts.all()) {
+    if (busy_with(id) && of_.dials.may_try(id, host_wait_max, x.now) &&
+        of_.dials.connect(each.record, connect_request::for_bandwidth, x))
+      return true;
+  }
+  return false;
+}
+
+std::vector<link_option> matchmaker::link_options(instant now) const {
+  std::vector<link_option> options;
+  for (const auto& [link, x] : of_.links.all()) {
+    if (!x.open || x.always())
+      continue;
+    link_option option{link, std::nullopt};
+    if (x.neighbour && x.opened + young_for <= now && !busy_with(*x.neighbour))
+      option.loss = of_.routes.routes().loss_without(link);
+    options.push_back(option);
+  }
+  return options;
+}
+
+std::vector<host_option> matchmaker::host_options(instant now) {
+  const auto& config = of_.own.config;
+  std::vector<host_option> options;
+  for (const auto& [id, x] : of_.hosts.all()) {
+    const auto* way = of_.routes.routes().find(id);
+    if (way == nullptr || way->lost() || !of_.dials.may_try(id, host_wait_max, now) ||
+        of_.dials.urls_to(x.record).empty())
+      continue;
+    const auto direct =
+        of_.hosts.is_here(x.record) ? config.cost_same_host : config.cost_other_host;
+    const unsigned connections =
+        way->connections == connections_unknown ? config.connections.links_min : way->connections;
+    options.push_back({id, way->hops, direct, connections});
+  }
+  return options;
+}
+
+bool matchmaker::manages() const {
+  const auto& own = of_.own;
+  return own.config.connections.manager && !own.config.connections.leaf && !own.left;
+}
+
+/// Is there anything that the manager could change?
+bool matchmaker::manager_wanted() const {
+  const auto neighbours = of_.links.neighbours();
+  return of_.hosts.all().size() > neighbours || of_.links.size() > neighbours ||
+         of_.links.size() > of_.own.config.connections.links_suitable;
+}
+
+void matchmaker::on_time(const occasion& x) {
+  if (!manages())
+    return;
+  if (of_.hosts.has_unreachable() && next_merge_ <= x.now)
+    merge_clusters(x);
+  if (manager_wanted() && next_manager_ <= x.now)
+    manage(x);
+}
+
+std::optional<instant> matchmaker::deadline() const {
+  if (!manages())
+    return std::nullopt;
+  std::optional<instant> next;
+  if (of_.hosts.has_unreachable())
+    next = earliest(next, next_merge_);
+  if (manager_wanted())
+    next = earliest(next, next_manager_);
+  return next;
+}
+
+} // namespace rubicon::peis

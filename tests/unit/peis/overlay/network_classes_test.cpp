@@ -1,0 +1,209 @@
+// Classes of a peer's network layer by themselves: links, next hops, turns, announcements,
+// contacts.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "peis/links/announcer.hpp"
+#include "peis/links/contact_history.hpp"
+#include "peis/links/link_health.hpp"
+#include "peis/links/link_input.hpp"
+#include "peis/links/message_delivery.hpp"
+#include "peis/overlay/host_table.hpp"
+#include "support/catch.hpp"
+
+namespace rubicon::peis {
+namespace {
+
+constexpr instant opened_at{1h};
+constexpr peer_id near_peer{2};
+constexpr peer_id far_peer{3};
+
+p2p_config lone_config(std::int32_t id) {
+  p2p_config config;
+  config.id = peer_id{id};
+  return config;
+}
+
+/// What the first classes refer to.
+struct lone_layer {
+  explicit lone_layer(p2p_config config = lone_config(1))
+      : own(std::move(config), random_stream(1)), links(own.config), routes(own, links),
+        hosts(own, links, routes) {}
+
+  connection& open(std::uint64_t link, std::optional<peer_id> neighbour = std::nullopt) {
+    auto& x = links.add(link_id{link}, opened_at);
+    x.open = true;
+    if (neighbour)
+      links.bind(x, *neighbour);
+    return x;
+  }
+  [[nodiscard]] occasion at(instant now, std::uint64_t over = 0) {
+    return {now, out, link_id{over}};
+  }
+
+  own_peer own;
+  link_table links;
+  overlay routes;
+  host_table hosts;
+  events out;
+};
+
+template <class T>
+std::size_t number_of(const events& all) {
+  return static_cast<std::size_t>(std::count_if(
+      all.begin(), all.end(), [](const auto& x) { return std::holds_alternative<T>(x); }));
+}
+
+} // namespace
+
+TEST_CASE("of two links to a neighbour the oldest counts, then the other", "[peis]") {
+  lone_layer x;
+  x.open(7, near_peer);
+  x.open(5, near_peer);
+  CHECK(x.links.link_to(near_peer) == link_id{7});
+  CHECK(x.links.links_to(near_peer).size() == 2);
+  CHECK(x.links.take(link_id{7})->id == link_id{7});
+  CHECK(x.links.link_to(near_peer) == link_id{5});
+  CHECK(x.links.take(link_id{5}));
+  CHECK(!x.links.is_neighbour(near_peer));
+  CHECK(!x.links.take(link_id{5}));
+}
+
+TEST_CASE("without a route the link that a source was last met over is the next hop", "[peis]") {
+  auto config = lone_config(1);
+  config.tables.heard_over = 1;
+  lone_layer x(config);
+  x.open(1);
+  x.routes.note_source(near_peer, link_id{1});
+  CHECK(!x.routes.reachable(near_peer));
+  CHECK(x.routes.any_hop(near_peer) == link_id{1});
+  x.routes.note_source(far_peer, link_id{1}); // the table of this link has room for one
+  CHECK(!x.routes.any_hop(near_peer));
+  CHECK(x.routes.on_link_closed(link_id{1}, opened_at).empty());
+  CHECK(!x.routes.any_hop(far_peer));
+}
+
+TEST_CASE("a link may bring as many hosts as are free beside them", "[peis]") {
+  auto config = lone_config(1);
+  config.tables.hosts = 4;
+  lone_layer x(config);
+  x.open(1);
+  x.open(2);
+  std::size_t admitted = 0;
+  for (std::int32_t id = 10; id < 20; ++id)
+    admitted += x.hosts.admit(peer_id{id}, x.at(opened_at, 1)) != nullptr ? 1 : 0;
+  CHECK(admitted == 2);
+  CHECK(x.own.counters.hosts_refused == 8);
+  CHECK(x.hosts.admit(peer_id{30}, x.at(opened_at, 2)) != nullptr);
+  CHECK(x.hosts.admit(peer_id{30}, x.at(opened_at, 1)) != nullptr); // known
+}
+
+TEST_CASE("links take turns, and one over its budget waits for it", "[peis]") {
+  auto config = lone_config(1);
+  config.turn_work = 4;
+  config.budget.work_per_second = 10;
+  config.budget.burst = 100ms;
+  lone_layer x(config);
+  link_input input(x.own, x.links, opened_at);
+  auto& first = x.open(1);
+  auto& second = x.open(2);
+  const bytes octets(10);
+  input.on_octets(first, octets, opened_at);
+  input.on_octets(second, octets, opened_at);
+  CHECK(input.deadline() == opened_at);
+  CHECK(input.next(opened_at) == link_id{1});
+  input.charge(link_id{1}, 5, opened_at);
+  CHECK(x.own.counters.work == 5);
+  CHECK(!input.next(opened_at)); // the turn's work is done
+  input.finish(first, true, opened_at, x.out);
+  CHECK(x.own.counters.rests == 1);
+  CHECK(!input.end_turn(opened_at, x.out));
+  CHECK(number_of<read_link>(x.out) == 1);
+  CHECK(input.next(opened_at) == link_id{2});
+  input.finish(second, false, opened_at, x.out);
+  REQUIRE(input.deadline());
+  CHECK(*input.deadline() > opened_at);
+  CHECK(!input.next(opened_at));
+  CHECK(input.next(*input.deadline()) == link_id{1});
+}
+
+TEST_CASE("a peer announces itself three times, then only without a better one", "[peis]") {
+  lone_layer x;
+  const id_rivalry rivalry(x.own.self.magic, opened_at);
+  announcer announcements(x.own, rivalry, opened_at);
+  for (int i = 0; i < 3; ++i)
+    announcements.on_time(x.at(*announcements.deadline()));
+  CHECK(number_of<announce>(x.out) == 3);
+  announcements.on_better_announcer();
+  announcements.on_time(x.at(*announcements.deadline()));
+  CHECK(number_of<announce>(x.out) == 3);
+  announcements.announce_now(x.at(opened_at + 4s));
+  CHECK(number_of<announce>(x.out) == 3);
+  for (int i = 0; i < 2; ++i)
+    announcements.on_time(x.at(*announcements.deadline()));
+  CHECK(number_of<announce>(x.out) == 4);
+  x.own.left = true;
+  announcements.announce_now(x.at(opened_at + 9s));
+  CHECK(number_of<announce>(x.out) == 4);
+}
+
+TEST_CASE("a host is tried ever more rarely, and not while it is a neighbour", "[peis]") {
+  lone_layer x;
+  contact_history contacts(x.own, x.links, x.hosts);
+  CHECK(contacts.may_try(near_peer, 30, opened_at));
+  contacts.note_contact(near_peer, opened_at);
+  CHECK(!contacts.may_try(near_peer, 30, opened_at + 999ms));
+  CHECK(contacts.may_try(near_peer, 30, opened_at + 1s));
+  contacts.note_contact(near_peer, opened_at + 1s);
+  CHECK(!contacts.may_try(near_peer, 30, opened_at + 2s));
+  CHECK(contacts.may_try(near_peer, 1, opened_at + 2s));
+  CHECK(contacts.may_try(near_peer, 30, opened_at + 3s));
+  contacts.forget(near_peer);
+  x.open(1, near_peer);
+  CHECK(!contacts.may_try(near_peer, 30, opened_at + 1h));
+}
+
+TEST_CASE("a link is silent when nothing comes, or nothing leaves", "[peis]") {
+  lone_layer x;
+  link_health health(x.own, x.links, x.hosts);
+  auto& first = x.open(1);
+  first.in.octets = 1;
+  health.watch_silence(first);
+  CHECK(health.deadline() == opened_at + x.own.config.link_timeout);
+  CHECK(health.take_silent(opened_at + 29s).empty());
+  first.in.last_package = opened_at + 10s;
+  CHECK(health.take_silent(opened_at + 30s).empty());
+  first.out.unreported = 1;
+  first.out.drained = opened_at + 5s;
+  const auto silent = health.take_silent(opened_at + 40s);
+  REQUIRE(silent.size() == 1);
+  CHECK(silent[0].second == close_cause::silent);
+}
+
+TEST_CASE("what a queue does not take is counted, and its sender is notified", "[peis]") {
+  auto config = lone_config(1);
+  config.queue.packages = 1;
+  lone_layer x(config);
+  package_sender sender(x.own, x.links);
+  traffic_meter traffic(10, opened_at);
+  message_delivery messages(x.own, x.links, x.routes, sender, traffic);
+  x.open(1, near_peer);
+  const auto send = [&](peer_id to) {
+    messages.send({to, 20, {payload(bytes(5)), {}}, false, priority::normal, request_id{1}},
+                  own_origin, x.out);
+  };
+  send(far_peer);
+  REQUIRE(number_of<undelivered>(x.out) == 1);
+  CHECK(std::get<undelivered>(x.out[0]).why == cause::no_route);
+  send(near_peer);
+  CHECK(number_of<delivered>(x.out) == 1);
+  send(near_peer);
+  CHECK(number_of<undelivered>(x.out) == 2);
+  CHECK(x.own.counters.queue_full + x.own.counters.early_drop == 1);
+}
+
+} // namespace rubicon::peis
