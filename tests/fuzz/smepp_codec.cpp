@@ -1,4 +1,5 @@
-// Messages of SMEPP Light, and the XML that describes a peer: what decodes encodes back to the same octets.
+// Messages of SMEPP Light, and the XML that describes a peer: what decodes encodes back to the same
+// octets.
 #include <variant>
 
 #include "core/bytes.hpp"

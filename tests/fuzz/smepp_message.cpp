@@ -1,4 +1,5 @@
-// What peers of SMEPP Light say to each other: a peer that receives anything, with good keys, stays sound.
+// What peers of SMEPP Light say to each other: a peer that receives anything, with good keys, stays
+// sound.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

@@ -115,7 +115,8 @@ TEST_CASE("recorded joins keep nobody out", "[smepp][SMP-03][SMP-09]") {
   CHECK(joined == 10);
 }
 
-TEST_CASE("a recorded proof costs a member that has forgotten it nothing", "[smepp][SMP-03][SMP-09]") {
+TEST_CASE("a recorded proof costs a member that has forgotten it nothing",
+          "[smepp][SMP-03][SMP-09]") {
   world w({.peers = 2});
   w.record_air(true);
   const auto group = create(w, 2, kitchen());
