@@ -1,5 +1,5 @@
-// What peers of SMEPP Light say to each other, and the XML that describes one. What decodes encodes
-// back to the same octets; a peer that hears anything, with good keys, stays sound.
+// What peers of SMEPP Light say to each other: a peer that receives anything, with good keys, stays
+// sound.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -18,15 +18,6 @@ key key_of(std::uint8_t x) {
   std::array<std::uint8_t, key::size> octets{};
   octets.fill(x);
   return key(octets);
-}
-
-void check_round_trips(byte_view octets) {
-  if (const auto x = decode(octets); x && encode(*x) != to_bytes(octets))
-    std::abort();
-  const auto xml = parse_peer_description(rubicon::to_string(octets));
-  if (const auto* const x = std::get_if<peer_description>(&xml))
-    if (std::get<peer_description>(parse_peer_description(to_xml(*x))) != *x)
-      std::abort();
 }
 
 /// A member of a group hears it from another one, twice.
@@ -131,7 +122,6 @@ void hear_while_joining(byte_view octets) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const byte_view octets(data, size);
-  check_round_trips(octets);
   if (size <= message_max)
     hear(octets);
   if (size <= message_max)

@@ -89,7 +89,7 @@ void discovery::on_time(actions& out, instant now) {
   if (!search_)
     return;
   if (now >= search_->until) {
-    std::ranges::stable_partition(found_, is_proven);
+    std::stable_partition(found_.begin(), found_.end(), is_proven);
     getGroups_result result;
     for (const auto& x : found_)
       result.groups.push_back(x.id);

@@ -115,6 +115,30 @@ TEST_CASE("recorded joins keep nobody out", "[smepp][SMP-03][SMP-09]") {
   CHECK(joined == 10);
 }
 
+TEST_CASE("a recorded proof costs a member that has forgotten it nothing",
+          "[smepp][SMP-03][SMP-09]") {
+  world w({.peers = 2});
+  w.record_air(true);
+  const auto group = create(w, 2, kitchen());
+  REQUIRE_FALSE(w.join(1, group, key_of(9), {}));
+  const auto recorded = *std::ranges::find(w.air(), "join_proof", &heard_frame::what);
+  w.power_off(2);
+  w.run_for(2min);
+  w.power_on(2);
+  w.run_for(2min);
+  REQUIRE(w.agree(group, {1, 2}));
+  const auto before = w.at(2).groups().counters();
+  const auto keys = group_of(w, 2, group).ring.best().id;
+  for (int i = 0; i < 4; ++i) {
+    w.inject(2, recorded.from, recorded.to, recorded.octets);
+    w.run_for(1min + 1s); // until its counter is taken again
+  }
+  const auto& after = w.at(2).groups().counters();
+  CHECK(after.dropped.contains("old_cookie"));
+  CHECK(after.agreements == before.agreements);
+  CHECK(group_of(w, 2, group).ring.best().id == keys);
+}
+
 TEST_CASE("recorded joins keep no member from new keys", "[smepp][SMP-03][SMP-12]") {
   world w({.peers = 4});
   w.record_air(true);

@@ -231,6 +231,25 @@ TEST_CASE("a change of keys loses no event", "[smepp][SMP-13]") {
   }
 }
 
+TEST_CASE("in wall time no secret is derived from the seed", "[smepp][SMP-13]") {
+  for (const bool is_wall_time : {false, true}) {
+    const auto secrets = [&] {
+      outputs out;
+      peer x({.self = mote_id{1}, .has_system_randomness = is_wall_time}, random_stream(1),
+             instant{});
+      x.smepp_newPeer(key_of(1), key_of(2), instant{}, out);
+      const auto group =
+          std::get<group_id>(x.smepp_createGroup({.name = "meadow"}, instant{}, out));
+      return std::pair(x.groups().find(group)->ring.best().keys,
+                       std::get<store_state>(out.front()).content.identity);
+    };
+    const auto [keys, identity] = secrets();
+    const auto [other_keys, other_identity] = secrets();
+    CHECK((keys == other_keys) != is_wall_time);
+    CHECK((identity == other_identity) != is_wall_time);
+  }
+}
+
 TEST_CASE("network keys change while the group goes on", "[smepp][SMP-02]") {
   world w({.peers = 3});
   const auto group = w.build_group(described_kitchen());

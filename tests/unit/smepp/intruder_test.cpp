@@ -49,7 +49,7 @@ TEST_CASE("what others say of a group does not hold up who joins it", "[smepp][S
         w.run_for(100ms);
         const auto questions = who.overheard<discover>(mote_id{2}, broadcast_mote);
         REQUIRE_FALSE(questions.empty());
-        for (const std::uint16_t period : std::initializer_list<std::uint16_t>{65000, 50000})
+        for (const std::uint16_t period : std::initializer_list<std::uint16_t>{65000, 500})
           who.say(2, mote_id{name}, mote_id{2},
                   answer{questions.back().nonce,
                          group,

@@ -1,3 +1,4 @@
+#include <set>
 #include <sstream>
 #include <type_traits>
 
@@ -109,6 +110,8 @@ TEST_CASE("two agree on the secret of RFC 7748", "[smepp][SMP-09]") {
   CHECK(to_hex(*a.shared_secret(b.share())) ==
         "4a5d9d5ba4ce2de1728e3bf480350f25e07e21c947d19e3376f09b3c1e161742");
   CHECK(*a.agree(b.share()) == *b.agree(a.share()));
+  // RFC 5869: HKDF-SHA-256 of it, without salt, info "agreed"
+  CHECK(*a.agree(b.share()) == key_of("ec4393b81ac3f11006a5be09a4357500"));
   CHECK_FALSE(a.agree(key_share{})); // of low order
   randomness secrets(random_stream(1));
   CHECK_FALSE(*agreement::make(secrets).agree(b.share()) == *a.agree(b.share()));
@@ -181,6 +184,21 @@ TEST_CASE("keys for different purposes have nothing in common", "[smepp][SMP-13]
   CHECK_FALSE(derive(from, "a") == derive(from, "b"));
   CHECK_FALSE(derive(from, "a") == derive(from, "a", bytes{0}));
   CHECK_FALSE(derive(from, "a") == derive(key_number(8), "a"));
+}
+
+TEST_CASE("names of two groups are hidden with different key streams", "[smepp][SMP-05]") {
+  const auto master = key_number(9);
+  answer x;
+  x.nonce = 4711;
+  x.name = to_bytes(std::string_view("kitchen"));
+  x.group = group;
+  const auto hidden = hidden_name(master, alice, bob, x);
+  auto again = x;
+  again.name = hidden;
+  CHECK(hidden_name(master, alice, bob, again) == x.name);
+  again = x;
+  again.group = group_id{78};
+  CHECK_FALSE(hidden_name(master, alice, bob, again) == hidden);
 }
 
 TEST_CASE("a member reads what another has sealed, and nobody else does", "[smepp][SMP-03]") {

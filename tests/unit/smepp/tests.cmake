@@ -3,4 +3,6 @@ rubicon_unit_test(unit.smepp SOURCES
   unit/smepp/group_test.cpp unit/smepp/line_test.cpp unit/smepp/messages_test.cpp unit/smepp/security_test.cpp unit/smepp/sync_test.cpp
   unit/smepp/world.cpp
   NEEDS rubicon_smepp)
-rubicon_fuzz(smepp_message SOURCE fuzz/smepp_message.cpp NEEDS rubicon_smepp)
+foreach(target smepp_codec smepp_message)
+  rubicon_fuzz(${target} SOURCE fuzz/${target}.cpp NEEDS rubicon_smepp)
+endforeach()
