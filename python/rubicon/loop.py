@@ -49,7 +49,7 @@ class _Standing:
         self.link: Optional[int] = None
         self.next = 0.0
         self.wait = RETRY_S
-        self.why = "no attempt has been made yet"
+        self.why = "no answer yet"
 
 
 class _Connection:
@@ -225,8 +225,6 @@ class Loop:
             self._lose(number, os.strerror(error), now)
             return
         x.until = None
-        assert x.standing is not None
-        x.standing.why = "it has not said who it is"
         self._kernel.overlay.link_opened(number, True, x.address, now)
 
     def _read(self, number: int, x: _Connection, now: float) -> None:

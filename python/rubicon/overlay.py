@@ -152,11 +152,9 @@ class Overlay:
         request = link.stream.request()
         if request is None:
             return
-        why = ("" if request.version == wire.VERSION else f"protocol version {request.version}")
-        if not why and request.network != self.network:
+        why = "" if 0 < request.id <= wire.ID_MAX and request.id != self.record.id else f"id {request.id}"
+        if request.network != self.network:
             why = f"network {request.network!r} instead of {self.network!r}"
-        if not why and (not 0 < request.id <= wire.ID_MAX or request.id == self.record.id):
-            why = f"id {request.id}"
         if why:
             self.close_link(link.number, f"connect request with {why}", now)
             return

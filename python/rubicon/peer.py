@@ -93,10 +93,11 @@ class Peer:
         self._loop.thread.start()
         if addresses and timeout > 0:
             with self._changed:
-                if not self._wait(lambda: self._loop.is_named(), timeout):
-                    why = self._loop.why_unconnected()
-                    self.close()
-                    raise NotConnectedError(f"not connected within {timeout:g} s: {why}")
+                connected = self._wait(self._loop.is_named, timeout)
+                why = self._loop.why_unconnected()
+            if not connected:
+                self.close()
+                raise NotConnectedError(f"not connected within {timeout:g} s: {why}")
 
     def __enter__(self) -> "Peer":
         return self

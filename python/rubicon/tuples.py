@@ -44,7 +44,7 @@ class TupleSpace:
         self._next_subscription = 1
         self._hosts: Dict[int, bool] = {}  # those that can be reached, and whether they are marked
         self._next_refresh: Optional[float] = None
-        self._ask_again: Dict[int, float] = {}
+        self._ask_again: Dict[Pair[int, Prototype], float] = {}  # subscriptions that have not reached a host
 
     # Reading
 
@@ -187,11 +187,11 @@ class TupleSpace:
             return
         lifetime = LIFETIME_S if self._hosts.get(host) else None
         message = records.encode_subscribe(Subscribe(wanted, lifetime, refresh))
-        self._send(host, Port.SUBSCRIBE, message, lambda why: self._asked(host, why, now))
+        self._send(host, Port.SUBSCRIBE, message, lambda why: self._asked(host, wanted, why, now))
 
-    def _asked(self, host: int, why: str, now: float) -> None:
-        if why and host in self._hosts:
-            self._ask_again[host] = now + ASK_AGAIN_S
+    def _asked(self, host: int, wanted: Prototype, why: str, now: float) -> None:
+        if why and host in self._hosts and any(x == wanted for x, _ in self._subscriptions.values()):
+            self._ask_again[host, wanted] = now + ASK_AGAIN_S
 
     def _ask_all(self, host: int, refresh: bool, now: float) -> None:
         for wanted in dict.fromkeys(x for x, _ in self._subscriptions.values()):
@@ -206,7 +206,7 @@ class TupleSpace:
 
     def host_vanished(self, id: int) -> None:
         self._hosts.pop(id, None)
-        self._ask_again.pop(id, None)
+        self._ask_again = {key: when for key, when in self._ask_again.items() if key[0] != id}
         self.feed.host_vanished(id)
         for name in [name for name in self.held if name[0] == id]:
             self._remove(name)
@@ -222,9 +222,9 @@ class TupleSpace:
             for host, marked in self._hosts.items():
                 if marked:
                     self._ask_all(host, True, now)
-        for host in [host for host, when in self._ask_again.items() if when <= now]:
-            del self._ask_again[host]
-            self._ask_all(host, False, now)
+        for host, wanted in [key for key, when in self._ask_again.items() if when <= now]:
+            del self._ask_again[host, wanted]
+            self._ask(host, wanted, False, now)
         self.feed.on_time(now)
 
     def deadline(self, now: float) -> Optional[float]:

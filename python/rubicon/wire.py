@@ -106,6 +106,8 @@ def encode_connect(id: int, network: str, flags: int = 5) -> bytes:
 
 def decode_connect(octets: bytes) -> ConnectRequest:
     x = CONNECT.unpack(octets)
+    if x["version"] != VERSION:
+        raise WireError(f"protocol version {x['version']}")
     return ConnectRequest(x["version"], x["id"], x["flags"], read_text(x["network"]))
 
 
