@@ -12,7 +12,7 @@ MARKED_SILENCE_S = 4.0  # of one that sends heartbeats
 GREETING_S = 3.0  # for the first octets on a link that we have opened
 HANDSHAKE_S = 5.0  # for the request on a link that others have opened
 BEAT_S = 1.0
-OUTPUT_MAX = 1 << 19  # octets that wait in a link before reliable messages wait elsewhere
+OUTPUT_MAX = 1 << 17  # octets that wait in a link before reliable messages wait elsewhere
 OUTPUT_LIMIT = 1 << 21  # octets beyond which nothing but acknowledgements is accepted
 
 
@@ -95,7 +95,7 @@ class Link:
         """For packages of reliable messages, which can wait elsewhere."""
         return self.waiting < OUTPUT_MAX
 
-    def take_output(self, size: int = 1 << 16) -> bytes:
+    def take_output(self, size: int) -> bytes:
         """What is to be written next: at least `size` octets if there are as many."""
         parts, taken = [], 0
         while self._out and taken < size:

@@ -2,22 +2,29 @@
 from __future__ import annotations
 
 import errno
+import fcntl
 import logging
 import os
 import selectors
 import socket
+import struct
+import termios
 import threading
 import time
 from collections import deque
 from typing import Deque, Dict, List, Optional, Tuple
 
+from . import wire
 from .errors import BadValueError, PeerError
 from .kernel import Kernel
 
 CONNECT_S = 3.0  # for an attempt
 RETRY_S, RETRY_MAX_S = 0.5, 4.0  # between attempts
 LEAVE_S = 2.0  # for what is queued at the end
-READ_MAX = 1 << 16
+READ_MAX = WRITE_MAX = 1 << 16
+PACED_MAX = 20_000  # octets to a neighbour without the mark that its system has not acknowledged
+PACED_S = 0.01  # between looks at these
+PACKAGE_MAX = wire.HEADER.size + wire.DATA_MAX
 ACCEPTED_MAX = 12
 
 log = logging.getLogger("rubicon")
@@ -58,6 +65,17 @@ class _Connection:
         self.until: Optional[float] = now + CONNECT_S if standing else None  # while it is being opened
         self.writing = standing is not None
         self.named = False
+        self.paced = False
+        self.paced_until: Optional[float] = None
+
+    def is_full(self, now: float) -> bool:
+        """Must a neighbour of another kind, which reads a package only when all of it is there, catch up first?"""
+        if not self.paced:
+            return False
+        waiting, = struct.unpack("i", fcntl.ioctl(self.socket, termios.TIOCOUTQ, bytes(4)))
+        full = waiting + PACKAGE_MAX > PACED_MAX
+        self.paced_until = now + PACED_S if full else None
+        return full
 
 
 class Loop:
@@ -155,9 +173,9 @@ class Loop:
         now = time.monotonic()
         times = [self._kernel.deadline(now)]
         if self._stop_at is not None:
-            return min(times + [now + 0.05, self._stop_at])
+            return min(times + [now + PACED_S, self._stop_at])
         times += [x.next for x in self._standing if x.link is None]
-        times += [x.until for x in self._connections.values() if x.until is not None]
+        times += [t for x in self._connections.values() for t in (x.until, x.paced_until) if t is not None]
         return min(times)
 
     def _on_ready(self, number: int, mask: int, now: float) -> None:
@@ -268,7 +286,7 @@ class Loop:
         for notice in self._kernel.take_notices():
             x = self._connections.get(notice.link)
             if x is not None and notice.record is not None:
-                x.named = True
+                x.named, x.paced = True, not notice.record.marked
                 log.info("link to %s is up: %s", x.address, notice.record.full_name)
             else:
                 self._close(notice.link, notice.why)
@@ -282,9 +300,13 @@ class Loop:
         link = self._kernel.overlay.links.get(number)
         if link is None:
             return
+        full = False
         try:
             while link.waiting:
-                octets = link.take_output()
+                full = x.is_full(now)
+                if full:
+                    break
+                octets = link.take_output(1 if x.paced else WRITE_MAX)
                 sent = x.socket.send(octets)
                 if sent < len(octets):
                     link.give_back(octets[sent:])
@@ -294,7 +316,7 @@ class Loop:
         except OSError as error:
             self._lose(number, error.strerror or str(error), now)
             return
-        self._want_to_write(number, x, link.waiting > 0)
+        self._want_to_write(number, x, link.waiting > 0 and not full)
         if not link.waiting:
             self._kernel.overlay.flush(now)
             if link.waiting:

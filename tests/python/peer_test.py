@@ -235,6 +235,26 @@ class RelayTest(WithBinary):
             self.assertEqual(spoke.get("k", "hub"), "v")
 
 
+class OtherKernelTest(unittest.TestCase):
+    """A stand-in for a G6 kernel, which reads a package only when all of it is there."""
+
+    def test_long_values_reach_small_receive_buffers(self):
+        with Peer("robot", listen="tcp://127.0.0.1:0", id=40) as robot:
+            readers = [subprocess.Popen(
+                [sys.executable, str(ROOT / "tests/interop/original.py"), "--connect", str(robot.port), "--owner", "40",
+                 "--key", "big", "--network", "rubicon", "--id", str(50 + i), "--receive-buffer", str(buffer),
+                 "--seconds", "60"], stdout=subprocess.PIPE, text=True) for i, buffer in enumerate((16384, 131072))]
+            for reader in readers:
+                self.addCleanup(reader.stdout.close)
+                self.addCleanup(reader.kill)
+                self.assertIn("subscribed", reader.stdout.readline())
+            head = f"1 {time.monotonic()} "
+            robot["big"] = head + "x" * (900_000 - len(head))
+            for reader in readers:
+                self.assertIn("900001", reader.stdout.readline())
+                self.assertEqual(reader.wait(70), 0)
+
+
 class EndingTest(unittest.TestCase):
     def setUp(self):
         self.binary = Binary(RUBICON)
