@@ -12,6 +12,7 @@ ATTEMPTS_MAX = 7
 WINDOW = 256  # packages to one destination that are not acknowledged
 WAITING_MAX = 4096  # messages to one destination
 WAITING_OCTETS_MAX = 64 << 20  # of them, beyond the first
+MESSAGES_MAX = 16384  # to all destinations
 SEEN_MAX = 65536
 PARTIAL_MAX = 64  # long messages that arrive at once
 PARTIAL_OCTETS_MAX = 48 << 20
@@ -82,15 +83,20 @@ class Delivery:
         self._octets: Dict[int, int] = {}
         self._in_flight: Dict[int, "OrderedDict[int, _Pending]"] = {}
         self._by_ack: Dict[int, _Pending] = {}
+        self.messages = 0  # that have no outcome yet
 
     def add(self, token: int, destination: int, port: int, data: bytes) -> str:
         """Queues a message. Why it is refused, or empty."""
-        queue = self._queues.setdefault(destination, deque())
+        queue = self._queues.get(destination, deque())
         octets = self._octets.get(destination, 0)
         if len(queue) >= WAITING_MAX or (queue and octets + len(data) > WAITING_OCTETS_MAX):
             return "too many messages wait for that peer"
+        if self.messages >= MESSAGES_MAX:
+            return "too many messages wait"
         if len(data) > FRAGMENTS_MAX * DATA_MAX:
             return "the message is too long"
+        self.messages += 1
+        self._queues[destination] = queue
         queue.append(_Message(token, port, data, self._ids.next_group() if len(data) > DATA_MAX else 0))
         self._octets[destination] = octets + len(data)
         return ""
@@ -146,6 +152,7 @@ class Delivery:
         self._tidy(x.destination)
         x.message.unacknowledged -= 1
         done = x.message.unacknowledged == 0 and x.message.begun == x.message.packages
+        self.messages -= done
         return Outcome(x.message.token, "") if done else None
 
     def due(self, now: float) -> Tuple[List[Tuple[Header, bytes]], List[Outcome]]:
@@ -175,6 +182,7 @@ class Delivery:
             queue.remove(message)
             self._octets[destination] -= len(message.data)
         self._tidy(destination)
+        self.messages -= 1
         return Outcome(message.token, why)
 
     def fail_all(self, destination: int, why: str) -> List[Outcome]:

@@ -13,6 +13,7 @@ SUBSCRIBERS_OF_HOST_MAX = 1024
 IN_FLIGHT_MAX = 64  # pushes to one host
 IN_FLIGHT_OCTETS_MAX = 1 << 20  # beyond the first
 RETRY_S = 1.0
+STRANGERS_MAX = 64  # hosts that the network does not know
 STRANGER_S = 60.0  # a subscription without a lifetime of a host that the network does not know
 
 Send = Callable[[int, int, bytes, Callable[[str], None]], None]
@@ -26,6 +27,7 @@ class _Host:
         self.in_flight = 0
         self.octets = 0
         self.not_before = 0.0
+        self.known = False
 
 
 class SubscriberFeed:
@@ -45,10 +47,12 @@ class SubscriberFeed:
         wanted = host.wanted if host else {}
         is_new = x.wanted not in wanted
         if is_new and (len(wanted) >= SUBSCRIBERS_OF_HOST_MAX or
+                       (host is None and not known and sum(not h.known for h in self._hosts.values()) >= STRANGERS_MAX) or
                        sum(len(h.wanted) for h in self._hosts.values()) >= SUBSCRIBERS_MAX):
             self.refused += 1
             return
         host = self._hosts.setdefault(source, _Host())
+        host.known = known
         host.wanted[x.wanted] = now + x.lifetime if x.lifetime is not None else None if known else now + STRANGER_S
         if is_new or not x.refresh:
             for name, content in own.items():
@@ -66,7 +70,7 @@ class SubscriberFeed:
     def host_appeared(self, id: int, marked: bool) -> None:
         host = self._hosts.get(id)
         if host:
-            host.not_before = 0.0
+            host.not_before, host.known = 0.0, True
             if not marked:
                 host.wanted = dict.fromkeys(host.wanted)
 

@@ -5,7 +5,7 @@ import random
 from typing import Callable, Dict, List, NamedTuple, Optional
 
 from .delivery import Outcome
-from .overlay import Arrived, HostAppeared, HostVanished, LinkClosed, LinkNamed, Overlay
+from .overlay import Arrived, HostAppeared, HostVanished, LinkClosed, LinkUp, Overlay
 from .tuples import TupleSpace
 from .wire import HostRecord
 
@@ -13,10 +13,11 @@ KERNEL_VERSION = "v0.6.0.7 (proto 500)"
 
 
 class Notice(NamedTuple):
-    """Of a link, for who owns its socket: closed by us, or named by its neighbour."""
+    """Of a link, for who owns its socket: it is up, or closed by us."""
     link: int
-    why: str
-    record: Optional[HostRecord] = None
+    why: str = ""
+    up: bool = False
+    marked: bool = False
 
 
 class Kernel:
@@ -67,8 +68,8 @@ class Kernel:
                 self.space.host_vanished(x.id)
             elif isinstance(x, LinkClosed):
                 self.notices.append(Notice(x.link, x.why))
-            elif isinstance(x, LinkNamed):
-                self.notices.append(Notice(x.link, "", x.record))
+            elif isinstance(x, LinkUp):
+                self.notices.append(Notice(x.link, up=True, marked=x.marked))
         self.overlay.flush(now)
 
     def take_notices(self) -> List[Notice]:

@@ -63,6 +63,7 @@ class Link:
         self.neighbour: Optional[int] = None
         self.named = False  # it has said who it is
         self.marked = False
+        self.up = False  # it has accepted us
         self.magic = 0
         self.cost = 2
         self.opened = self.heard = now

@@ -64,7 +64,7 @@ class _Connection:
         self.socket, self.address, self.standing = sock, address, standing
         self.until: Optional[float] = now + CONNECT_S if standing else None  # while it is being opened
         self.writing = standing is not None
-        self.named = False
+        self.up = False
         self.paced = False
         self.paced_until: Optional[float] = None
 
@@ -120,8 +120,8 @@ class Loop:
             return "nobody has connected"
         return "; ".join(f"{format_address(x.address)}: {x.why}" for x in self._standing)
 
-    def is_named(self) -> bool:
-        return any(x.named for x in self._connections.values())
+    def is_up(self) -> bool:
+        return any(x.up for x in self._connections.values())
 
     # The thread
 
@@ -262,7 +262,7 @@ class Loop:
         rival = self._kernel.overlay.rival
         if rival is not None:
             return f": its id is used by {rival.full_name}"
-        return "" if x.named else " before it said who it is: another network, or no room"
+        return "" if x.up else " before it accepted us: another network, a used id, or no room"
 
     def _lose(self, number: int, why: str, now: float) -> None:
         self._close(number, why)
@@ -279,16 +279,16 @@ class Loop:
         x.socket.close()
         if x.standing is not None:
             x.standing.link, x.standing.why = None, why
-            x.standing.wait = RETRY_S if x.named else min(2 * x.standing.wait, RETRY_MAX_S)
+            x.standing.wait = RETRY_S if x.up else min(1.5 * x.standing.wait, RETRY_MAX_S)
             x.standing.next = time.monotonic() + x.standing.wait
 
     def _obey(self) -> None:
         for notice in self._kernel.take_notices():
             x = self._connections.get(notice.link)
-            if x is not None and notice.record is not None:
-                x.named, x.paced = True, not notice.record.marked
-                log.info("link to %s is up: %s", x.address, notice.record.full_name)
-            else:
+            if x is not None and notice.up:
+                x.up, x.paced = True, not notice.marked
+                log.info("link to %s is up", x.address)
+            elif not notice.up:
                 self._close(notice.link, notice.why)
 
     def _write_all(self, now: float) -> None:

@@ -18,6 +18,7 @@ from .wire import BROADCAST, DIRECT, EVERYBODY, LINK, Header, HostRecord, Port, 
 LINKS_MAX = 16
 HOSTS_MAX = 4096
 HOPS_MAX = 30  # metric
+ANSWERS_MAX = 1024  # messages that wait, beyond which queries are not answered
 ROUTING_PERIOD_S = 10.0
 LOST_S, LOST_UNMARKED_S = 3.0, 30.0  # without any route
 BURIED_S = 30.0
@@ -50,13 +51,14 @@ class LinkClosed(NamedTuple):
     why: str
 
 
-class LinkNamed(NamedTuple):
-    """Its neighbour has said who it is."""
+class LinkUp(NamedTuple):
+    """Its neighbour has said who it is, and has accepted us."""
     link: int
-    record: HostRecord
+    neighbour: int
+    marked: bool
 
 
-Event = Union[HostAppeared, HostVanished, Arrived, LinkClosed, LinkNamed, Outcome]
+Event = Union[HostAppeared, HostVanished, Arrived, LinkClosed, LinkUp, Outcome]
 
 
 class Host:
@@ -326,6 +328,7 @@ class Overlay:
         link.note_beat(data, now)
         if first and link.marked:
             self._to_neighbour(link, Port.HEARTBEAT, link.heartbeat(now))
+        self._check_up(link)
 
     def _on_clock(self, link: Link, x: Header, data: bytes, now: float) -> None:
         host = self.hosts.get(x.source)
@@ -409,7 +412,10 @@ class Overlay:
 
     def _on_query(self, _link: Link, x: Header, data: bytes, _now: float) -> None:
         wire.QUERY.unpack(data)
-        self.send(0, x.source, Port.HOST_RECORD, wire.encode_host(self.record))
+        if self._delivery.messages < ANSWERS_MAX:
+            self.send(0, x.source, Port.HOST_RECORD, wire.encode_host(self.record))
+        else:
+            self.counters["queries_refused"] += 1
 
     def _on_record(self, link: Link, x: Header, data: bytes, now: float) -> None:
         record, cached = wire.decode_host(data)
@@ -424,8 +430,22 @@ class Overlay:
             link.neighbour, link.named, link.magic, link.marked = record.id, True, record.magic, record.marked
             link.cost = 1 if record.host_name == self.record.host_name else 2
             if first:
-                self.events.append(LinkNamed(link.number, record))
+                self._on_named(link, now)
         self._store(record, cached, now)
+
+    def _on_named(self, link: Link, now: float) -> None:
+        """A marked neighbour answers the first heartbeat at once, if it has not rejected us."""
+        self.rival = None
+        if link.marked:
+            link.next_beat = now + BEAT_S
+            self._to_neighbour(link, Port.HEARTBEAT, link.heartbeat(now))
+        self._check_up(link)
+
+    def _check_up(self, link: Link) -> None:
+        if not link.up and link.named and (link.beat or not link.marked):
+            link.up = True
+            assert link.neighbour is not None
+            self.events.append(LinkUp(link.number, link.neighbour, link.marked))
 
     def _store(self, record: HostRecord, cached: bool, now: float) -> None:
         known, route = self.hosts.get(record.id), self.routes.get(record.id)

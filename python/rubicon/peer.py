@@ -93,7 +93,7 @@ class Peer:
         self._loop.thread.start()
         if addresses and timeout > 0:
             with self._changed:
-                connected = self._wait(self._loop.is_named, timeout)
+                connected = self._wait(self._loop.is_up, timeout)
                 why = self._loop.why_unconnected()
             if not connected:
                 self.close()
@@ -128,7 +128,7 @@ class Peer:
     def connected(self) -> bool:
         """Is there a link to any peer?"""
         with self._changed:
-            return self._loop.is_named()
+            return self._loop.is_up()
 
     def hosts(self) -> List[Host]:
         """The other peers that can be reached, by id."""
@@ -217,7 +217,7 @@ class Peer:
                 self._wait(arrived, end - time.monotonic())
             if found:
                 return found[0]
-            if id != self.id and not self._loop.is_named():
+            if id != self.id and not self._loop.is_up():
                 raise NotConnectedError(f"not connected: {self._loop.why_unconnected()}")
             if id not in (EVERYBODY, self.id) and not self._kernel.overlay.is_reachable(id):
                 raise NoSuchHostError(f"peer {id} has gone")
@@ -331,7 +331,7 @@ class Peer:
         if not outcome:
             raise TimedOutError(f"peer {destination} has not acknowledged the request in time")
         if outcome[0]:
-            error = NotConnectedError if not self._loop.is_named() else PeerError
+            error = NotConnectedError if not self._loop.is_up() else PeerError
             raise error(f"the request has not reached peer {destination}: {outcome[0]}")
 
     # Watching
@@ -464,7 +464,7 @@ class Peer:
         self._check_open()
         if self._wait(is_there, end - time.monotonic()):
             return found[0]
-        if not self._loop.is_named():
+        if not self._loop.is_up():
             raise NotConnectedError(f"not connected: {self._loop.why_unconnected()}")
         raise NoSuchHostError(f"no peer {owner} can be reached")
 

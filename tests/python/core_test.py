@@ -265,7 +265,7 @@ class HostileTest(unittest.TestCase):
     def octets(self, octets, accepted=True):
         self.kernel.overlay.link_opened(7, not accepted, "127.0.0.1:1", 100.0)
         self.kernel.link_octets(7, octets, 100.0)
-        return [x.why for x in self.kernel.take_notices() if x.record is None]
+        return [x.why for x in self.kernel.take_notices() if not x.up]
 
     def test_connect_requests(self):
         good = wire.encode_connect(2, "rubicon")

@@ -180,7 +180,7 @@ class ValuesTest(WithBinary):
         self.peer("first", id=77)
         time.sleep(0.2)
         with self.assertRaises(NotConnectedError) as raised:
-            Peer("second", self.binary.address, id=77, timeout=2)
+            Peer("second", self.binary.address, id=77, timeout=4)
         self.assertIn("its id is used by first@", str(raised.exception))
 
     def test_another_network(self):

@@ -75,7 +75,7 @@ class VirtualNetwork:
             for id, kernel in self.kernels.items():
                 kernel.on_time(self.now)
                 for notice in kernel.take_notices():
-                    if notice.record is None:
+                    if not notice.up:
                         self.cut(notice.link)
             for (a, number), b in list(self.cables.items()):
                 self.carry(a, b, number)
