@@ -46,8 +46,9 @@ class SubscriberFeed:
         host = self._hosts.get(source)
         wanted = host.wanted if host else {}
         is_new = x.wanted not in wanted
+        strangers = sum(not h.known for h in self._hosts.values())
         if is_new and (len(wanted) >= SUBSCRIBERS_OF_HOST_MAX or
-                       (host is None and not known and sum(not h.known for h in self._hosts.values()) >= STRANGERS_MAX) or
+                       (host is None and not known and strangers >= STRANGERS_MAX) or
                        sum(len(h.wanted) for h in self._hosts.values()) >= SUBSCRIBERS_MAX):
             self.refused += 1
             return

@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 import random
-from typing import Callable, Dict, List, NamedTuple, Optional
+from typing import Callable, Dict, List, NamedTuple
 
 from .delivery import Outcome
-from .overlay import Arrived, HostAppeared, HostVanished, LinkClosed, LinkUp, Overlay
+from .hosts import HostAppeared, HostVanished
+from .overlay import Arrived, LinkClosed, LinkUp, Overlay
 from .tuples import TupleSpace
 from .wire import HostRecord
 

@@ -141,6 +141,3 @@ class Link:
         self.table = {entry.id: entry for entries in self.pages.values() for entry in entries if entry.id > 0}
         self.pages = {}
         return True
-
-
-__all__ = ["Link", "Stream", "WireError"]

@@ -7,35 +7,21 @@ from __future__ import annotations
 
 import random
 from collections import Counter, deque
-from typing import Callable, Deque, Dict, List, NamedTuple, Optional, Tuple, Union
+from typing import Callable, Deque, Dict, List, NamedTuple, Optional, Union
 
 from . import wire
 from .clock import NetworkClock
 from .delivery import Acknowledger, Delivery, IdSource, Outcome, Reassembly, SeenIds
+from .hosts import Host, HostAppeared, HostTable, HostVanished
 from .link import BEAT_S, Link
+from .routing import Route, RoutingTable
 from .wire import BROADCAST, DIRECT, EVERYBODY, LINK, Header, HostRecord, Port, WireError
 
 LINKS_MAX = 16
-HOSTS_MAX = 4096
-HOPS_MAX = 30  # metric
+HEARD_MAX = 4096  # hosts of which the link is remembered over which they were heard
 ANSWERS_MAX = 1024  # messages that wait, beyond which queries are not answered
 ROUTING_PERIOD_S = 10.0
-LOST_S, LOST_UNMARKED_S = 3.0, 30.0  # without any route
-BURIED_S = 30.0
-QUERY_WAITS_S = (1.0, 2.0, 4.0, 8.0, 10.0)
-GIVEN_UP_S = 15.0  # without a route, after which other kernels may have forgotten us
 EXIT, REBORN = 1, 2  # reasons in dead-host messages
-
-
-class HostAppeared(NamedTuple):
-    """It can be reached and is known; resumed: it was there before, and may have forgotten our subscriptions."""
-    id: int
-    marked: bool
-    resumed: bool = False
-
-
-class HostVanished(NamedTuple):
-    id: int
 
 
 class Arrived(NamedTuple):
@@ -61,26 +47,6 @@ class LinkUp(NamedTuple):
 Event = Union[HostAppeared, HostVanished, Arrived, LinkClosed, LinkUp, Outcome]
 
 
-class Host:
-    """Another peer."""
-
-    def __init__(self, record: HostRecord) -> None:
-        self.record = record
-        self.announced = False
-        self.lost: Optional[float] = None
-
-    def patience(self) -> float:
-        """Seconds without any route after which it is forgotten."""
-        return LOST_S if self.record.marked else LOST_UNMARKED_S
-
-
-class Route(NamedTuple):
-    link: int
-    seqno: int
-    hops: int
-    magic: int
-
-
 class Overlay:
     """`now` is always in seconds of a clock that never goes back; offset: what makes it seconds since 1970."""
 
@@ -89,8 +55,6 @@ class Overlay:
         self.ids = IdSource(rng)
         self.clock = NetworkClock(record.id, offset, now)
         self.links: Dict[int, Link] = {}
-        self.hosts: Dict[int, Host] = {}
-        self.routes: Dict[int, Route] = {}
         self.events: Deque[Event] = deque()
         self.counters: "Counter[str]" = Counter()
         self.rival: Optional[HostRecord] = None  # another peer with our id
@@ -99,15 +63,22 @@ class Overlay:
         self._reassembly = Reassembly()
         self._seen = SeenIds()
         self._heard_over: Dict[int, int] = {}
-        self._graves: Dict[int, Tuple[int, float]] = {}
-        self._queries: Dict[int, Tuple[float, int]] = {}  # of hosts without a fitting record: when, how often
-        self._seqno = 0
+        self._known = HostTable()
+        self._routing = RoutingTable(record.id, record.magic)
         self._next_routing = now + ROUTING_PERIOD_S
         self._left = False
         self._services: Dict[int, Callable[[Link, Header, bytes, float], None]] = {
             Port.ROUTING: self._on_routing, Port.HEARTBEAT: self._on_heartbeat, Port.CLOCK: self._on_clock,
             Port.ACKS: self._on_acks, Port.HOST_QUERY: self._on_query, Port.HOST_RECORD: self._on_record,
             Port.DEAD_HOST: self._on_dead_host, Port.TRACE: self._on_trace}
+
+    @property
+    def hosts(self) -> Dict[int, Host]:
+        return self._known.hosts
+
+    @property
+    def routes(self) -> Dict[int, Route]:
+        return self._routing.routes
 
     # Links
 
@@ -250,8 +221,10 @@ class Overlay:
         time = self.clock.on_time(now)
         if time is not None:
             self.broadcast(Port.CLOCK, time)
-        self._check_lost(now)
-        self._ask_strangers(now)
+        for id in self._known.lost_by(now):
+            self._forget(id)
+        for id in self._known.take_queries(now):
+            self._to_host(id, Port.HOST_QUERY, wire.QUERY.pack(self.record.id, -1))
 
     def deadline(self) -> float:
         times = [self._next_routing, self.clock.next]
@@ -259,8 +232,7 @@ class Overlay:
             times.append(link.heard + link.patience())
             if link.open and link.marked:
                 times.append(link.next_beat)
-        times += [x.lost + x.patience() for x in self.hosts.values() if x.lost is not None]
-        times += [when for when, _ in self._queries.values()]
+        times += self._known.deadlines()
         due = self._delivery.deadline()
         return min(times if due is None else times + [due])
 
@@ -285,7 +257,7 @@ class Overlay:
             self.counters["not_relayed"] += 1
             return
         if mine:
-            if x.source in self._heard_over or len(self._heard_over) < HOSTS_MAX:
+            if x.source in self._heard_over or len(self._heard_over) < HEARD_MAX:
                 self._heard_over[x.source] = link.number
             if x.fragments and not self._reassembly.accepts(x):
                 self.counters["fragments_refused"] += 1
@@ -342,9 +314,7 @@ class Overlay:
     # Routes (9)
 
     def _send_routing(self, links: List[Link]) -> None:
-        self._seqno += 1
-        own = wire.Entry(self.record.id, self._seqno, self.record.magic, 0, min(len(self.links), 254))
-        page = wire.encode_page(wire.Page(0, 1, self._seqno, (own,)))
+        page = self._routing.own_page(len(self.links))
         for link in links:
             self._to_neighbour(link, Port.ROUTING, page)
 
@@ -353,35 +323,17 @@ class Overlay:
             raise WireError("routing page that is no link package")
         if not link.note_page(wire.decode_page(data)):
             return
-        own = link.table.pop(self.record.id, None)
+        overtaken = self._routing.take_own(link)
         self._update_routes(now)
-        if own and own.magic != self.record.magic and self._seqno <= own.seqno < 1 << 30:
-            self._seqno = own.seqno  # of an earlier incarnation (9.6)
+        if overtaken:
             self._send_routing(list(self.links.values()))
 
-    def _is_buried(self, entry: wire.Entry, now: float) -> bool:
-        magic, until = self._graves.get(entry.id, (0, 0.0))
-        return now < until and magic == entry.magic
-
     def _update_routes(self, now: float) -> None:
-        former, routes = self.routes, {}
-        for link in self.links.values():
-            for entry in link.table.values():
-                hops = entry.hops + link.cost
-                if hops >= HOPS_MAX or self._is_buried(entry, now):
-                    continue
-                route, known = Route(link.number, entry.seqno, hops, entry.magic), routes.get(entry.id)
-                merit = route.seqno - hops
-                if known is None or merit > known.seqno - known.hops or (
-                        merit == known.seqno - known.hops and former.get(entry.id, known).link == link.number):
-                    routes[entry.id] = route
-        self.routes = routes
-        for id, host in self.hosts.items():
-            if not self.is_reachable(id) and host.lost is None:
-                host.lost = now
-        for id in routes:
+        self._routing.update(self.links.values(), now)
+        for id in [*self.hosts, *self.routes]:
             self._review(id, now)
-        self._queries = {id: x for id, x in self._queries.items() if self.is_reachable(id)}
+        neighbours = (x.neighbour for x in self.links.values() if x.neighbour is not None)
+        self._known.keep_queries([*self.routes, *neighbours])
 
     def is_reachable(self, host: int) -> bool:
         return host in self.routes or self.neighbour_link(host) is not None
@@ -389,26 +341,9 @@ class Overlay:
     # Hosts (10, 11)
 
     def _review(self, id: int, now: float) -> None:
-        """Announces a host that is known and reachable; one without a fitting record gets a query."""
-        host, route = self.hosts.get(id), self.routes.get(id)
-        if host is None or (route is not None and route.magic != host.record.magic):
-            if len(self._queries) < HOSTS_MAX:
-                self._queries.setdefault(id, (now, 0))
-            return
-        if not self.is_reachable(id):
-            return
-        self._queries.pop(id, None)
-        lost, host.lost = host.lost, None
-        long_lost = lost is not None and lost + GIVEN_UP_S <= now
-        if not host.announced or long_lost:
-            self.events.append(HostAppeared(id, host.record.marked, host.announced))
-            host.announced = True
-
-    def _ask_strangers(self, now: float) -> None:
-        for id, (when, tries) in list(self._queries.items()):
-            if when <= now:
-                self._queries[id] = now + QUERY_WAITS_S[min(tries, len(QUERY_WAITS_S) - 1)], tries + 1
-                self._to_host(id, Port.HOST_QUERY, wire.QUERY.pack(self.record.id, -1))
+        appeared = self._known.review(id, self.is_reachable(id), self.routes.get(id), now)
+        if appeared:
+            self.events.append(appeared)
 
     def _on_query(self, _link: Link, x: Header, data: bytes, _now: float) -> None:
         wire.QUERY.unpack(data)
@@ -448,22 +383,13 @@ class Overlay:
             self.events.append(LinkUp(link.number, link.neighbour, link.marked))
 
     def _store(self, record: HostRecord, cached: bool, now: float) -> None:
-        known, route = self.hosts.get(record.id), self.routes.get(record.id)
-        fits = route is not None and route.magic == record.magic
-        if known is None:
-            if (cached and route is not None and not fits) or len(self.hosts) >= HOSTS_MAX:
-                return
-            known = self.hosts[record.id] = Host(record)
-        elif known.record.magic != record.magic:
-            if cached and not fits:
-                return
-            self._forget(record.id)  # it has restarted
+        if not self._known.believes(record, cached, self.routes.get(record.id)):
+            return
+        if self._known.is_restart(record):
+            self._forget(record.id)
             for link in [x for x in self.links.values() if x.neighbour == record.id and x.magic != record.magic]:
                 self.close_link(link.number, "its peer has restarted", now)
-            known = self.hosts[record.id] = Host(record)
-        known.record = record
-        if not self.is_reachable(record.id) and known.lost is None:
-            known.lost = now
+        self._known.store(record)
         self._review(record.id, now)
 
     def _on_dead_host(self, _link: Link, x: Header, data: bytes, now: float) -> None:
@@ -479,28 +405,20 @@ class Overlay:
         elif dead["reason"] == EXIT:  # it has given us up, but it is there
             self._forget(x.source)
             if self.is_reachable(x.source):
-                self._queries[x.source] = now, 0
+                self._known.query(x.source, now)
 
     def _delete(self, id: int, now: float) -> None:
         host, route = self.hosts.get(id), self.routes.get(id)
         magic = host.record.magic if host else route.magic if route else 0
-        self._graves = {k: v for k, v in self._graves.items() if now < v[1]}
-        if len(self._graves) < HOSTS_MAX:
-            self._graves[id] = magic, now + BURIED_S
+        self._routing.bury(id, magic, now)
         self._forget(id)
         for link in [x for x in self.links.values() if x.neighbour == id]:
             self.close_link(link.number, "its peer has ended", now)
         self._update_routes(now)
 
-    def _check_lost(self, now: float) -> None:
-        for id, host in list(self.hosts.items()):
-            if host.lost is not None and host.lost + host.patience() <= now:
-                self._forget(id)
-
     def _forget(self, id: int) -> None:
         self.events.extend(self._delivery.fail_all(id, f"peer {id} has gone"))
         self._reassembly.drop_source(id)
-        self._queries.pop(id, None)
-        host = self.hosts.pop(id, None)
-        if host and host.announced:
-            self.events.append(HostVanished(id))
+        vanished = self._known.forget(id)
+        if vanished:
+            self.events.append(vanished)

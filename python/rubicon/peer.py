@@ -1,29 +1,29 @@
 """rubicon.Peer: a PEIS peer in a Python program."""
 from __future__ import annotations
 
-import getpass
 import os
 import random
 import socket
 import threading
 import time
 from collections import OrderedDict
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple as Pair, Union
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Union
 
 from . import keys, meta, records, wire
+from .arguments import Owner, check_id, check_name, check_owner, check_times, own_addresses, user_name
 from .callbacks import CallbackQueue
 from .errors import (BadValueError, ClosedError, NoSuchHostError, NoSuchTupleError, NotConnectedError, PeerError,
                      RefusedError, TimedOutError)
+from .following import Follower
 from .kernel import Kernel
 from .loop import Loop, open_listener, parse_address
 from .records import META_MIMETYPE, Prototype, Tuple, Value
-from .wire import EVERYBODY, Address, HostRecord, Port
+from .wire import EVERYBODY, HostRecord, Port
 
 TIMEOUT_S = 4.0
 READINGS_MAX = 256  # subscriptions that reading has made
 _NONE = object()
 
-Owner = Union[int, str]  # an id, or a name as `rubicon hosts` shows it
 Callback = Callable[[Tuple], None]
 
 
@@ -70,8 +70,8 @@ class Peer:
         free one. timeout: how long to wait for the first link to one of the addresses; 0 does not wait. callbacks:
         "thread" calls them on a thread of their own, "poll" in poll().
         """
-        self.name = _check_name(name)
-        self.id = _check_id(id) if id is not None else random.SystemRandom().randrange(32768, wire.ID_MAX + 1)
+        self.name = check_name(name)
+        self.id = check_id(id) if id is not None else random.SystemRandom().randrange(32768, wire.ID_MAX + 1)
         if callbacks not in ("thread", "poll"):
             raise BadValueError('callbacks is "thread" or "poll"')
         if not isinstance(network, str) or len(network.encode("utf-8", "surrogatepass")) > 62 or "\0" in network:
@@ -82,9 +82,9 @@ class Peer:
         host_name = socket.gethostname()[:62] or "localhost"
         rng = random.Random(os.urandom(16))
         record = HostRecord(self.id, rng.randrange(1, 0x7FFFFFFF), host_name,
-                            f"{name}@{host_name}!{os.getpid()}"[:62], _addresses(listener), self.id)
+                            f"{name}@{host_name}!{os.getpid()}"[:62], own_addresses(listener), self.id)
         now = time.monotonic()
-        self._kernel = Kernel(record, network, _user(), time.time() - now, now, rng)
+        self._kernel = Kernel(record, network, user_name(), time.time() - now, now, rng)
         self._changed = threading.Condition(threading.RLock())
         self._readings: "OrderedDict[Prototype, int]" = OrderedDict()
         self._closed = False
@@ -270,7 +270,7 @@ class Peer:
         """
         keys.check(key)
         content = records.content(value, mimetype)
-        _check_times(expires, user_time)
+        check_times(expires, user_time)
         end = time.monotonic() + timeout
         with self._changed:
             id = self._writable(key, owner, end)
@@ -409,7 +409,7 @@ class Peer:
             self._check_open()
             id = self.id if owner is None else self._owner_id(owner)
             numbers: List[int] = []
-            follower = _Follower(self._kernel, lambda x: self._callbacks.add(callback, x), numbers)
+            follower = Follower(self._kernel, lambda x: self._callbacks.add(callback, x), numbers)
             number = self._kernel.space.subscribe(Prototype(id, key), follower, time.monotonic())
             numbers.insert(0, number)
             self._go_on()
@@ -453,7 +453,7 @@ class Peer:
         return host is not None and host.announced and host.lost is None
 
     def _wait_for_host(self, owner: Owner, end: float) -> int:
-        _check_owner(owner)
+        check_owner(owner)
         found: List[int] = []
 
         def is_there() -> bool:
@@ -473,84 +473,5 @@ class Peer:
         if owner is None:
             return EVERYBODY
         if isinstance(owner, int):
-            return _check_id(owner)
+            return check_id(owner)
         return self._wait_for_host(owner, time.monotonic() + TIMEOUT_S)
-
-
-class _Follower:
-    """Keeps a subscription of the tuple to which a meta tuple refers."""
-
-    def __init__(self, kernel: Kernel, deliver: Callback, numbers: List[int]) -> None:
-        self._kernel, self._deliver, self._numbers = kernel, deliver, numbers
-        self._target: Optional[meta.Reference] = None
-        self._number: Optional[int] = None
-
-    def __call__(self, x: Tuple) -> None:
-        target = None
-        try:
-            target = None if x.deleted else meta.read_reference(x)
-        except BadValueError:
-            self._kernel.space.counters["bad_meta_tuples"] += 1
-        if target == self._target:
-            return
-        self._target = target
-        if self._number is not None:
-            self._numbers.remove(self._number)
-            self._kernel.space.unsubscribe(self._number)
-            self._number = None
-        if target is not None:
-            try:
-                self._number = self._kernel.space.subscribe(Prototype(*target), self._deliver, time.monotonic())
-            except RefusedError:
-                self._target = None
-                return
-            self._numbers.append(self._number)
-
-
-def _check_name(name: str) -> str:
-    if not isinstance(name, str) or not 0 < len(name) <= 30 or "@" in name or not name.isascii() or \
-            not name.isprintable():
-        raise BadValueError("the name of a peer has 1 to 30 ASCII characters, none of them @")
-    return name
-
-
-def _check_id(id: int) -> int:
-    if not isinstance(id, int) or isinstance(id, bool) or not 0 < id <= wire.ID_MAX:
-        raise BadValueError(f"an id is 1 to {wire.ID_MAX}, not {id!r}")
-    return id
-
-
-def _check_owner(owner: Owner) -> None:
-    if not isinstance(owner, str):
-        _check_id(owner)
-
-
-def _check_times(expires: Optional[float], user_time: float) -> None:
-    if expires is not None and not 0 < expires < 1 << 30:
-        raise BadValueError("expires is a number of seconds from now")
-    if not 0 <= user_time < 1 << 31:
-        raise BadValueError("user_time is in seconds since 1970")
-
-
-def _user() -> str:
-    try:
-        return getpass.getuser()
-    except (KeyError, OSError, ImportError):
-        return str(os.getuid())
-
-
-def _addresses(listener: Optional[socket.socket]) -> Pair[Address, ...]:
-    """What the host record says of where links are accepted."""
-    if listener is None:
-        return ()
-    host, port = listener.getsockname()
-    if host != "0.0.0.0":
-        return (Address("lo" if host.startswith("127.") else "net", host.startswith("127."), host, port),)
-    found = [Address("lo", True, "127.0.0.1", port)]
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect(("227.1.3.5", 10001))  # sends nothing: only asks for the route
-            found.append(Address("net", False, probe.getsockname()[0], port))
-        except OSError:
-            pass
-    return tuple(found)

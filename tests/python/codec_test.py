@@ -176,7 +176,8 @@ class GarbageTest(unittest.TestCase):
     def test_captures_with_octets_changed_and_cut(self):
         rng = random.Random(2)
         names = ("push-update.hex", "set-remote.hex", "subscribe-mime-data.hex", "append-request.hex",
-                 "push-appended.hex", "hostinfo-link.hex", "routing-one-page.hex", "acks-many.hex", "timesync-plain.hex")
+                 "push-appended.hex", "hostinfo-link.hex", "routing-one-page.hex", "acks-many.hex",
+                 "timesync-plain.hex")
         for name in names:
             data = packages(name)[-1][1]
             for _ in range(500):
