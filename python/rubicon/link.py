@@ -5,7 +5,7 @@ from collections import deque
 from typing import Deque, Iterator, Optional, Tuple
 
 from . import wire
-from .wire import Header, WireError
+from .wire import Header
 
 SILENCE_S = 30.0  # without anything from the other end
 MARKED_SILENCE_S = 4.0  # of one that sends heartbeats

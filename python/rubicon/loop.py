@@ -261,7 +261,8 @@ class Loop:
     def _hint(self, x: _Connection) -> str:
         rival = self._kernel.overlay.rival
         if rival is not None:
-            return f": its id is used by {rival.full_name}"
+            name = "".join(c if c.isprintable() else "?" for c in rival.full_name)
+            return f": its id is used by {name}"
         return "" if x.up else " before it accepted us: another network, a used id, or no room"
 
     def _lose(self, number: int, why: str, now: float) -> None:

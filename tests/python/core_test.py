@@ -3,19 +3,28 @@
 usage: core_test"""
 import random
 import unittest
+from unittest import mock
 
-from support import VirtualNetwork
+from support import ROOT, VirtualNetwork, golden
 
-from rubicon import records, wire
+from rubicon import records, tuples, wire
 from rubicon.delivery import ATTEMPTS_MAX, PARTIAL_MAX, WINDOW, Delivery, IdSource, Reassembly, SeenIds
-from rubicon.feed import SUBSCRIBERS_OF_HOST_MAX
-from rubicon.records import Prototype
-from rubicon.wire import Header, Port
+from rubicon.errors import RefusedError
+from rubicon.feed import IN_FLIGHT_MAX, STRANGERS_MAX, SUBSCRIBERS_OF_HOST_MAX, SubscriberFeed
+from rubicon.hosts import HostTable
+from rubicon.link import Link
+from rubicon.records import Prototype, Subscribe, Tuple
+from rubicon.routing import Route, RoutingTable
+from rubicon.wire import Entry, Header, HostRecord, Page, Port, decode_page
 
 
 def set_own(network, id, key, octets=b"1\0", expires=None):
     space = network.kernels[id].space
     space.set_own(space.draft(id, key, (octets, "text/plain", 0), expires, 0.0, network.now), network.now)
+
+
+def decode(push):
+    return records.decode_tuple(push, 1e9)
 
 
 class DeliveryTest(unittest.TestCase):
@@ -80,6 +89,121 @@ class DeliveryTest(unittest.TestCase):
     def test_seen_numbers_are_bounded(self):
         seen = SeenIds(2)
         self.assertEqual([seen.insert(1, x) for x in (1, 2, 1, 3, 1)], [True, True, False, True, True])
+
+
+class RoutingTest(unittest.TestCase):
+    def setUp(self):
+        self.table = RoutingTable(1, 111)
+        self.links = [Link(number, True, "127.0.0.1:1", 0.0) for number in (1, 2)]
+
+    def hear(self, link, *entries):
+        self.links[link - 1].table = {entry.id: entry for entry in entries}
+        self.table.update(self.links, 0.0)
+        return self.table.routes
+
+    def test_the_best_route_is_taken_and_kept(self):
+        self.assertEqual(self.hear(1, Entry(9, 10, 5, 2, 1))[9], (1, 10, 4, 5))
+        self.assertEqual(self.hear(2, Entry(9, 10, 5, 1, 1))[9].link, 2)
+        self.assertEqual(self.hear(1, Entry(9, 10, 5, 1, 1))[9].link, 2)  # no better
+        self.assertEqual(self.hear(1, Entry(9, 11, 5, 1, 1))[9].link, 1)  # newer
+        self.assertEqual(self.hear(1)[9].link, 2)
+        self.assertEqual(self.hear(2, Entry(9, 11, 5, 250, 1)), {})  # lost
+
+    def test_an_incarnation_that_has_left_is_ignored(self):
+        self.table.bury(9, 5, 0.0)
+        self.assertEqual(self.hear(1, Entry(9, 99, 5, 1, 1)), {})
+        self.assertIn(9, self.hear(1, Entry(9, 1, 6, 1, 1)))
+        self.hear(1, Entry(9, 99, 5, 1, 1))
+        self.table.update(self.links, 31.0)
+        self.assertIn(9, self.table.routes)
+
+    def test_an_earlier_incarnation_of_ours_is_overtaken(self):
+        for magic, seqno, overtaken in ((111, 500, False), (112, 500, True), (112, 3, False), (112, -1, False)):
+            self.hear(1, Entry(1, seqno, magic, 2, 1))
+            self.assertEqual(self.table.take_own(self.links[0]), overtaken)
+            self.assertNotIn(1, self.links[0].table)
+        self.assertEqual(decode_page(self.table.own_page(1)).entries, (Entry(1, 501, 111, 0, 1),))
+
+    def test_a_table_counts_when_all_of_its_pages_are_there(self):
+        link, entries = self.links[0], tuple(Entry(i + 1, 1, 1, 1, 1) for i in range(70))
+        self.assertFalse(link.note_page(Page(0, 2, 7, entries)))
+        self.assertFalse(link.note_page(Page(1, 2, 8, entries[:1])))  # of another sending
+        self.assertFalse(link.note_page(Page(0, 2, 7, entries)))
+        self.assertTrue(link.note_page(Page(1, 2, 7, (Entry(99, 1, 1, 1, 1),))))
+        self.assertEqual(len(link.table), 71)
+
+
+class HostTableTest(unittest.TestCase):
+    def test_what_others_remember_counts_if_it_fits_the_route(self):
+        table, route = HostTable(), Route(1, 1, 1, 5)
+        old, new = HostRecord(9, 4, "h", "p@h!1"), HostRecord(9, 5, "h", "p@h!2")
+        self.assertFalse(table.believes(old, True, route))
+        self.assertTrue(table.believes(new, True, route))
+        self.assertTrue(table.believes(old, False, route))
+        table.store(new)
+        self.assertFalse(table.believes(old, True, None))
+        self.assertTrue(table.is_restart(old))
+
+    def test_queries_are_repeated_ever_more_rarely(self):
+        table, now, asked = HostTable(), 0.0, []
+        table.review(9, True, Route(1, 1, 1, 5), now)
+        while len(asked) < 7:
+            now = min(table.deadlines())
+            asked += [now] * len(table.take_queries(now))
+        self.assertEqual(asked, [0, 1, 3, 7, 15, 25, 35])
+        table.store(HostRecord(9, 5, "h", "p@h!1"))
+        self.assertEqual(table.review(9, True, Route(1, 1, 1, 5), now), (9, True, False))
+        self.assertEqual(table.deadlines(), [])
+
+    def test_marked_hosts_are_forgotten_sooner(self):
+        for marked, patience in ((True, 3.0), (False, 30.0)):
+            table = HostTable()
+            table.store(HostRecord(9, 5, "h", "p@h!1", marked=marked))
+            table.review(9, True, None, 0.0)
+            table.review(9, False, None, 0.0)
+            self.assertEqual(table.lost_by(patience - 0.1), [])
+            self.assertEqual(table.lost_by(patience), [9])
+            self.assertEqual(table.forget(9), (9,))
+
+
+class FeedTest(unittest.TestCase):
+    def setUp(self):
+        self.sent = []  # key, sequence number and what is to be called
+        self.feed = SubscriberFeed(lambda to, port, data, done: self.sent.append((decode(data), done)))
+
+    def values(self, count, seqno=0):
+        return {f"k{i}": Tuple(1, f"k{i}", b"v\0", creator=1, seqno=seqno) for i in range(count)}
+
+    def test_the_newest_values_wait_for_a_slow_subscriber(self):
+        own = self.values(IN_FLIGHT_MAX + 1)
+        self.feed.subscribe(2, Subscribe(Prototype(1, ""), 60), True, own, 0.0)
+        self.assertEqual(len(self.sent), IN_FLIGHT_MAX)
+        last = f"k{IN_FLIGHT_MAX}"
+        for seqno in (1, 2, 3):
+            self.feed.publish(self.values(IN_FLIGHT_MAX + 1, seqno)[last], 0.0)
+        self.sent[0][1]("")
+        self.assertEqual([(x.key, x.seqno) for x, _ in self.sent[IN_FLIGHT_MAX:]], [(last, 3)])
+
+    def test_a_push_that_has_failed_is_sent_again(self):
+        self.feed.subscribe(2, Subscribe(Prototype(1, ""), 60), True, self.values(1), 0.0)
+        self.sent.pop()[1]("lost")
+        self.assertEqual(self.feed.deadline(), 1.0)
+        self.feed.on_time(1.0)
+        self.assertEqual(len(self.sent), 1)
+
+    def test_a_host_that_is_gone_gets_nothing(self):
+        self.feed.subscribe(2, Subscribe(Prototype(1, ""), 60), True, self.values(1), 0.0)
+        self.feed.host_vanished(2)
+        self.sent.pop()[1]("lost")
+        self.feed.on_time(2.0)
+        self.assertEqual(self.sent, [])
+
+    def test_hosts_that_nobody_knows_are_bounded(self):
+        for id in range(2, STRANGERS_MAX + 5):
+            self.feed.subscribe(id, Subscribe(Prototype(1, "k")), False, {}, 0.0)
+        self.assertEqual((len(self.feed.subscribers()), self.feed.refused), (STRANGERS_MAX, 3))
+        self.feed.on_time(60.0)
+        self.assertEqual(self.feed.subscribers(), {})
 
 
 class NetworkTest(unittest.TestCase):
@@ -247,6 +371,21 @@ class NetworkTest(unittest.TestCase):
         times = [x.overlay.clock.at(network.now) for x in network.kernels.values()]
         self.assertAlmostEqual(times[0], times[1], delta=0.05)
 
+    def test_tuples_of_all_kinds_are_bounded(self):
+        network = self.pair()
+        self.watch(network, 2, Prototype(1, ""))
+        network.run(0.2)
+        with mock.patch.object(tuples, "HELD_MAX", 6):
+            for i in range(8):
+                set_own(network, 1, f"k{i}")
+            network.run(0.2)
+        self.assertEqual(len(network.kernels[2].space.held), 6)
+        self.assertEqual(network.kernels[2].space.counters["no_room"], 7)
+        with mock.patch.object(tuples, "OWN_OCTETS_MAX", 1000):
+            self.assertRaises(RefusedError, set_own, network, 1, "big", bytes(1000))
+        with mock.patch.object(tuples, "SUBSCRIPTIONS_MAX", 1):
+            self.assertRaises(RefusedError, self.watch, network, 2, Prototype(1, "more"))
+
     def test_subscriptions_of_others_are_bounded(self):
         network = self.pair()
         for i in range(SUBSCRIBERS_OF_HOST_MAX + 5):
@@ -289,6 +428,29 @@ class HostileTest(unittest.TestCase):
         self.assertEqual(self.octets(b"\0\0"), [])
         self.kernel.on_time(106.0)
         self.assertIn("silent", [x.why for x in self.kernel.take_notices()][0])
+
+    def test_captures_with_octets_changed(self):
+        rng = random.Random(6)
+        captures = [golden(path.name) for path in sorted((ROOT / "tests/golden/peis").glob("*.hex"))
+                    if path.name not in ("announce.hex", "connect-from-real.hex")]
+        set_own(self.network, 1, "foo", b"1\0")
+        self.kernel.space.subscribe(Prototype(-1, ""), lambda _: None, 100.0)
+        links = 0
+        for i in range(4000):
+            now = 100.0 + i / 100
+            octets = bytearray(rng.choice(captures))
+            octets[24:28] = rng.choice((octets[24:28], b"\0\0\0\1"))  # the destination
+            octets[4:8] = octets[12:16] = (i + 1).to_bytes(4, "big")
+            for _ in range(rng.randrange(5)):
+                octets[rng.randrange(len(octets))] = rng.randrange(256)
+            if not self.kernel.overlay.links:
+                links += 1
+                self.kernel.overlay.link_opened(links, True, "127.0.0.1:1", now)
+            self.kernel.link_octets(links, bytes(octets), now)
+            self.kernel.on_time(now)
+            for link in self.kernel.overlay.links.values():
+                link.take_output(1 << 30)
+        self.assertGreater(links, 100)
 
     def test_messages_at_random(self):
         rng = random.Random(5)

@@ -218,6 +218,16 @@ class RelayTest(WithBinary):
             spoke.set("k", "w", hub.id)
             self.assertEqual(hub["k"], "w")
 
+    def test_a_binary_that_connects_to_a_peer(self):
+        with Peer("hub", listen="tcp://127.0.0.1:0") as hub:
+            binary = Binary(RUBICON, more=f'connect = ["tcp://127.0.0.1:{hub.port}"]')
+            self.addCleanup(binary.end)
+            self.assertEqual(hub.wait_for_host("pc", timeout=10), PC)
+            hub.set("k", "v", "pc")
+            hub["own"] = "w"
+            with Peer("other", binary.address) as other:
+                self.assertEqual((other.get("k", "pc"), other.get("own", "hub")), ("v", "w"))
+
     def test_hostile_octets_close_their_link_alone(self):
         with Peer("hub", listen="tcp://127.0.0.1:0") as hub, Peer("spoke", f"tcp://127.0.0.1:{hub.port}") as spoke:
             for octets in (b"GET / HTTP/1.1\r\n\r\n" * 9, encode_connect(9, "rubicon") + b"\xff" * 40,

@@ -98,18 +98,19 @@ duration = "10min"
 id = 30
 name = "pc"
 tcp = {{ port = {port} }}
+{more}
 """
 
 
 class Binary:
     """`rubicon run` of one peer that listens on loopback: id 30, name pc."""
 
-    def __init__(self, rubicon, port=None):
+    def __init__(self, rubicon, port=None, more=""):
         self.port = port or free_port()
         self.rubicon = rubicon
         self.folder = tempfile.TemporaryDirectory()
         file = pathlib.Path(self.folder.name, "flat.toml")
-        file.write_text(FILE.format(port=self.port))
+        file.write_text(FILE.format(port=self.port, more=more))
         self.environment = dict(os.environ, XDG_STATE_HOME=self.folder.name)
         self.process = subprocess.Popen([rubicon, "run", str(file), "--log", "off"], stdout=subprocess.DEVNULL,
                                         stderr=subprocess.DEVNULL, env=self.environment)
