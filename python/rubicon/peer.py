@@ -1,13 +1,15 @@
 """rubicon.Peer: a PEIS peer in a Python program."""
 from __future__ import annotations
 
+import atexit
 import os
 import random
 import socket
 import threading
 import time
 from collections import OrderedDict
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Union
+from dataclasses import dataclass
+from typing import Any, Callable, Dict, Iterable, List, Optional, Union
 
 from . import keys, meta, records, wire
 from .arguments import Owner, check_id, check_name, check_owner, check_times, own_addresses, user_name
@@ -27,7 +29,8 @@ _NONE = object()
 Callback = Callable[[Tuple], None]
 
 
-class Host(NamedTuple):
+@dataclass(frozen=True)
+class Host:
     """Another peer of the network. hops: cost of the route to it; linked: there is a link to it."""
     id: int
     name: str
@@ -91,6 +94,7 @@ class Peer:
         self._callbacks = CallbackQueue(callbacks == "thread")
         self._loop = Loop(self._kernel, self._changed, addresses, listener)
         self._loop.thread.start()
+        atexit.register(self.close)
         if addresses and timeout > 0:
             with self._changed:
                 connected = self._wait(self._loop.is_up, timeout)
@@ -109,7 +113,11 @@ class Peer:
         return f"<rubicon.Peer {self.id} {self.name}{', closed' if self._closed else ''}>"
 
     def close(self) -> None:
-        """Leaves the network: others learn it at once. Waits up to 2 s for what is still to be sent."""
+        """Leaves the network: others learn it at once. Waits up to 2 s for what is still to be sent.
+
+        The end of the program does it too, if it is not killed.
+        """
+        atexit.unregister(self.close)
         with self._changed:
             if not self._closed:
                 self._closed = True

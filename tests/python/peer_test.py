@@ -302,18 +302,38 @@ class EndingTest(unittest.TestCase):
             start = time.monotonic()
         self.assertLess(time.monotonic() - start, 4)
 
-    def test_a_peer_that_is_killed(self):
-        program = textwrap.dedent(f"""
-            import sys, time
+    def program(self):
+        """Another process with the peer 88, until something is written to it."""
+        text = textwrap.dedent(f"""
+            import sys
             sys.path.insert(0, {str(ROOT / 'python')!r})
             from rubicon import Peer
             peer = Peer("victim", {self.binary.address!r}, id=88)
             peer["k"] = "v"
             print("up", flush=True)
-            time.sleep(60)""")
-        victim = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
-        self.addCleanup(victim.stdout.close)
-        self.assertEqual(victim.stdout.readline().strip(), "up")
+            sys.stdin.readline()""")
+        process = subprocess.Popen([sys.executable, "-B", "-c", text], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                   text=True)
+        for each in (process.stdin.close, process.stdout.close, process.wait, process.kill):
+            self.addCleanup(each)
+        self.assertEqual(process.stdout.readline().strip(), "up")
+        return process
+
+    def test_a_program_that_ends(self):
+        program, got = self.program(), []
+        with Peer("robot", self.binary.address) as robot:
+            robot.subscribe("k", lambda x: got.append((time.monotonic(), x.deleted)), 88)
+            self.assertTrue(eventually(lambda: len(got) == 1))
+            program.stdin.write("\n")
+            program.stdin.flush()
+            self.assertEqual(program.wait(10), 0)
+            ended = time.monotonic()
+            self.assertTrue(eventually(lambda: len(got) == 2))
+            self.assertLess(got[1][0] - ended, 2)
+            self.assertTrue(got[1][1])
+
+    def test_a_peer_that_is_killed(self):
+        victim = self.program()
         with Peer("robot", self.binary.address) as robot:
             self.assertEqual(robot.get("k", 88), "v")
             victim.kill()
