@@ -1,4 +1,4 @@
-"""What a program gives its peer, and what the computer says of itself."""
+"""Arguments of a peer, and names and addresses of the computer."""
 from __future__ import annotations
 
 import getpass
@@ -46,7 +46,7 @@ def user_name() -> str:
 
 
 def own_addresses(listener: Optional[socket.socket]) -> Tuple[Address, ...]:
-    """What the host record says of where links are accepted."""
+    """For the host record: where links are accepted."""
     if listener is None:
         return ()
     host, port = listener.getsockname()
@@ -55,7 +55,7 @@ def own_addresses(listener: Optional[socket.socket]) -> Tuple[Address, ...]:
     found = [Address("lo", True, "127.0.0.1", port)]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            probe.connect(("227.1.3.5", 10001))  # sends nothing: only asks for the route
+            probe.connect(("227.1.3.5", 10001))  # sends nothing, but selects the local address
             found.append(Address("net", False, probe.getsockname()[0], port))
         except OSError:
             pass

@@ -2,7 +2,7 @@
 
 
 class PeerError(Exception):
-    """Something that a peer was asked for has not happened; the text says why."""
+    """A request to a peer has failed; the text gives the reason."""
 
 
 class NotConnectedError(PeerError):

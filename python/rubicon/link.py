@@ -61,16 +61,16 @@ class Link:
         self.stream = Stream(expects_request=not opened_by_us)
         self.open = opened_by_us  # packages may be sent
         self.neighbour: Optional[int] = None
-        self.named = False  # it has said who it is
+        self.named = False  # it has sent its host record
         self.marked = False
         self.up = False  # it has accepted us
         self.magic = 0
         self.cost = 2
-        self.opened = self.heard = now
-        self.heard_any = False
+        self.opened = self.last_received = now
+        self.received_any = False
         self.beat: Optional[Tuple[int, float]] = None  # its last heartbeat, and when it arrived
         self.next_beat = now + BEAT_S
-        self.one_way: Optional[float] = None  # seconds
+        self.one_way_delay: Optional[float] = None  # seconds
         self.table: dict = {}  # host: Entry of the last routing table
         self.pages: dict = {}
         self.pages_of: Tuple[int, int] = (0, 0)
@@ -114,7 +114,7 @@ class Link:
         """Seconds of silence after which it is closed."""
         if not self.open:
             return HANDSHAKE_S
-        if not self.heard_any:
+        if not self.received_any:
             return GREETING_S
         return MARKED_SILENCE_S if self.beat and self.marked else SILENCE_S
 
@@ -122,9 +122,9 @@ class Link:
         """Raises WireError."""
         sent, echoed, held = wire.decode_heartbeat(octets)
         if echoed:
-            way = max(0.0, (now - (echoed + held) / 1e9) / 2)
-            known = self.one_way
-            self.one_way = way if known is None or way < known else known + (way - known) / 16
+            delay = max(0.0, (now - (echoed + held) / 1e9) / 2)
+            known = self.one_way_delay
+            self.one_way_delay = delay if known is None or delay < known else known + (delay - known) / 16
         self.beat = sent, now
 
     def heartbeat(self, now: float) -> bytes:

@@ -155,7 +155,7 @@ class Loop:
                 self._guard(key.data, mask, now)
             self._kernel.on_time(now)
             self._connect_due(now)
-            self._obey()
+            self._take_notices()
             self._write_all(now)
             self._changed.notify_all()
             return self._stop_at is None or (now < self._stop_at and not self._kernel.overlay.is_idle())
@@ -283,7 +283,7 @@ class Loop:
             x.standing.wait = RETRY_S if x.up else min(1.5 * x.standing.wait, RETRY_MAX_S)
             x.standing.next = time.monotonic() + x.standing.wait
 
-    def _obey(self) -> None:
+    def _take_notices(self) -> None:
         for notice in self._kernel.take_notices():
             x = self._connections.get(notice.link)
             if x is not None and notice.up:

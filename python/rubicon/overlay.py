@@ -18,7 +18,7 @@ from .routing import Route, RoutingTable
 from .wire import BROADCAST, DIRECT, EVERYBODY, LINK, Header, HostRecord, Port, WireError
 
 LINKS_MAX = 16
-HEARD_MAX = 4096  # hosts of which the link is remembered over which they were heard
+RECEIVED_OVER_MAX = 4096  # hosts of which the link is remembered over which they last sent
 ANSWERS_MAX = 1024  # messages that wait, beyond which queries are not answered
 ROUTING_PERIOD_S = 10.0
 EXIT, REBORN = 1, 2  # reasons in dead-host messages
@@ -38,7 +38,7 @@ class LinkClosed(NamedTuple):
 
 
 class LinkUp(NamedTuple):
-    """Its neighbour has said who it is, and has accepted us."""
+    """Its neighbour has sent its host record, and has accepted us."""
     link: int
     neighbour: int
     marked: bool
@@ -62,7 +62,7 @@ class Overlay:
         self._acknowledger = Acknowledger()
         self._reassembly = Reassembly()
         self._seen = SeenIds()
-        self._heard_over: Dict[int, int] = {}
+        self._received_over: Dict[int, int] = {}
         self._known = HostTable()
         self._routing = RoutingTable(record.id, record.magic)
         self._next_routing = now + ROUTING_PERIOD_S
@@ -99,7 +99,7 @@ class Overlay:
             if not link.open:
                 self._accept(link, now)
             for header, data in link.stream.packages():
-                link.heard, link.heard_any = now, True
+                link.last_received, link.received_any = now, True
                 self._on_package(link, header, data, now)
                 if number not in self.links:
                     return
@@ -112,7 +112,7 @@ class Overlay:
         link = self.links.pop(number, None)
         if link is None:
             return
-        self._heard_over = {host: via for host, via in self._heard_over.items() if via != number}
+        self._received_over = {host: via for host, via in self._received_over.items() if via != number}
         self._update_routes(now)
         self._delivery.hasten(now)
 
@@ -131,7 +131,7 @@ class Overlay:
         if why:
             self.close_link(link.number, f"connect request with {why}", now)
             return
-        link.open, link.neighbour, link.heard = True, request.id, now
+        link.open, link.neighbour, link.last_received = True, request.id, now
         self._greet(link)
         self._update_routes(now)
 
@@ -183,7 +183,7 @@ class Overlay:
         if direct:
             return direct
         route = self.routes.get(host)
-        return self.links.get(route.link if route else self._heard_over.get(host, -1))
+        return self.links.get(route.link if route else self._received_over.get(host, -1))
 
     def flush(self, now: float) -> None:
         """At the end of each turn: what is due goes to the links."""
@@ -201,7 +201,7 @@ class Overlay:
 
     def on_time(self, now: float) -> None:
         for link in list(self.links.values()):
-            if link.heard + link.patience() <= now:
+            if link.last_received + link.patience() <= now:
                 self.close_link(link.number, f"silent for {link.patience():.0f} s", now)
             elif link.open and link.marked and link.next_beat <= now:
                 link.next_beat = now + BEAT_S
@@ -229,7 +229,7 @@ class Overlay:
     def deadline(self) -> float:
         times = [self._next_routing, self.clock.next]
         for link in self.links.values():
-            times.append(link.heard + link.patience())
+            times.append(link.last_received + link.patience())
             if link.open and link.marked:
                 times.append(link.next_beat)
         times += self._known.deadlines()
@@ -237,7 +237,7 @@ class Overlay:
         return min(times if due is None else times + [due])
 
     def leave(self) -> None:
-        """Says that this peer ends (19)."""
+        """Broadcasts that this peer ends (19)."""
         self.broadcast(Port.DEAD_HOST, wire.DEAD.pack(self.record.id, EXIT))
         self._left = True
 
@@ -257,8 +257,8 @@ class Overlay:
             self.counters["not_relayed"] += 1
             return
         if mine:
-            if x.source in self._heard_over or len(self._heard_over) < HEARD_MAX:
-                self._heard_over[x.source] = link.number
+            if x.source in self._received_over or len(self._received_over) < RECEIVED_OVER_MAX:
+                self._received_over[x.source] = link.number
             if x.fragments and not self._reassembly.accepts(x):
                 self.counters["fragments_refused"] += 1
                 return
@@ -304,7 +304,7 @@ class Overlay:
 
     def _on_clock(self, link: Link, x: Header, data: bytes, now: float) -> None:
         host = self.hosts.get(x.source)
-        self.clock.on_message(data, x.source, bool(host and host.record.marked), link.one_way or 0.0, now)
+        self.clock.on_message(data, x.source, bool(host and host.record.marked), link.one_way_delay or 0.0, now)
 
     def _on_trace(self, _link: Link, x: Header, data: bytes, _now: float) -> None:
         ids = wire.decode_trace(data)

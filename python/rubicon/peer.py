@@ -274,7 +274,7 @@ class Peer:
 
         mimetype: text/plain for text and application/octet-stream for bytes if not given. expires: seconds from now
         after which it vanishes everywhere. user_time: free for the application, seconds since 1970. At another owner:
-        returns when it has acknowledged the request, which does not say whether it has accepted the value.
+        returns when it has acknowledged the request, which does not mean that it has accepted the value.
         """
         keys.check(key)
         content = records.content(value, mimetype)

@@ -19,7 +19,7 @@ HELD_MAX, HELD_OCTETS_MAX = 20_000, 96 << 20
 SUBSCRIPTIONS_MAX = 1024
 LIFETIME_S = 60  # of our subscriptions at marked hosts
 REFRESH_S = LIFETIME_S / 3
-ASK_AGAIN_S = 1.0
+RESEND_S = 1.0
 APPEND_MATCHES_MAX = 256
 
 Deliver = Callable[[Tuple], None]
@@ -44,7 +44,7 @@ class TupleSpace:
         self._next_subscription = 1
         self._hosts: Dict[int, bool] = {}  # those that can be reached, and whether they are marked
         self._next_refresh: Optional[float] = None
-        self._ask_again: Dict[Pair[int, Prototype], float] = {}  # subscriptions that have not reached a host
+        self._resend: Dict[Pair[int, Prototype], float] = {}  # subscriptions that have not reached a host
 
     # Reading
 
@@ -153,7 +153,7 @@ class TupleSpace:
         """What is here already is delivered at once."""
         if len(self._subscriptions) >= SUBSCRIPTIONS_MAX:
             raise RefusedError(f"there are {SUBSCRIPTIONS_MAX} subscriptions already")
-        asked = any(x == wanted for x, _ in self._subscriptions.values())
+        is_requested = any(x == wanted for x, _ in self._subscriptions.values())
         number = self._next_subscription
         self._next_subscription += 1
         self._subscriptions[number] = wanted, deliver
@@ -161,9 +161,9 @@ class TupleSpace:
             self._next_refresh = now + REFRESH_S
         for x in self.find(wanted):
             deliver(x)
-        if not asked:
+        if not is_requested:
             for host in self._hosts:
-                self._ask(host, wanted, False, now)
+                self._send_subscription(host, wanted, False, now)
         return number
 
     def unsubscribe(self, number: int) -> None:
@@ -182,31 +182,31 @@ class TupleSpace:
     def _is_wanted(self, x: Tuple) -> bool:
         return any(wanted.matches(x) for wanted, _ in self._subscriptions.values())
 
-    def _ask(self, host: int, wanted: Prototype, refresh: bool, now: float) -> None:
+    def _send_subscription(self, host: int, wanted: Prototype, refresh: bool, now: float) -> None:
         if wanted.owner not in (EVERYBODY, host):
             return
         lifetime = LIFETIME_S if self._hosts.get(host) else None
         message = records.encode_subscribe(Subscribe(wanted, lifetime, refresh))
-        self._send(host, Port.SUBSCRIBE, message, lambda why: self._asked(host, wanted, why, now))
+        self._send(host, Port.SUBSCRIBE, message, lambda why: self._on_outcome(host, wanted, why, now))
 
-    def _asked(self, host: int, wanted: Prototype, why: str, now: float) -> None:
+    def _on_outcome(self, host: int, wanted: Prototype, why: str, now: float) -> None:
         if why and host in self._hosts and any(x == wanted for x, _ in self._subscriptions.values()):
-            self._ask_again[host, wanted] = now + ASK_AGAIN_S
+            self._resend[host, wanted] = now + RESEND_S
 
-    def _ask_all(self, host: int, refresh: bool, now: float) -> None:
+    def _send_subscriptions(self, host: int, refresh: bool, now: float) -> None:
         for wanted in dict.fromkeys(x for x, _ in self._subscriptions.values()):
-            self._ask(host, wanted, refresh, now)
+            self._send_subscription(host, wanted, refresh, now)
 
     # Hosts
 
     def host_appeared(self, id: int, marked: bool, now: float) -> None:
         self._hosts[id] = marked
         self.feed.host_appeared(id, marked)
-        self._ask_all(id, False, now)
+        self._send_subscriptions(id, False, now)
 
     def host_vanished(self, id: int) -> None:
         self._hosts.pop(id, None)
-        self._ask_again = {key: when for key, when in self._ask_again.items() if key[0] != id}
+        self._resend = {key: when for key, when in self._resend.items() if key[0] != id}
         self.feed.host_vanished(id)
         for name in [name for name in self.held if name[0] == id]:
             self._remove(name)
@@ -221,14 +221,14 @@ class TupleSpace:
             self._next_refresh = now + REFRESH_S
             for host, marked in self._hosts.items():
                 if marked:
-                    self._ask_all(host, True, now)
-        for host, wanted in [key for key, when in self._ask_again.items() if when <= now]:
-            del self._ask_again[host, wanted]
-            self._ask(host, wanted, False, now)
+                    self._send_subscriptions(host, True, now)
+        for host, wanted in [key for key, when in self._resend.items() if when <= now]:
+            del self._resend[host, wanted]
+            self._send_subscription(host, wanted, False, now)
         self.feed.on_time(now)
 
     def deadline(self, now: float) -> Optional[float]:
-        times = [*self._ask_again.values()]
+        times = [*self._resend.values()]
         times += [x for x in (self._next_refresh, self.feed.deadline()) if x is not None]
         if self._expiring:
             times.append(now + max(0.0, min(self._expiring.values()) - self._time(now)))
@@ -308,7 +308,7 @@ class TupleSpace:
                 self._remove(name)
         elif name not in self._incomplete:  # something has not arrived: the whole value is wanted
             self._incomplete.add(name)
-            self._ask(source, Prototype(source, x.key), False, now)
+            self._send_subscription(source, Prototype(source, x.key), False, now)
 
 
 def _ignore(_why: str) -> None:

@@ -168,7 +168,7 @@ class Address(NamedTuple):
 
 
 class HostRecord(NamedTuple):
-    """What a peer says of itself (5)."""
+    """Description of a peer by itself (5)."""
     id: int
     magic: int
     host_name: str

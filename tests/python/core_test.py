@@ -96,30 +96,30 @@ class RoutingTest(unittest.TestCase):
         self.table = RoutingTable(1, 111)
         self.links = [Link(number, True, "127.0.0.1:1", 0.0) for number in (1, 2)]
 
-    def hear(self, link, *entries):
+    def receive(self, link, *entries):
         self.links[link - 1].table = {entry.id: entry for entry in entries}
         self.table.update(self.links, 0.0)
         return self.table.routes
 
     def test_the_best_route_is_taken_and_kept(self):
-        self.assertEqual(self.hear(1, Entry(9, 10, 5, 2, 1))[9], (1, 10, 4, 5))
-        self.assertEqual(self.hear(2, Entry(9, 10, 5, 1, 1))[9].link, 2)
-        self.assertEqual(self.hear(1, Entry(9, 10, 5, 1, 1))[9].link, 2)  # no better
-        self.assertEqual(self.hear(1, Entry(9, 11, 5, 1, 1))[9].link, 1)  # newer
-        self.assertEqual(self.hear(1)[9].link, 2)
-        self.assertEqual(self.hear(2, Entry(9, 11, 5, 250, 1)), {})  # lost
+        self.assertEqual(self.receive(1, Entry(9, 10, 5, 2, 1))[9], (1, 10, 4, 5))
+        self.assertEqual(self.receive(2, Entry(9, 10, 5, 1, 1))[9].link, 2)
+        self.assertEqual(self.receive(1, Entry(9, 10, 5, 1, 1))[9].link, 2)  # no better
+        self.assertEqual(self.receive(1, Entry(9, 11, 5, 1, 1))[9].link, 1)  # newer
+        self.assertEqual(self.receive(1)[9].link, 2)
+        self.assertEqual(self.receive(2, Entry(9, 11, 5, 250, 1)), {})  # lost
 
     def test_an_incarnation_that_has_left_is_ignored(self):
         self.table.bury(9, 5, 0.0)
-        self.assertEqual(self.hear(1, Entry(9, 99, 5, 1, 1)), {})
-        self.assertIn(9, self.hear(1, Entry(9, 1, 6, 1, 1)))
-        self.hear(1, Entry(9, 99, 5, 1, 1))
+        self.assertEqual(self.receive(1, Entry(9, 99, 5, 1, 1)), {})
+        self.assertIn(9, self.receive(1, Entry(9, 1, 6, 1, 1)))
+        self.receive(1, Entry(9, 99, 5, 1, 1))
         self.table.update(self.links, 31.0)
         self.assertIn(9, self.table.routes)
 
     def test_an_earlier_incarnation_of_ours_is_overtaken(self):
         for magic, seqno, overtaken in ((111, 500, False), (112, 500, True), (112, 3, False), (112, -1, False)):
-            self.hear(1, Entry(1, seqno, magic, 2, 1))
+            self.receive(1, Entry(1, seqno, magic, 2, 1))
             self.assertEqual(self.table.take_own(self.links[0]), overtaken)
             self.assertNotIn(1, self.links[0].table)
         self.assertEqual(decode_page(self.table.own_page(1)).entries, (Entry(1, 501, 111, 0, 1),))
@@ -145,12 +145,12 @@ class HostTableTest(unittest.TestCase):
         self.assertTrue(table.is_restart(old))
 
     def test_queries_are_repeated_ever_more_rarely(self):
-        table, now, asked = HostTable(), 0.0, []
+        table, now, sent = HostTable(), 0.0, []
         table.review(9, True, Route(1, 1, 1, 5), now)
-        while len(asked) < 7:
+        while len(sent) < 7:
             now = min(table.deadlines())
-            asked += [now] * len(table.take_queries(now))
-        self.assertEqual(asked, [0, 1, 3, 7, 15, 25, 35])
+            sent += [now] * len(table.take_queries(now))
+        self.assertEqual(sent, [0, 1, 3, 7, 15, 25, 35])
         table.store(HostRecord(9, 5, "h", "p@h!1"))
         self.assertEqual(table.review(9, True, Route(1, 1, 1, 5), now), (9, True, False))
         self.assertEqual(table.deadlines(), [])
@@ -237,7 +237,7 @@ class NetworkTest(unittest.TestCase):
         self.assertEqual([(x.text, x.deleted) for x in got], [("1", False), ("2", False), ("2", True)])
         self.assertEqual(list(network.kernels[2].space.held), [])
 
-    def test_late_peers_are_asked_too(self):
+    def test_late_peers_get_subscriptions_too(self):
         network = VirtualNetwork(1, 2)
         got = self.watch(network, 2, Prototype(1, "k"))
         set_own(network, 1, "k")
