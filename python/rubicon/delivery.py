@@ -13,7 +13,7 @@ WINDOW = 256  # packages to one destination that are not acknowledged
 WAITING_MAX = 4096  # messages to one destination
 WAITING_OCTETS_MAX = 64 << 20  # of them, beyond the first
 MESSAGES_MAX = 16384  # to all destinations
-SEEN_MAX = 65536
+SEEN_MAX = 16384  # no more are under way to a peer that relays nothing
 PARTIAL_MAX = 64  # long messages that arrive at once
 PARTIAL_OCTETS_MAX = 48 << 20
 PARTIAL_S = 10.0  # after the last fragment
@@ -40,14 +40,15 @@ class SeenIds:
     """Remembers the newest numbers."""
 
     def __init__(self, most: int = SEEN_MAX) -> None:
-        self._known: "OrderedDict[Tuple[int, int], None]" = OrderedDict()
+        self._known: "OrderedDict[int, None]" = OrderedDict()
         self._most = most
 
     def insert(self, source: int, number: int) -> bool:
         """False if it is known."""
-        if (source, number) in self._known:
+        known = source << 32 | number
+        if known in self._known:
             return False
-        self._known[source, number] = None
+        self._known[known] = None
         if len(self._known) > self._most:
             self._known.popitem(last=False)
         return True
