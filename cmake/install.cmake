@@ -1,5 +1,5 @@
 # `cmake --install build/release --prefix FOLDER --component COMPONENT`, or tools/install, which builds it before:
-#   binary   the program without debug information, and its systemd unit
+#   binary   the program without debug information, its systemd unit, and the Python package rubicon (docs/python.md)
 #   library  what others write theirs with: find_package(rubicon), target rubicon::rubicon (docs/applications.md)
 #   kit      what they test it with: target rubicon::test (docs/testing.md); needs the library
 #   debug    the debug information of the binary, where debuggers look for it
@@ -35,6 +35,9 @@ install(CODE "set(RUBICON_BINARY_FOLDER \"\${CMAKE_INSTALL_PREFIX}/bin\")
   configure_file(\"${PROJECT_SOURCE_DIR}/packaging/rubicon-host@.service.in\" \"${parted}/rubicon-host@.service\" @ONLY)"
   COMPONENT binary)
 install(FILES ${parted}/rubicon-host@.service DESTINATION lib/systemd/system COMPONENT binary)
+# Where Debian's Python finds it, with the prefix /usr.
+install(DIRECTORY python/rubicon DESTINATION lib/python3/dist-packages COMPONENT binary FILES_MATCHING PATTERN *.py
+        PATTERN __pycache__ EXCLUDE)
 install(CODE "${part}" COMPONENT debug EXCLUDE_FROM_ALL)
 install(FILES ${parted}/rubicon.debug DESTINATION bin/.debug COMPONENT debug EXCLUDE_FROM_ALL)
 
