@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -26,6 +27,7 @@
 #include "control/system.hpp"
 #include "core/text/printable.hpp"
 #include "deploy/bundle.hpp"
+#include "io/bluetooth/bluetooth_adapter.hpp"
 #include "io/files/stored_number.hpp"
 #include "io/loop.hpp"
 #include "io/process/machine.hpp"
@@ -133,6 +135,26 @@ void look_at_serial(findings& out) {
                        ? ""
                        : "join the group that owns it: sudo usermod -aG dialout $USER, then log in "
                          "again"});
+}
+
+/// Adapters that this computer has. What is wrong with one matters if a peer of the file uses it.
+void look_at_bluetooth(const config::ecology_description* file, findings& out) {
+  std::map<std::string, bool> adapters; // whether one is used
+  for (const auto& name : io::bluetooth_adapters())
+    adapters[name] = false;
+  if (file != nullptr) {
+    for (const auto& peer : file->peers)
+      if (!peer.adapter.empty())
+        adapters[peer.adapter] = true;
+  }
+  for (const auto& [name, is_used] : adapters) {
+    const auto found = io::open_bluetooth_adapter(name);
+    const auto* why = std::get_if<std::string>(&found);
+    out.push_back({"bluetooth", why != nullptr ? *why : name,
+                   why != nullptr && is_used
+                       ? "plug it in and switch it on (bluetoothctl power on), or correct `adapter`"
+                       : ""});
+  }
 }
 
 /// @returns whether hosts can be asked with them
@@ -285,13 +307,16 @@ exit_status perform(const doctor_command& x) {
   all.push_back(look_at_state());
   look_at_serial(all);
   const bool can_ask = look_at_certificates(x.tls, all);
-  if (!x.file.empty()) {
+  if (x.file.empty()) {
+    look_at_bluetooth(nullptr, all);
+  } else {
     config::overrides instead;
     instead.mode = config::run_mode::wall;
     const auto file = deploy::pack(x.file, instead, std::nullopt, x.known);
     complain(file.loaded, x.file);
     if (!file.loaded.ecology || !file.loaded.problems.empty())
       return exit_status::refused;
+    look_at_bluetooth(&*file.loaded.ecology, all);
     for (const auto& each : config::placement_problems(*file.loaded.ecology))
       all.push_back({"file", x.file, each});
     if (can_ask)

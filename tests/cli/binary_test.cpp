@@ -204,6 +204,18 @@ TEST_CASE("output that cannot be written is not passed over", "[cli]") {
         std::string::npos);
 }
 
+TEST_CASE("doctor looks at the Bluetooth adapter that a file uses", "[cli][BT-01]") {
+  const auto x =
+      shell("folder=$(mktemp -d) && cd \"$folder\" && printf '%s\\n' '[ecology]' 'name = \"a\"' "
+            "'mode = \"wall\"' '[[peer]]' 'id = 7' 'name = \"pc\"' "
+            "'bluetooth = { adapter = \"hci97\" }' > a.toml && \"" +
+            binary + "\" doctor a.toml; status=$?; rm -r \"$folder\"; exit $status");
+  CAPTURE(x.out);
+  CHECK(x.status == 1);
+  CHECK(x.out.find("cannot open Bluetooth adapter hci97: ") != std::string::npos);
+  CHECK(x.out.find("\nbluetooth: plug it in and switch it on") != std::string::npos);
+}
+
 TEST_CASE("any number of columns is fine", "[cli]") {
   const auto file = '\'' + fixture("small.toml") + '\'';
   for (const auto* columns : {"1", "20", "4294967296", "18446744073709551615"}) {

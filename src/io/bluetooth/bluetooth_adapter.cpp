@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 
@@ -33,6 +34,18 @@ std::string why_no_adapter(const std::string& name, const std::error_code& error
   if (is(std::errc::network_down))
     return cannot_open(name) + "it is switched off; run `bluetoothctl power on`";
   return cannot_open(name) + error.message();
+}
+
+std::vector<std::string> bluetooth_adapters() {
+  std::vector<std::string> names;
+  std::error_code none;
+  for (const auto& each : std::filesystem::directory_iterator("/sys/class/bluetooth", none)) {
+    auto name = each.path().filename().string();
+    if (name.find(':') == std::string::npos) // `hci0:12` is a connection
+      names.push_back(std::move(name));
+  }
+  std::ranges::sort(names);
+  return names;
 }
 
 #if defined(__linux__) && defined(AF_BLUETOOTH)

@@ -7,6 +7,7 @@
 #include <string>
 #include <system_error>
 #include <variant>
+#include <vector>
 
 #include "io/descriptor.hpp"
 
@@ -39,6 +40,9 @@ public:
 /// @returns the adapter, or why it cannot be used: `cannot open Bluetooth adapter hci0: ...`
 [[nodiscard]] std::variant<std::unique_ptr<bluetooth_adapter>, std::string>
 open_bluetooth_adapter(const std::string& name);
+
+/// `hci0` and so on, sorted: those that this computer has, whether they can be used or not.
+[[nodiscard]] std::vector<std::string> bluetooth_adapters();
 
 /// The sentence about an adapter that the system refuses with this error.
 [[nodiscard]] std::string why_no_adapter(const std::string& name, const std::error_code& error);
