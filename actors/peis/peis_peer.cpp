@@ -11,6 +11,7 @@
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
 #include "peis/media/simulated_bluetooth.hpp"
+#include "peis/wire/announcement.hpp"
 
 namespace rubicon {
 
