@@ -156,6 +156,8 @@ mote_actor::behavior_type empty_mote(scheduler::actor_pointer<empty_state, mote_
       [](const set_period&) {},
       [](const set_network_keys&) {},
       [](const step_clock&) {},
+      [](const backbone_received&) {},
+      [](const backbone_sent&) {},
       [](const timer_expired&) {},
       [](status_request) {},
   };

@@ -27,7 +27,7 @@ namespace rubicon::cli {
 
 namespace {
 
-constexpr std::size_t value_octets_max = 16U * 1024 * 1024; // of a file, as messages have
+constexpr std::size_t file_octets_max = 16U * 1024 * 1024; // of a file, as messages have
 
 using found_tuples = std::vector<peis::tuple_pointer>;
 
@@ -243,8 +243,8 @@ std::variant<given_value, std::string> value_of(const std::string& word) {
   if (word.starts_with("@@"))
     return given_value{word.substr(1)};
   const bool is_file = word != "-";
-  auto read = is_file ? config::read_file(word.substr(1), value_octets_max)
-                      : config::read_stream(*stdin, value_octets_max);
+  auto read = is_file ? config::read_file(word.substr(1), file_octets_max)
+                      : config::read_stream(*stdin, file_octets_max);
   if (!read.text)
     return (is_file ? word.substr(1) : "standard input") + ' ' + read.reason;
   return given_value{std::move(*read.text), false};
