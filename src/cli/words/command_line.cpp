@@ -539,7 +539,7 @@ std::string command_meant(const CLI::App& app, std::span<const char* const> argu
 void take_help(std::vector<std::string>& words) {
   if (words.size() == 1)
     words.emplace_back("--help");
-  if (words.size() > 1 && words[1] == "help") {
+  if (words.size() > 1 && words[1] == "help" && words.back() != "--help") {
     words.erase(words.begin() + 1);
     words.emplace_back("--help");
   }
@@ -658,7 +658,10 @@ command parse_words(std::span<const char* const> arguments, const original_optio
   const certs_command_line certs(app);
   const serial_command_line serial(app);
   const network_command_line network(app);
-  app.add_subcommand("help", "Show the help of a command"); // take_help()
+  std::vector<std::string> of; // take_help() has taken them
+  app.add_subcommand("help", "Show the help of a command")
+      ->add_option("COMMAND", of, "Its words, as in tuples set; default: this overview")
+      ->type_name("");
   app.footer(roles);                                        // last: subcommands would inherit it
   try {
     app.parse(static_cast<int>(arguments.size()), arguments.data());

@@ -386,6 +386,8 @@ TEST_CASE("help of a command is what its --help shows, and of none the overview"
   CHECK(shown({}) == shown({"--help"}));
   CHECK(shown({"help"}) == shown({"--help"}));
   CHECK(shown({"help", "run"}) == shown({"run", "--help"}));
+  CHECK(contains(shown({"help", "--help"}), "Show the help of a command"));
+  CHECK(shown({"help", "help"}) == shown({"help", "--help"}));
   CHECK(shown({"help", "tuples", "set"}) == shown({"tuples", "set", "--help"}));
 }
 
