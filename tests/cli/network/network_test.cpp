@@ -211,7 +211,7 @@ TEST_CASE("a file, or standard input, is the value of a tuple", "[cli][SVC-08]")
   CHECK(value() == "01ff\n");
   CHECK(set("", "@@home").status == 0);
   CHECK(value() == "@home\n");
-  CHECK(set("", "-- -5").status == 0);
+  CHECK(standard_output("tuples set room.temp --owner 7" + peer.at() + "-- -5").status == 0);
   CHECK(value() == "-5\n");
   const auto none = set("", "@/nowhere/file");
   CHECK(none.status == 1);

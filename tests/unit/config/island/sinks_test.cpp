@@ -36,9 +36,9 @@ TEST_CASE("motes may be within reach of a further sink alone", "[config][network
 TEST_CASE("further sinks are checked", "[config][network]") {
   check_mistakes(mote_head, R"(
 backbone = { jitter = "1s" }
-#                     ^ `jitter` must be a time up to 100 ms, not "1s"
+#                     ^ `jitter` must be a time from 0 ns to 100 ms, not "1s"
 
-path = [["0s", [1, 2]], ["1min", [3, 2]]]
+path = [["10s", [1, 2]], ["1min", [3, 2]]]
 backbone = {}
 #          ^ a further sink cannot have a `path`: it is connected to a cable
 
