@@ -111,7 +111,7 @@ TEST_CASE("a file that cannot be an ecology costs one line", "[cli][GEN-06]") {
 }
 
 TEST_CASE("a bad command line ends with status 2 and an empty standard output", "[cli]") {
-  const auto arguments = GENERATE(as<std::string>{}, "", "fly", "run", "run --nope x.toml");
+  const auto arguments = GENERATE(as<std::string>{}, "fly", "help fly", "run", "run --nope x.toml");
   CAPTURE(arguments);
   CHECK(standard_output(arguments).status == 2);
   CHECK(standard_output(arguments).out.empty());
