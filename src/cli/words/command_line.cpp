@@ -662,7 +662,7 @@ command parse_words(std::span<const char* const> arguments, const original_optio
   app.add_subcommand("help", "Show the help of a command")
       ->add_option("COMMAND", of, "Its words, as in tuples set; default: this overview")
       ->type_name("");
-  app.footer(roles);                                        // last: subcommands would inherit it
+  app.footer(roles); // last: subcommands would inherit it
   try {
     app.parse(static_cast<int>(arguments.size()), arguments.data());
     check_combination(run);
