@@ -334,6 +334,14 @@ exit_status perform(const session& at, const list_tuples& x) {
 
 namespace {
 
+bool is_cut_off(const session& at) {
+  return at.peer().links().open_links() == 0;
+}
+
+exit_status fail_without_link(const session& at) {
+  return fail("the link to " + at.with.peer + " is gone");
+}
+
 /// Whose tuples are looked at, or why that is not known. A peer by its id may come later.
 std::variant<peer_id, std::string> watched_owner(const session& at, const peer_selector& x) {
   if (x.is_any())
@@ -357,12 +365,11 @@ exit_status perform(const session& at, const wait_for_tuple& x) {
   });
   if (const auto* why = watch.refused())
     return fail(refused(*why));
-  const auto is_alone = [&] { return at.peer().links().open_links() == 0; };
-  at.peer().run_until([&] { return holds || is_alone(); }, at.with.timeout);
+  at.peer().run_until([&] { return holds || is_cut_off(at); }, at.with.timeout);
   if (holds)
     return answer(at.with.json ? line_of(to_json(*last)) : value_text(*last) + '\n');
-  if (is_alone())
-    return fail("the link to " + at.with.peer + " is gone");
+  if (is_cut_off(at))
+    return fail_without_link(at);
   return fail(
       "not within " + to_text(at.with.timeout) + ": " +
       (last ? "tuple `" + x.key + "` of peer " + to_string(last->owner) + " is " + value_text(*last)
@@ -394,7 +401,7 @@ exit_status perform(const session& at, const watch_tuples& x) {
   bool interrupted = false;
   const io::signal_watch signals(at.loop, [&](int) { over = interrupted = true; });
   const auto end = at.peer().now() + x.length.value_or(0s);
-  while (!over && at.peer().links().open_links() > 0) {
+  while (!over && !is_cut_off(at)) {
     if (x.length && at.peer().now() >= end)
       break;
     at.peer().step(x.length ? std::min<duration>(end - at.peer().now(), 1s) : 1s);
@@ -403,8 +410,8 @@ exit_status perform(const session& at, const watch_tuples& x) {
     return exit_status::refused;
   if (interrupted)
     return exit_status::interrupted;
-  if (at.peer().links().open_links() == 0)
-    return fail("the link to " + at.with.peer + " is gone");
+  if (is_cut_off(at))
+    return fail_without_link(at);
   return x.count && printer.count() < *x.count && x.length
              ? fail("only " + report::counted(printer.count(), "change"))
              : exit_status::good;

@@ -521,7 +521,7 @@ std::string unknown_word(const CLI::App& app, std::span<const char* const> argum
   return {};
 }
 
-/// The command whose help tells more of a refused line: `tuples set`, as far as its words are one.
+/// The command that a refused line begins with, `tuples set `: its help is worth reading.
 std::string command_meant(const CLI::App& app, std::span<const char* const> arguments) {
   std::string words;
   const auto* at = &app;
@@ -533,6 +533,13 @@ std::string command_meant(const CLI::App& app, std::span<const char* const> argu
     words += word + ' ';
   }
   return words;
+}
+
+/// What is printed of a refused line.
+std::string refusal(const CLI::App& app, std::span<const char* const> arguments,
+                    const std::string& why) {
+  return "rubicon: " + printable(why) + "\nSee rubicon " + command_meant(app, arguments) +
+         "--help.\n";
 }
 
 /// `help run` as `run --help`, and no word at all as `--help`.
@@ -625,8 +632,7 @@ command parse_words(std::span<const char* const> arguments, const original_optio
   app.require_subcommand(1);
   app.failure_message([&](const CLI::App*, const CLI::Error& error) {
     const auto unknown = unknown_word(app, arguments);
-    return "rubicon: " + printable(unknown.empty() ? error.what() : unknown) + "\nSee rubicon " +
-           command_meant(app, arguments) + "--help.\n";
+    return refusal(app, arguments, unknown.empty() ? error.what() : unknown);
   });
   run_command run;
   run.options.handle_signals = true;
@@ -680,7 +686,7 @@ command parse_words(std::span<const char* const> arguments, const original_optio
   } catch (const CLI::ParseError& error) {
     const auto unknown = unknown_word(app, arguments);
     if (error.get_exit_code() == 0 && !unknown.empty()) // `help` of what is not there
-      return refused_command{"rubicon: " + printable(unknown) + "\nSee rubicon --help.\n"};
+      return refused_command{refusal(app, arguments, unknown)};
     std::ostringstream out;
     std::ostringstream err;
     if (app.exit(error, out, err) == 0)
