@@ -14,8 +14,7 @@ struct duty_config {
   duration settling = 60s;  ///< until the island's time shows this all radios stay on
   duration before = 1500us; ///< ahead of what is due, beside the doubt in the clocks: switching on
   duration after = 40ms;    ///< longest wait for a scheduled packet that is late
-  duration linger =
-      12ms; ///< after a scheduled packet, for its repeats: acknowledgements are lost too
+  duration linger = 12ms;   ///< after each copy of a packet: its acknowledgement may be lost
 
   [[nodiscard]] network::duty_window common() const {
     return enabled ? network::duty_window{period, window, settling} : network::duty_window{};

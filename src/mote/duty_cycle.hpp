@@ -101,8 +101,7 @@ private:
   small_map<network::channel_id, passing> channels_;
   std::vector<held> held_;
   small_map<std::uint64_t, std::optional<network::channel_id>> in_flight_; ///< by token
-  std::vector<network::channel_id>
-      served_; ///< their packets have gone on, the schedule does not know
+  std::vector<network::channel_id> served_; ///< taken or sent on; the schedule has to learn of it
   bool is_member_ = false;
   std::optional<instant> due_;
   bool on_ = true;
