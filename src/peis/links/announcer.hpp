@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/time.hpp"
+#include "peis/overlay/host_table.hpp"
 #include "peis/overlay/id_rivalry.hpp"
 #include "peis/overlay/occasion.hpp"
 #include "peis/overlay/own_peer.hpp"
@@ -12,12 +13,12 @@
 namespace rubicon::peis {
 
 /// Every peer announces three times that it has come. From then on only the one with the lowest id
-/// of each machine goes on.
+/// of each machine goes on, the more rarely the more hosts it knows: each peer receives them all.
 class announcer {
 public:
-  /// Both outlive this.
-  announcer(own_peer& own, const id_rivalry& rivalry, instant now)
-      : own_(own), rivalry_(rivalry), next_(now) {}
+  /// All outlive this.
+  announcer(own_peer& own, const id_rivalry& rivalry, const host_table& hosts, instant now)
+      : own_(own), rivalry_(rivalry), hosts_(hosts), next_(now) {}
 
   void hasten(instant now) { next_ = now; }
   void on_better_announcer() { quiet_periods_ = 0; } ///< of our machine
@@ -27,10 +28,12 @@ public:
 
 private:
   [[nodiscard]] bool may_announce() const;
+  [[nodiscard]] duration period();
   void announce(events& out);
 
   own_peer& own_;
   const id_rivalry& rivalry_;
+  const host_table& hosts_;
   instant next_;
   unsigned first_ = 0;         ///< made, of those at the start
   unsigned quiet_periods_ = 0; ///< without a better announcer

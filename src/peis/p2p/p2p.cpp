@@ -80,7 +80,7 @@ p2p::parts::parts(p2p_config config, random_stream rng, instant now)
       hosts(own, links, routes), health(own, links, hosts), beats(own, links, health, sender),
       messages(own, links, routes, sender, traffic), writer(own, health, messages),
       tracer(own, links, routes, sender), clock(own, links, hosts, sender, now),
-      inquiry(own, links, routes, hosts, sender, messages), announcements(own, rivalry, now),
+      inquiry(own, links, routes, hosts, sender, messages), announcements(own, rivalry, hosts, now),
       contacts(own, links, hosts), dials(own, links, routes, hosts, contacts, adapters, now),
       presence({own, routes, exchange, hosts, inquiry, messages, tracer, contacts, traffic,
                 announcements}),

@@ -131,10 +131,38 @@ TEST_CASE("links take turns, and one over its budget waits for it", "[peis]") {
   CHECK(input.next(*input.deadline()) == link_id{1});
 }
 
+TEST_CASE("of many hosts each announces more rarely, and not all at once", "[peis][TCP-03]") {
+  lone_layer x;
+  const id_rivalry rivalry(x.own.self.magic, opened_at);
+  announcer announcements(x.own, rivalry, x.hosts, opened_at);
+  const auto mean_period = [&] {
+    const auto from = *announcements.deadline();
+    for (int i = 0; i < 200; ++i)
+      announcements.on_time(x.at(*announcements.deadline()));
+    return (*announcements.deadline() - from) / 200;
+  };
+  const auto admit_up_to = [&](std::int32_t last) {
+    for (std::int32_t id = 100; id < 100 + last; ++id)
+      REQUIRE(x.hosts.admit(peer_id{id}, x.at(opened_at, 1)) != nullptr);
+  };
+  x.open(1);
+  admit_up_to(49);
+  CHECK(mean_period() == 1s);
+  admit_up_to(100);
+  CHECK(mean_period() > 3900ms);
+  CHECK(mean_period() < 4100ms);
+  const auto before = *announcements.deadline();
+  announcements.on_time(x.at(before));
+  CHECK(*announcements.deadline() - before != 4s);
+  admit_up_to(1000);
+  CHECK(mean_period() > 28s);
+  CHECK(mean_period() < 32s);
+}
+
 TEST_CASE("a peer announces itself three times, then only without a better one", "[peis]") {
   lone_layer x;
   const id_rivalry rivalry(x.own.self.magic, opened_at);
-  announcer announcements(x.own, rivalry, opened_at);
+  announcer announcements(x.own, rivalry, x.hosts, opened_at);
   for (int i = 0; i < 3; ++i)
     announcements.on_time(x.at(*announcements.deadline()));
   CHECK(number_of<announce>(x.out) == 3);
