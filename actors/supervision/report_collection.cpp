@@ -254,7 +254,7 @@ void deliver(ecology_pointer self) {
   if (self->state.process.on_counters)
     self->state.process.on_counters(self->state.counters);
   self->state.counters.settle(report);
-  self->state.watch.tell(report, now(self));
+  self->state.watch.fill(report, now(self));
   for (auto& x : report::check_all(report, truth_of(self)))
     report.violations.push_back(std::move(x));
   if (report.islands.empty() && report.peers.empty())

@@ -1,4 +1,4 @@
-// Whether a run has come out as its file expects ([[expect]]). Told of what happens as it happens;
+// Whether a run has come out as its file expects ([[expect]]). Receives what happens as it happens;
 // the rest it finds in the finished report. Knows neither actors nor clocks.
 #pragma once
 
@@ -30,8 +30,8 @@ public:
   [[nodiscard]] bool empty() const { return all_.empty(); }
   [[nodiscard]] bool watches_tuples() const { return watches_tuples_; }
 
-  /// Some owner's tuple has a new value. What comes before something else that was told is taken as
-  /// of the same time.
+  /// Some owner's tuple has a new value. What comes before something else that was received is
+  /// taken as of the same time.
   void on_tuple(std::string_view key, std::string_view text, instant now);
   void on_tuple_gone(std::string_view key, instant now);
 

@@ -20,7 +20,7 @@ using violations = std::vector<violation>;
 inline constexpr const char* no_actor_fails = "no actor fails";
 /// What the file and the command line ask for is there: ports, groups, programs, files.
 inline constexpr const char* requests_are_met = "what was asked for is there";
-/// The run has come to its end, and its report tells of all of it.
+/// The run has come to its end, and its report covers all of it.
 inline constexpr const char* run_is_complete = "the run is complete";
 
 /// Motes know their island's time (CLK-01).
@@ -52,7 +52,7 @@ inline constexpr const char* nobody_is_silent = "no mote is silent for long";
 /// What a mote's radio did, and what its processor did, fills its time to the nanosecond.
 [[nodiscard]] violations check_energy(const run_report& x);
 
-/// No proxy tells more outcomes than it had requests.
+/// No proxy reports more outcomes than it had requests.
 [[nodiscard]] violations check_actuations(const run_report& x);
 
 /// Every mote that no fault ended is listed at the end: it joined and did not leave. Those that are
@@ -104,7 +104,7 @@ struct channel_entry {
 struct steady_island {
   island_id id;
   bool sleeps = false; ///< its motes' radios do: their clocks hold what they say that they hold
-  bool has_gateway = false; ///< which has told it the network time for long, over a fast line
+  bool has_gateway = false; ///< which has sent it the network time for long, over a fast line
 };
 
 /// Island time is what it is promised to be (CLK-01).

@@ -125,15 +125,15 @@ public:
 
 private:
   void add(const std::string& host, const part_life& life, bool is_last) {
-    auto x = life.told.report;
-    auto counters = life.told.counters;
+    auto x = life.newest.report;
+    auto counters = life.newest.counters;
     unsettle(x);
     if (!life.is_final)
       end_open(counters);
     if (!life.is_final || !is_last)
       end_in_transit(counters);
     counters_.add(counters, instant{} + life.elapsed);
-    const bool is_told = !x.ecology.empty(); // it may have ended before it told anything
+    const bool has_reported = !x.ecology.empty(); // it may have ended before
     out_.simulated = std::max(out_.simulated, x.simulated + life.elapsed);
     out_.wall_s = std::max(out_.wall_s, x.wall_s + seconds(life.elapsed));
     out_.events += x.events;
@@ -150,7 +150,7 @@ private:
       out_.event_log.push_back(std::move(event));
     }
     out_.event_log_left_out += x.event_log_left_out;
-    if (is_told && (life.is_final || !is_last))
+    if (has_reported && (life.is_final || !is_last))
       for (auto& violation : x.violations)
         if (!violation.invariant.starts_with(expected) &&
             (life.is_final || violation.invariant != run_is_complete)) {
@@ -168,10 +168,10 @@ private:
                      std::make_move_iterator(x.expectations.end()));
   }
 
-  /// A process that was killed has told nothing of its last seconds.
+  /// A process that was killed has reported nothing of its last seconds.
   /// @param next when the one after it began
   void note_gap(const std::string& host, const part_life& life, duration next) {
-    const auto last = life.elapsed + life.told.report.simulated;
+    const auto last = life.elapsed + life.newest.report.simulated;
     const auto until = std::max(last, life.ended > duration{} ? life.ended : next);
     const auto until_text = clock_text(std::chrono::floor<std::chrono::seconds>(until));
     out_.event_log.push_back(

@@ -12,7 +12,7 @@
 
 namespace rubicon::report {
 
-/// What a part tells of one of its lives, at the end or so far.
+/// What a part has reported of one of its lives, at the end or so far.
 struct part_report {
   run_report report;
   unsettled_counters counters;
@@ -22,8 +22,8 @@ RUBICON_FIELDS(part_report, report, counters);
 /// A process of a part.
 struct part_life {
   duration elapsed{};    ///< of the whole when it began
-  part_report told;      ///< the newest; without a name if it has told nothing
-  bool is_final = false; ///< it has come to its end and has told all
+  part_report newest;    ///< without a name if it has sent none
+  bool is_final = false; ///< it has come to its end, and nothing follows
   duration ended{};      ///< of the whole when it ended; 0: it runs, or nobody has seen its end
 };
 

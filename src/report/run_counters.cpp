@@ -143,7 +143,7 @@ void run_counters::add(const proxy_report& x, bool ended) {
   auto sum = found->second.actuations;
   sum += x.actuations;
   if (!ended || found->second.status == "ended")
-    found->second = x; // a life that has ended may be told of after the next one
+    found->second = x; // a life that has ended may be reported after the next one
   found->second.actuations = std::move(sum);
 }
 

@@ -1,4 +1,4 @@
-// What the parts of a report add up to over all lives of those who tell them: a mote that crashed
+// What the parts of a report add up to over all lives of those who report them: a mote that crashed
 // or a PC that was started again has counted twice, and neither count may get lost.
 #pragma once
 
@@ -19,7 +19,7 @@
 
 namespace rubicon::report {
 
-/// What a program tells of one end of a stream, in one life.
+/// What a program reports of one end of a stream, in one life.
 struct stream_part : apps::stream_end {
   std::string writer_name; ///< node; empty for a read end
   std::string reader_name; ///< node
@@ -63,7 +63,7 @@ RUBICON_FIELDS(stream_counters::end, is_known, open, changed_at, asked_at, first
 RUBICON_FIELDS(stream_counters, sum, writer, reader, every);
 
 /// The account of one sender's messages of one kind, as message_tally, where it may be incomplete:
-/// other processes tell what has come to them.
+/// other processes report what they have received.
 struct sender_account {
   std::uint64_t sent = 0;
   std::uint64_t arrived = 0;

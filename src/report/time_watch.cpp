@@ -69,7 +69,7 @@ void time_watch::look(mote_address address, const std::string& name, const mote_
   }
   who.hops = std::max(who.hops, x.hops);
   if (!x.has_route && (of.down > 0 || x.moves))
-    who.excused = now; // whom it would be heard by is not there
+    who.excused = now; // whoever would receive it is not there
   if (who.is_expected && !who.is_listed && !who.unlisted.since)
     who.unlisted.since = now; // it has been without power meanwhile
   judge(who.unlisted, of, who, of.rules.departure, now);
@@ -196,7 +196,7 @@ void time_watch::keep(violation x) {
     found_.push_back(std::move(x));
 }
 
-void time_watch::tell(run_report& x, instant now) const {
+void time_watch::fill(run_report& x, instant now) const {
   auto all = *this;
   for (auto& [address, who] : all.motes_) {
     auto& of = all.islands_.at(address.island);

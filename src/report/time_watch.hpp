@@ -1,4 +1,4 @@
-// What must hold all the time, not only at the end: motes are heard, and know the time. Whatever
+// What must hold all the time, not only at the end: motes are received, and know the time. Whatever
 // healed late is found by it.
 #pragma once
 
@@ -39,8 +39,8 @@ struct mote_look {
   std::uint64_t arrived = 0; ///< a number that changes whenever one of them has come to the gateway
 };
 
-/// Looks at motes each 10 s of a run, and is told when one is listed or not. A silence or a wrong
-/// clock is a violation when it has lasted longer than healing takes, counted from its own
+/// Looks at motes each 10 s of a run, and is notified when one is listed or not. A silence or a
+/// wrong clock is a violation when it has lasted longer than healing takes, counted from its own
 /// beginning or from the end of the last cause near it, whatever is later. Causes are faults, and
 /// whatever starts or ends; what a mote without power does is not judged, nor what one does that
 /// nobody in reach can hear.
@@ -64,7 +64,7 @@ public:
   void look(mote_address mote, const std::string& name, const mote_look& x, instant now);
 
   /// What has been found, and what lasts; the watch goes on.
-  void tell(run_report& x, instant now) const;
+  void fill(run_report& x, instant now) const;
 
 private:
   /// Something that lasts, and is to end.

@@ -208,7 +208,7 @@ void ecology::run_for(duration length) {
 
 void ecology::run_until(instant end) {
   parts_->run().run_until(end);
-  static_cast<void>(parts_->run().world()); // tells of a run that has broken off
+  static_cast<void>(parts_->run().world()); // throws if the run has broken off
 }
 
 bool ecology::run_until(const std::function<bool()>& done, duration limit, duration step) {
@@ -256,8 +256,8 @@ std::optional<std::string> ecology::tuple(std::string_view peer, std::string_vie
   return found ? std::optional(std::string(found->text())) : std::nullopt;
 }
 
-bool ecology::told(std::string_view who, std::string_view what) {
-  return tells(parts_->log(), who, what);
+bool ecology::logged(std::string_view who, std::string_view what) {
+  return has_logged(parts_->log(), who, what);
 }
 
 report::run_report ecology::finish() {

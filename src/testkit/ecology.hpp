@@ -91,7 +91,7 @@ public:
   /// What the invariants (docs/invariants.md) do not hold for, so far.
   [[nodiscard]] std::vector<report::violation> violations() { return report().violations; }
 
-  /// @throws failure that tells the violations, if there are any
+  /// @throws failure with the violations, if there are any
   void check_invariants();
 
   /// The text of a tuple as the peer of that name has it: one of its own, or its copy of another
@@ -100,8 +100,8 @@ public:
   [[nodiscard]] std::optional<std::string> tuple(std::string_view peer, std::string_view owner,
                                                  std::string_view key);
 
-  /// As tells(), of the event log so far.
-  [[nodiscard]] bool told(std::string_view who, std::string_view what);
+  /// As has_logged(), of the event log so far.
+  [[nodiscard]] bool logged(std::string_view who, std::string_view what);
 
   // -- the end
 

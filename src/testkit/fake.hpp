@@ -26,7 +26,7 @@ struct fake_memory<scheduler::message_list<Messages...>> {
   template <class Message>
   using script = std::function<void(scheduler::actor&, const Message&)>;
 
-  std::vector<std::pair<instant, std::variant<Messages...>>> heard;
+  std::vector<std::pair<instant, std::variant<Messages...>>> received;
   std::tuple<script<Messages>...> scripts;
   bool acts = false; ///< a script is being carried out
 
@@ -35,7 +35,7 @@ struct fake_memory<scheduler::message_list<Messages...>> {
   static typename Handle::behavior_type behave(Self* self, std::shared_ptr<fake_memory> memory,
                                                Thrown thrown) {
     return {[self, memory, thrown](const Messages& x) {
-      memory->heard.emplace_back(self->now(), x);
+      memory->received.emplace_back(self->now(), x);
       const auto act = std::get<script<Messages>>(memory->scripts); // it may set another
       if (!act)
         return;
@@ -94,7 +94,7 @@ public:
   template <class Message>
   [[nodiscard]] std::vector<Message> all() const {
     std::vector<Message> found;
-    for (const auto& [at, message] : known_->heard) {
+    for (const auto& [at, message] : known_->received) {
       if (const auto* x = std::get_if<Message>(&message))
         found.push_back(*x);
     }
@@ -105,7 +105,7 @@ public:
   template <class Message>
   [[nodiscard]] std::vector<instant> times() const {
     std::vector<instant> found;
-    for (const auto& [at, message] : known_->heard) {
+    for (const auto& [at, message] : known_->received) {
       if (std::holds_alternative<Message>(message))
         found.push_back(at);
     }
@@ -118,14 +118,14 @@ public:
   }
 
   /// Messages of all kinds.
-  [[nodiscard]] std::size_t size() const { return known_->heard.size(); }
+  [[nodiscard]] std::size_t size() const { return known_->received.size(); }
 
-  void forget() { known_->heard.clear(); }
+  void forget() { known_->received.clear(); }
 
   /// Every message of that kind.
   template <class Message>
   void forget() {
-    std::erase_if(known_->heard,
+    std::erase_if(known_->received,
                   [](const auto& x) { return std::holds_alternative<Message>(x.second); });
   }
 

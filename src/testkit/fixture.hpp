@@ -77,9 +77,10 @@ private:
   message_pattern pattern_;
 };
 
-/// A world whose time stands still unless it is told to go on. It keeps what actors log, and how
-/// those that it has spawned have ended. Handles and fakes must not outlive it: declare it first.
-/// Only messages to actors that it has spawned, fakes included, are held or befallen by mishaps.
+/// A world whose time stands still until run_for() or run_until(). It keeps what actors log, and
+/// how those that it has spawned have ended. Handles and fakes must not outlive it: declare it
+/// first. Only messages to actors that it has spawned, fakes included, are held or befallen by
+/// mishaps.
 class fixture {
 public:
   /// How an actor has ended.

@@ -6,15 +6,15 @@
 
 namespace rubicon::test {
 
-bool tells(const std::vector<report::logged_event>& log, std::string_view who,
-           std::string_view what) {
+bool has_logged(const std::vector<report::logged_event>& log, std::string_view who,
+                std::string_view what) {
   return std::ranges::any_of(log, [&](const report::logged_event& line) {
     return line.who.ends_with(who) && line.what.starts_with(what);
   });
 }
 
-bool tells(const report::run_report& x, std::string_view who, std::string_view what) {
-  return tells(x.event_log, who, what);
+bool has_logged(const report::run_report& x, std::string_view who, std::string_view what) {
+  return has_logged(x.event_log, who, what);
 }
 
 std::string told_violations(const report::run_report& x) {

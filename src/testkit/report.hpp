@@ -9,11 +9,12 @@
 
 namespace rubicon::test {
 
-/// Whether somebody whose name ends with `who` is told to have done something that begins with
+/// Whether the log has an event of somebody whose name ends with `who` that begins with
 /// `what`: a line of the event log that `rubicon run` prints.
-[[nodiscard]] bool tells(const std::vector<report::logged_event>& log, std::string_view who,
-                         std::string_view what);
-[[nodiscard]] bool tells(const report::run_report& x, std::string_view who, std::string_view what);
+[[nodiscard]] bool has_logged(const std::vector<report::logged_event>& log, std::string_view who,
+                              std::string_view what);
+[[nodiscard]] bool has_logged(const report::run_report& x, std::string_view who,
+                              std::string_view what);
 
 /// A line for each violated invariant; empty: there is none.
 [[nodiscard]] std::string told_violations(const report::run_report& x);

@@ -132,7 +132,7 @@ struct ecology_fixture {
   }
 
   /// When a line of the event log was told, for every time it was.
-  [[nodiscard]] std::vector<instant> told(std::string_view who, std::string_view what) const {
+  [[nodiscard]] std::vector<instant> logged(std::string_view who, std::string_view what) const {
     std::vector<instant> times;
     for (const auto& x : report.event_log) {
       if (x.who == who && x.what == what)
@@ -185,17 +185,17 @@ TEST_CASE("a crash restarts that mote alone, and everybody else keeps what they 
   CHECK(report.actors.failures.empty()); // it was to crash
   CHECK(x.world.logged("event=failed") == 0);
   CHECK(x.world.logged("event=crashed actor=mote/kitchen/stove how=\"as planned\"") == 1);
-  CHECK(x.told("kitchen/stove", "crashed as planned").size() == 1);
+  CHECK(x.logged("kitchen/stove", "crashed as planned").size() == 1);
   CHECK(x.mote("stove").incarnations == 2);
   CHECK(x.mote("stove").alive);
   CHECK(x.mote("stove").left_cause.empty());
   CHECK(x.mote("fan").incarnations == 1);
 
-  const auto again = x.told("kitchen/stove", "joined again, life 2");
+  const auto again = x.logged("kitchen/stove", "joined again, life 2");
   REQUIRE(again.size() == 1);
   CHECK(again[0] > instant(1min + 500ms));
   CHECK(again[0] < instant(1min + 5s));
-  CHECK(x.told("kitchen/fan", "joined").size() == 1);
+  CHECK(x.logged("kitchen/fan", "joined").size() == 1);
   CHECK(x.world.logged("event=started proxy=kitchen.stove") == 1);
   CHECK(x.world.logged("event=started proxy=kitchen.fan") == 1);
   CHECK(report.messages().unreliable_sent >= 56); // two readings of 58 at most were missed
@@ -220,7 +220,7 @@ TEST_CASE("a program in an actor of its own that ends starts again alone",
   CHECK(report.actors.restarted == 1);
   REQUIRE(report.actors.failures.size() == 1);
   CHECK(report.actors.failures[0].starts_with("program/kitchen/shelf/stream_reader-1"));
-  CHECK(x.told("kitchen/shelf", "joined").size() + x.told("shelf", "joined").size() == 1);
+  CHECK(x.logged("kitchen/shelf", "joined").size() + x.logged("shelf", "joined").size() == 1);
   REQUIRE(report.programs.size() == 1);
   CHECK(report.programs[0].who == "kitchen/shelf");
 }
@@ -236,7 +236,7 @@ TEST_CASE("a mote may crash again and again", "[actors][ecology][ACT-03]") {
   CHECK(x.mote("fan").incarnations == 4);
   CHECK(x.mote("fan").alive);
   CHECK(x.mote("stove").incarnations == 1);
-  CHECK(x.told("kitchen/fan", "joined again, life 4").size() == 1);
+  CHECK(x.logged("kitchen/fan", "joined again, life 4").size() == 1);
 }
 
 TEST_CASE("a mote whose battery is flat leaves and stays away", "[actors][ecology][ACT-04]") {
@@ -251,8 +251,8 @@ TEST_CASE("a mote whose battery is flat leaves and stays away", "[actors][ecolog
   CHECK(x.mote("fan").alive);
   CHECK(report.actors.restarted == 0);
   CHECK(report.actors.failures.empty());
-  CHECK(x.told("kitchen/stove", "battery flat") == std::vector{instant(61s)});
-  CHECK(x.told("kitchen/stove", "left: battery").size() == 1);
+  CHECK(x.logged("kitchen/stove", "battery flat") == std::vector{instant(61s)});
+  CHECK(x.logged("kitchen/stove", "left: battery").size() == 1);
   CHECK(x.mote("stove").energy.radio_listen < 1min + 2s);
   REQUIRE(report.proxies.size() == 2);
   CHECK(report.proxies[1].status == "lost");
@@ -267,7 +267,7 @@ TEST_CASE("a battery that ends while its mote restarts is flat all the same",
   CHECK(!x.mote("stove").alive);
   CHECK(x.mote("stove").incarnations == 1);
   CHECK(report.actors.restarted == 0);
-  CHECK(x.told("kitchen/stove", "battery flat").size() == 1);
+  CHECK(x.logged("kitchen/stove", "battery flat").size() == 1);
   CHECK(x.mote("stove").left_cause == "silence"); // it could not say so
 }
 
@@ -275,11 +275,11 @@ TEST_CASE("an island recovers from ten seconds without its cable", "[actors][eco
   ecology_fixture x(fault("1min", "unplug", "island = \"kitchen\"\nfor = \"10s\""));
   const auto& report = x.end_at(5min);
   CHECK(list_of(report.violations).empty());
-  CHECK(x.told("kitchen", "serial cable unplugged") == std::vector{instant(60s)});
-  CHECK(x.told("kitchen", "serial cable plugged in again") == std::vector{instant(70s)});
+  CHECK(x.logged("kitchen", "serial cable unplugged") == std::vector{instant(60s)});
+  CHECK(x.logged("kitchen", "serial cable plugged in again") == std::vector{instant(70s)});
   CHECK(report.serial().lost.at("unplugged_octets") > 0);
   CHECK(report.actors.restarted == 0);
-  CHECK(x.told("kitchen/stove", "joined").size() == 1);
+  CHECK(x.logged("kitchen/stove", "joined").size() == 1);
   CHECK(x.mote("stove").left_cause.empty());
   REQUIRE(report.proxies.size() == 2);
   CHECK(report.proxies[1].status == "active");
@@ -373,5 +373,5 @@ TEST_CASE("what cannot be had is a violation, and may end the run", "[actors][ec
   REQUIRE(report.violations.size() == 1);
   CHECK(report.violations[0].invariant == report::requests_are_met);
   CHECK(report.violations[0].detail == "peis_peer/pc: cannot listen");
-  CHECK(x.told("pc", "cannot listen").size() == 1);
+  CHECK(x.logged("pc", "cannot listen").size() == 1);
 }

@@ -57,7 +57,7 @@ struct told_run {
         all.push_back(x.value);
     return all;
   }
-  [[nodiscard]] bool tells(std::string_view who, std::string_view what) const {
+  [[nodiscard]] bool has_logged(std::string_view who, std::string_view what) const {
     return std::ranges::any_of(report.event_log,
                                [&](const auto& x) { return x.who == who && x.what == what; });
   }
@@ -91,7 +91,7 @@ TEST_CASE("a mote reports at another rate, also after it was started again", "[e
     kind = "crash"
     mote = "flat/stove"
   )");
-  CHECK(x.tells("flat/stove", "sampler 1: every 2 s instead of 10 s"));
+  CHECK(x.has_logged("flat/stove", "sampler 1: every 2 s instead of 10 s"));
   CHECK(x.count("devices.2.output.1", 1min, 4min) == 18);
   CHECK(x.count("devices.2.output.1", 245s, 6min + 45s) == Approx(80).margin(1));
   CHECK(x.count("devices.2.output.1", 8min, 10min) == Approx(60).margin(2));
@@ -135,7 +135,7 @@ TEST_CASE("a mote that is carried to another island keeps its rate", "[ecology][
     period = "1s"
   )");
   CHECK(x.count("devices.2.output.1", 7min, 8min) == Approx(30).margin(1));
-  CHECK(x.tells("shed/stove", "sampler 1: every 1 s instead of 2 s"));
+  CHECK(x.has_logged("shed/stove", "sampler 1: every 1 s instead of 2 s"));
   CHECK(x.count("devices.2.output.1", 8min + 2s, 10min) == Approx(118).margin(2));
 }
 
@@ -154,7 +154,7 @@ TEST_CASE("a mote of another type has no such program any more", "[ecology][ACT-
     mote = "flat/stove"
     period = "2s"
   )");
-  CHECK(x.tells("flat/stove", "has no sampler 1 now, whose period could change"));
+  CHECK(x.has_logged("flat/stove", "has no sampler 1 now, whose period could change"));
   CHECK(x.report.actors.changes_refused == 1);
 }
 
@@ -168,7 +168,7 @@ TEST_CASE("a link is another from some moment on, and once more", "[ecology][ACT
                     link("6min", "sink", again));
   };
   const auto lost = cut("loss = 1", "loss = 0");
-  CHECK(lost.tells("flat/stove", "link to flat/sink: loss 100 %"));
+  CHECK(lost.has_logged("flat/stove", "link to flat/sink: loss 100 %"));
   CHECK(lost.count("devices.2.output.1", 1min, 4min) == 18);
   CHECK(lost.count("devices.2.output.1", 4min + 1s, 6min) == 0);
   CHECK(lost.count("devices.2.output.1", 7min, 10min) >= 15);
@@ -196,8 +196,9 @@ TEST_CASE("proxies go by their class as it is now, and so do new ones", "[ecolog
     peer = "pc"
     for = "2s"
   )");
-  CHECK(x.tells("flat", "proxy class climate: period 5 s, temperature in K, add of temperature "
-                        "273.15, decimals of temperature 2"));
+  CHECK(x.has_logged("flat",
+                     "proxy class climate: period 5 s, temperature in K, add of temperature "
+                     "273.15, decimals of temperature 2"));
   CHECK(x.values("flat.stove.temperature") == std::vector<std::string>{"20.0", "293.15"});
   CHECK(x.values("flat.window.temperature.unit") == std::vector<std::string>{"C", "K"});
   CHECK(x.count("flat.stove.temperature", 1min, 4min) == 18);
@@ -227,7 +228,7 @@ TEST_CASE("changes are the same on one thread and on three", "[ecology][ACT-10][
   const auto three = run_with(all, 3);
   CHECK(one.report.trace_hash == three.report.trace_hash);
   CHECK(one.report.trace_hash != run_with(rate).report.trace_hash);
-  CHECK(one.tells("flat", "debug log of mote/flat, but --debug-dir does not say where"));
+  CHECK(one.has_logged("flat", "debug log of mote/flat, but --debug-dir does not say where"));
 }
 
 TEST_CASE("a change that is asked for while the run is on", "[ecology][ACT-10][ACT-02]") {
@@ -235,6 +236,6 @@ TEST_CASE("a change that is asked for while the run is on", "[ecology][ACT-10][A
   x.run_for(2min);
   x.change("kind = 'rate'\nmote = 'flat/stove'\nperiod = '1s'");
   x.run_for(5s);
-  CHECK(x.told("flat/stove", "sampler 1: every 1 s instead of 10 s"));
+  CHECK(x.logged("flat/stove", "sampler 1: every 1 s instead of 10 s"));
   CHECK_THROWS_AS(x.change("kind = 'tick'"), bad_description);
 }

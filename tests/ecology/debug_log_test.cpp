@@ -175,8 +175,8 @@ TEST_CASE("a tuple switches one mote's debug log while the run is on", "[ecology
   CHECK(x.times_of("mote/flat/window").first < 0);
   CHECK(x.log("mote").find("crash_now") != std::string::npos);
   CHECK(x.log("gateway").empty());
-  CHECK(tells(report, "pc", "debug log of mote/flat/stove"));
-  CHECK(tells(report, "pc", "debug log of no actors"));
+  CHECK(has_logged(report, "pc", "debug log of mote/flat/stove"));
+  CHECK(has_logged(report, "pc", "debug log of no actors"));
   CHECK(report.actors.changes_refused == 0);
 
   const auto log = x.log("mote");
@@ -188,7 +188,8 @@ TEST_CASE("a tuple switches one mote's debug log while the run is on", "[ecology
   without.options.debug_folder.clear();
   const auto untold = without.run({{2min, "mote/flat/stove"}, {5min, ""}});
   CHECK(untold.trace_hash == report.trace_hash);
-  CHECK(tells(untold, "pc", "debug log of mote/flat/stove, but --debug-dir does not say where"));
+  CHECK(
+      has_logged(untold, "pc", "debug log of mote/flat/stove, but --debug-dir does not say where"));
 }
 
 TEST_CASE("a pattern of nobody changes no debug log", "[ecology][NFR-02]") {
@@ -197,11 +198,11 @@ TEST_CASE("a pattern of nobody changes no debug log", "[ecology][NFR-02]") {
   CHECK(x.times_of("mote/flat/window").second > 340);
   CHECK(x.times_of("mote/flat/stove").first < 0);
   CHECK(report.actors.changes_refused == 2);
-  CHECK(tells(report, "pc",
-              "debug log stays as it is: no actor is named `mote/flat/stowe`: did you mean "
-              "`mote/flat/stove`?"));
-  CHECK(tells(report, "pc",
-              "debug log stays as it is: there is no module `mots`: did you mean `mote`?"));
+  CHECK(has_logged(report, "pc",
+                   "debug log stays as it is: no actor is named `mote/flat/stowe`: did you mean "
+                   "`mote/flat/stove`?"));
+  CHECK(has_logged(report, "pc",
+                   "debug log stays as it is: there is no module `mots`: did you mean `mote`?"));
 }
 
 TEST_CASE("who floods a peer with wishes for its debug log is not followed for long",
@@ -234,5 +235,5 @@ TEST_CASE("a planned change switches the debug log", "[ecology][NFR-02][ACT-10]"
   CHECK(last <= 120);
   CHECK(x.times_of("mote/flat/stove").first >= 120);
   CHECK(x.times_of("sink/flat").first >= 120);
-  CHECK(tells(report, "flat", "debug log of sink/flat, mote/flat/stove"));
+  CHECK(has_logged(report, "flat", "debug log of sink/flat, mote/flat/stove"));
 }

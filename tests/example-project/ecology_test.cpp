@@ -15,7 +15,7 @@ static rubicon::test::ecology greenhouse() {
 
 TEST_CASE("the guard warns once of each frost") {
   auto x = greenhouse();
-  REQUIRE(x.run_until([&] { return x.told("bed/south", "frost!"); }, 5min));
+  REQUIRE(x.run_until([&] { return x.logged("bed/south", "frost!"); }, 5min));
   x.run_for(1s); // for the message to the gateway
   CHECK(x.tuple("bed-gateway", "devices.2.output.7") == "\x01");
   const auto report = x.finish();
@@ -30,7 +30,7 @@ TEST_CASE("a warning comes though the gateway is away when it is sent") {
   x.inject("kind = 'kill'\n"
            "peer = 'bed-gateway'\n"
            "for = '5s'");
-  REQUIRE(x.run_until([&] { return x.told("bed/south", "frost!"); }, 20s));
+  REQUIRE(x.run_until([&] { return x.logged("bed/south", "frost!"); }, 20s));
   CHECK(x.tuple("bed-gateway", "devices.2.output.7") == std::nullopt); // it does not run
   CHECK(x.run_until([&] { return x.tuple("bed-gateway", "devices.2.output.7") == "\x01"; }, 1min));
   x.check_invariants();

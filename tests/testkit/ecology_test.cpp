@@ -68,7 +68,7 @@ TEST_CASE("an ecology runs as far as a test wants and tells what it has come to"
           "[testkit][ACT-02]") {
   ecology x{kitchen};
   CHECK(x.now() == instant{});
-  REQUIRE(x.run_until([&] { return x.told("kitchen/stove", "joined"); }, 10s));
+  REQUIRE(x.run_until([&] { return x.logged("kitchen/stove", "joined"); }, 10s));
   CHECK(x.now() < instant(10s));
   CHECK(!x.run_until([] { return false; }, 3s, 7ms));
   x.run_until(instant(30s));
@@ -143,7 +143,7 @@ TEST_CASE("a fault without a time happens now, and one before the run is as in t
   x.run_for(21s);
   CHECK(is_alive(x.report(), "robot"));
   x.run_for(20s);
-  CHECK(x.told("kitchen", "noise"));
+  CHECK(x.logged("kitchen", "noise"));
 }
 
 TEST_CASE("tuples are read at a peer by their key", "[testkit][ACT-02]") {

@@ -258,7 +258,7 @@ void deployment::take(followed& x, deploy::life_news& from) {
   life.elapsed = from.elapsed;
   life.ended = from.ended;
   life.is_final = from.is_final;
-  life.told = std::move(from.newest);
+  life.newest = std::move(from.newest);
 }
 
 /// What cannot be mended by waiting ends what has not begun; later, the others go on.
@@ -315,8 +315,8 @@ report::run_report deployment::whole_report() const {
   bool is_cut_short = interrupted_; // by us, or by somebody else's `rubicon stop`
   for (const auto& each : hosts_) {
     all.push_back(each.report);
-    is_cut_short = is_cut_short ||
-                   (!each.report.lives.empty() && each.report.lives.back().told.report.interrupted);
+    is_cut_short = is_cut_short || (!each.report.lives.empty() &&
+                                    each.report.lives.back().newest.report.interrupted);
   }
   auto whole = report::merged(ecology_, all);
   whole.interrupted = is_cut_short;

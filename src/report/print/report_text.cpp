@@ -33,7 +33,7 @@ void add_title(report_page& page, const run_report& x) {
              x.reason.empty() ? "" : "not complete: " + x.reason});
 }
 
-/// Lines that tell the same become one: `fan and 2 others`, or `fan` so many times.
+/// Lines that say the same become one: `fan and 2 others`, or `fan` so many times.
 logged_event joined_line(std::vector<logged_event>::const_iterator first,
                          std::vector<logged_event>::const_iterator last) {
   std::set<std::string> others;
@@ -50,7 +50,7 @@ logged_event joined_line(std::vector<logged_event>::const_iterator first,
   return line;
 }
 
-/// Neighbouring lines that tell the same of several become one.
+/// Neighbouring lines that say the same of several become one.
 std::vector<logged_event> brief_log(const std::vector<logged_event>& log) {
   std::vector<logged_event> brief;
   for (auto first = log.begin(); first != log.end();) {

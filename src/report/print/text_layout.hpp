@@ -42,7 +42,7 @@ struct cell {
 };
 
 /// Rows under a faint heading, each column as wide as its widest cell. When a row would not fit,
-/// the widest column is narrowed, and in the end columns are left out, whose names a note tells.
+/// the widest column is narrowed, and in the end columns are left out, which a note names.
 class table {
 public:
   struct column {

@@ -61,8 +61,8 @@ std::uint64_t times_led(const report::run_report& x, peer_id who) {
 void check_motes_stayed(const report::run_report& x) {
   CHECK(told_violations(x).empty());
   CHECK(x.motes_joined() == x.motes_configured());
-  CHECK(!tells(x, "", "left"));
-  CHECK(!tells(x, "", "joined again"));
+  CHECK(!has_logged(x, "", "left"));
+  CHECK(!has_logged(x, "", "joined again"));
 }
 
 /// Each request has had one outcome, and the fan has done no more than it was asked.
@@ -101,7 +101,7 @@ TEST_CASE("readings and commands go on when the gateway that leads crashes",
     check_actuations(x);
     CHECK(times_led(x.report, first) == 2); // at the start, and when it is back
     CHECK(times_led(x.report, second) == 1);
-    CHECK(tells(x.report, "attic-pc", "leads"));
+    CHECK(has_logged(x.report, "attic-pc", "leads"));
     CHECK(proxy_of(x.report, "kitchen.climate-2").status == "active");
   }
 }
@@ -265,7 +265,7 @@ TEST_CASE("the scenario of two gateways runs as its file says", "[ecology][GW-14
   const auto what = example("scenarios/two-gateways.toml");
   const auto x = run(what);
   CHECK(told_violations(x).empty());
-  CHECK(!tells(x, "", "left"));
+  CHECK(!has_logged(x, "", "left"));
   CHECK(proxy_of(x, "kitchen.fan").status == "active");
   CHECK(report::to_text(x).find("led by kitchen-pc: ") != std::string::npos);
   CHECK(run(what).trace_hash == x.trace_hash);

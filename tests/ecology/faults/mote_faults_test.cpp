@@ -151,7 +151,7 @@ TEST_CASE("every life of a mote is later than those before, whatever cuts it sho
   )",
           [](const report::run_report& x) {
             CHECK(mote_of(x, "flat", "near").incarnations == 26);
-            CHECK(tells(x, "flat/near", "joined again, life 26"));
+            CHECK(has_logged(x, "flat/near", "joined again, life 26"));
             std::uint32_t last = 0; // lives that its gateway is told of only ever grow
             for (const auto& line : x.event_log) {
               constexpr std::string_view words = "joined again, life ";

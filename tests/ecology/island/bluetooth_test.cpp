@@ -59,7 +59,7 @@ TEST_CASE("peers connect over Bluetooth within range and lose each other when mo
     CHECK(peer_of(together, "helper").hosts_known == 3);
     CHECK(peer_of(together, "robot").cluster == 1);
     const auto apart = run_until(what, 130s, seed);
-    CHECK(tells(apart, "robot", "carried to 50, 0"));
+    CHECK(has_logged(apart, "robot", "carried to 50, 0"));
     CHECK(peer_of(apart, "robot").links == 0);
     CHECK(peer_of(apart, "robot").hosts_known == 1);
     CHECK(peer_of(apart, "pc").hosts_known == 2); // the wired ones

@@ -255,7 +255,7 @@ TEST_CASE("a program in an actor of its own begins again with its mote",
   room.faults = {{4min, config::crash_fault{middle}}};
   const auto report = run(room);
   CHECK(report.violations.empty());
-  CHECK(tells(report, "room/middle", "joined again"));
+  CHECK(has_logged(report, "room/middle", "joined again"));
   const auto written = figure(report, "room/middle", "records written");
   CHECK(written > 800); // of both its lives
   CHECK(written < 1200);

@@ -86,7 +86,7 @@ TEST_CASE("a gateway turns packets of simulated plain motes into tuples",
   CHECK(x.tuple("pc", "kitchen.scope.every") == "200");
   CHECK(x.tuple("pc", "kitchen.scope.version") == "0");
   CHECK(!x.tuple("pc", "kitchen.far.count")); // out of reach of the base station
-  CHECK(x.told("kitchen/scope", "joined"));
+  CHECK(x.logged("kitchen/scope", "joined"));
   // The rule writes an interval when the lamp has counted to 40: a packet of Oscilloscope goes over
   // line and air, and the mote goes on as it says.
   REQUIRE(x.run_until([&] { return x.tuple("pc", "kitchen.scope.version") == "1"; }, 30s));

@@ -120,7 +120,7 @@ TEST_CASE("with its init a whole host ends and comes back", "[ecology][peisinit]
   what.faults = {{10s, config::kill_fault{peer_id{40}, 20s}}};
   const auto x = run(what);
   CHECK(x.violations.empty());
-  CHECK(tells(x, "care-init", "killed for 20 s"));
+  CHECK(has_logged(x, "care-init", "killed for 20 s"));
   CHECK(times(x, "care-init", "rules on").size() == 2);
   CHECK(time_of(x, "care-init", "rules on", instant(10s)) >= instant(30s));
   for (const auto& peer : x.peers) {

@@ -84,7 +84,7 @@ TEST_CASE("a tagged thing is followed from reader to reader by one proxy",
     CHECK(value(juice, "interface") == "hall");
     CHECK(value(juice, "position") == "5.00 0.00 1.00");
     CHECK(value(proxy_of(report, "things.e0040102"), "interface") == "kitchen");
-    CHECK(tells(report, "things.juice", "seen by the reader hall"));
+    CHECK(has_logged(report, "things.juice", "seen by the reader hall"));
     for (const auto& line : report.event_log) // in range of one of them all the time
       CHECK(line.what.find("no reader") == std::string::npos);
   }
@@ -129,8 +129,8 @@ name = "hammer"
     before.length = 54s;
     auto report = run(before, seed);
     CHECK(report.proxies.size() == 2);
-    CHECK(tells(report, "hall-pc", "object rfid/e0050001 is one that no proxy class claims"));
-    CHECK(tells(report, "hall-pc", "object rfid/e0060001 is one that no proxy class claims"));
+    CHECK(has_logged(report, "hall-pc", "object rfid/e0050001 is one that no proxy class claims"));
+    CHECK(has_logged(report, "hall-pc", "object rfid/e0060001 is one that no proxy class claims"));
     before.length = 63s;
     report = run(before, seed);
     CHECK(report.proxies.size() == 3);
@@ -152,7 +152,7 @@ TEST_CASE("a thing that nobody sees is lost where it was last", "[ecology][PXY-1
   const auto& juice = proxy_of(report, "things.juice");
   CHECK(juice.status == "lost");
   CHECK(value(juice, "contents") == "juice");
-  CHECK(tells(report, "things.juice", "seen by no reader"));
+  CHECK(has_logged(report, "things.juice", "seen by no reader"));
 }
 
 TEST_CASE("a reader whose computer ends sees nothing any more, until it is started again",

@@ -150,8 +150,8 @@ TEST_CASE("who is killed is forgotten, and known again when it is back",
     CHECK(clusters(x).size() == 1);
     CHECK(x.actors.restarted == 7);
     CHECK(x.actors.failures.empty());
-    CHECK(tells(x, "pc-2", "power off for 30 s"));
-    CHECK(tells(x, "pc-2", "started again, life 2"));
+    CHECK(has_logged(x, "pc-2", "power off for 30 s"));
+    CHECK(has_logged(x, "pc-2", "started again, life 2"));
   }
 }
 
@@ -185,7 +185,7 @@ TEST_CASE("two processes with one id are noticed and go again", "[ecology][peis]
                        "for = \"30s\"\n");
   const auto x = run(what);
   CHECK(x.violations.empty());
-  CHECK(tells(x, "pc-3", "a second one with its id appears for 30 s"));
+  CHECK(has_logged(x, "pc-3", "a second one with its id appears for 30 s"));
   CHECK(hosts_known_min(x) == 5);
 }
 
@@ -196,7 +196,7 @@ TEST_CASE("a gateway that is killed comes back with its island", "[ecology][peis
   for (const auto& each : x.violations)
     UNSCOPED_INFO(each.invariant << ": " << each.detail);
   CHECK(x.violations.empty());
-  CHECK(tells(x, "kitchen-gateway", "killed for 20 s"));
+  CHECK(has_logged(x, "kitchen-gateway", "killed for 20 s"));
   CHECK(peer_of(x, "kitchen-gateway").incarnations == 2);
   CHECK(proxy_of(x, "kitchen.fan").status == "active");
 }

@@ -52,7 +52,7 @@ struct watched {
     island.id = home;
     for (const auto& mote : {watched_fan, watched_lamp})
       island.motes.emplace_back().address = mote;
-    watch.tell(x, now);
+    watch.fill(x, now);
     return x;
   }
   [[nodiscard]] mote_report fan_report() const { return report().islands[0].motes[0]; }
