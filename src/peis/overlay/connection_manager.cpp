@@ -63,14 +63,17 @@ link_decision decide(std::span<const link_option> links, std::span<const host_op
     return {};
   std::optional<peer_id> best;
   int best_value = 0;
+  const bool lacks_links = links.size() < config.links_min;
   for (const auto& x : hosts) {
+    if (!lacks_links && x.connections >= config.links_suitable)
+      continue; // it would close another for ours, whose far end would look for one (CM-01)
     const auto value = value_of(x, config, rng);
     if (!best || value > best_value) {
       best = x.host;
       best_value = value;
     }
   }
-  const bool wanted = links.size() < config.links_min || (worst && best_value > value_of(*worst));
+  const bool wanted = lacks_links || (worst && best_value > value_of(*worst));
   if (best && wanted)
     return open_link_to{*best};
   return {};

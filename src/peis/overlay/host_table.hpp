@@ -23,6 +23,10 @@ namespace rubicon::peis {
 
 /// What is known of another host.
 struct host_entry {
+  /// So soon others mostly have another route to a host whose route was lost, over four hops.
+  /// Before, no link to it is opened: one too many is closed again, which costs others their
+  /// routes.
+  static constexpr duration reroute_time = 2s;
   static constexpr link_id by_announcement{std::numeric_limits<std::uint64_t>::max()};
 
   host_record record;

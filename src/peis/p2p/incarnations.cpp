@@ -137,7 +137,8 @@ void incarnations::note_sender(const host_record& sender, std::optional<ipv4_add
   if (is_news)
     known->announcer = from;
   if (is_back)
-    known->lost = x.now; // as one that was lost, it is not left to others to connect to
+    // As one that was lost, it is not left to others to connect to, and at once.
+    known->lost = x.now - host_entry::reroute_time;
   if (has_moved && is_news)
     on_.contacts.forget(sender.id); // tried in vain where it was
   if (on_.dials.may_dial_none(sender))

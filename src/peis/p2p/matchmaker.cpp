@@ -86,7 +86,8 @@ void matchmaker::merge_clusters(const occasion& x) {
       foreign.push_back(&record);
   };
   for (const auto& [id, each] : of_.hosts.all())
-    consider(each.record, each.lost.has_value() || each.forgotten);
+    if (!each.lost || *each.lost + host_entry::reroute_time <= x.now)
+      consider(each.record, each.lost.has_value() || each.forgotten);
   for (const auto& [id, each] : of_.hosts.former())
     consider(each.record, true);
   if (foreign.empty())

@@ -81,6 +81,12 @@ TEST_CASE("between three and seven a host must be worth more than the worst conn
   CHECK(decided({{}, {}, {}}, {{peer_id{5}, 20, 2, 0}}).empty()); // all forced or only ways
 }
 
+TEST_CASE("a peer with enough connections takes no host that has seven", "[peis][CM-01][CM-07]") {
+  CHECK(decided({2, 4, 6}, {{peer_id{5}, 12, 2, 7}, {peer_id{6}, 8, 2, 6}}) == "+6");
+  CHECK(decided({0, 0, 0}, {{peer_id{5}, 12, 2, 7}}).empty());
+  CHECK(decided({0, 0}, {{peer_id{5}, 12, 2, 7}}) == "+5"); // too few: any
+}
+
 TEST_CASE("above seven the worst connection goes, at seven nothing happens", "[peis][CM-08]") {
   const std::vector<host_option> hosts{{peer_id{5}, 20, 2, 0}};
   CHECK(decided({2, 2, 2, 2, 2, 2, 2}, hosts).empty());
