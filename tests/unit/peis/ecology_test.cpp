@@ -97,10 +97,10 @@ TEST_CASE("thirty peers on one network settle into a small, stable mesh",
   CHECK(opened(w) - before < 3); // less than one change a minute
 }
 
-TEST_CASE("a hundred peers settle: then no link opens, and no message lacks a route",
+TEST_CASE("two hundred peers settle: then no link opens, and no message lacks a route",
           "[peis][CM-01]") {
   world w(3);
-  for (int i = 1; i <= 100; ++i)
+  for (int i = 1; i <= 200; ++i)
     w.add(lan_config_of(i));
   w.run_for(90s);
   REQUIRE(all_reachable(w));
