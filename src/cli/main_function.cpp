@@ -23,7 +23,7 @@
 #include "cli/run/run_command.hpp"
 #include "cli/run/view_command.hpp"
 #include "cli/schema_command.hpp"
-#include "cli/words/command_line.hpp"
+#include "cli/options/parse_command_line.hpp"
 #include "cli/words/exit_status.hpp"
 #include "core/text/printable.hpp"
 

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "cli/run/live_page.hpp"
-#include "cli/words/command_line.hpp"
+#include "cli/options/parse_command_line.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

@@ -1,9 +1,8 @@
-// From the words of the command line to one typed command.
+// What a command line asks for: a type for each command.
 #pragma once
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -44,10 +43,6 @@ struct run_command {
   /// The options that decide what runs, as they were given, but --seed and --for.
   std::string deciding;
 };
-
-/// Options of `rubicon run` that do not decide what runs, or that whoever repeats a run sets anew:
-/// all others are repeated in the commands that are advised.
-[[nodiscard]] const std::vector<std::string>& options_not_repeated();
 
 /// `rubicon check FILE`
 struct check_command {
@@ -179,8 +174,5 @@ using command =
     std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
                  check_command, schema_command, swarm_command, explain_command, view_command,
                  certs_command, network_command, serial_command, show_command, refused_command>;
-
-/// @param arguments the program's name first
-[[nodiscard]] command parse_command_line(std::span<const char* const> arguments);
 
 } // namespace rubicon::cli

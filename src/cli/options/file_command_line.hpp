@@ -1,0 +1,34 @@
+// The words of the commands about a file, which run nothing.
+#pragma once
+
+#include <optional>
+
+#include "cli/words/command_line.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace rubicon::cli {
+
+/// Adds `check` and `schema` to a command line.
+class file_command_line {
+public:
+  explicit file_command_line(CLI::App& app);
+  file_command_line(const file_command_line&) = delete;
+  file_command_line& operator=(const file_command_line&) = delete;
+
+  /// The command that was given, after parsing.
+  [[nodiscard]] std::optional<command> parsed() const;
+
+private:
+  void add_check();
+  void add_schema();
+
+  CLI::App& check_app_;
+  CLI::App& schema_app_;
+  check_command check_;
+  schema_command schema_;
+};
+
+} // namespace rubicon::cli
