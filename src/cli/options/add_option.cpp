@@ -21,8 +21,9 @@ CLI::Option* add_path(CLI::App& app, const char* name, const char* type, std::st
   return app.add_option(name, path, text)->type_name(type)->check(is_named);
 }
 
-void add_file(CLI::App& app, std::string& file) {
-  app.add_option("FILE", file, "The TOML file that describes the ecology; - reads standard input")
+CLI::Option* add_file(CLI::App& app, std::string& file) {
+  return app
+      .add_option("FILE", file, "The TOML file that describes the ecology; - reads standard input")
       ->required()
       ->type_name("");
 }

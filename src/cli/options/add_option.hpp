@@ -26,7 +26,7 @@ CLI::Option* add_path(CLI::App& app, const char* name, const char* type, std::st
                       const char* text);
 
 /// FILE, the description of an ecology.
-void add_file(CLI::App& app, std::string& file);
+CLI::Option* add_file(CLI::App& app, std::string& file);
 
 /// Files that replace those that FILE names.
 std::vector<CLI::Option*> add_overrides(CLI::App& app, config::overrides& x);

@@ -11,7 +11,7 @@ class App;
 
 namespace rubicon::cli {
 
-/// Adds `check` and `schema` to a command line.
+/// Adds `new`, `check` and `schema` to a command line.
 class file_command_line {
 public:
   explicit file_command_line(CLI::App& app);
@@ -22,12 +22,16 @@ public:
   [[nodiscard]] std::optional<command> parsed() const;
 
 private:
+  void add_new();
   void add_check();
   void add_schema();
 
+  CLI::App& new_app_;
   CLI::App& check_app_;
   CLI::App& schema_app_;
+  new_command new_;
   check_command check_;
+  explain_key_command explained_;
   schema_command schema_;
 };
 

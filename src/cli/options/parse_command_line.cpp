@@ -13,12 +13,14 @@
 
 #include "cli/options/certs_command_line.hpp"
 #include "cli/options/file_command_line.hpp"
+#include "cli/options/help_command_line.hpp"
 #include "cli/options/hosts_command_line.hpp"
 #include "cli/options/network_command_line.hpp"
 #include "cli/options/record_command_line.hpp"
 #include "cli/options/refusal.hpp"
 #include "cli/options/run_command_line.hpp"
 #include "cli/options/serial_command_line.hpp"
+#include "cli/words/describe.hpp"
 #include "cli/words/version.hpp"
 #include "config/load.hpp"
 #include "core/text/printable.hpp"
@@ -51,9 +53,6 @@ public:
   all_commands() {
     app.set_version_flag("--version", std::string("rubicon ") + version);
     app.require_subcommand(1);
-    app.add_subcommand("help", "Show the help of a command")
-        ->add_option("COMMAND", of_, "Its words, as in tuples set; default: this overview")
-        ->type_name("");
     app.footer(roles); // last: subcommands would inherit it
   }
   all_commands(const all_commands&) = delete;
@@ -71,7 +70,7 @@ public:
       return *std::move(x);
     if (auto x = serial_.parsed())
       return *std::move(x);
-    for (auto&& x : {file_.parsed(), hosts_.parsed(), record_.parsed()})
+    for (auto&& x : {file_.parsed(), hosts_.parsed(), record_.parsed(), help_.parsed()})
       if (x)
         return *x;
     return refused_command{"rubicon: no command\n"};
@@ -87,14 +86,15 @@ private:
   certs_command_line certs_{app};
   serial_command_line serial_{app};
   network_command_line network_{app};
-  std::vector<std::string> of_; ///< words of `help`, which take_help() has taken
+  help_command_line help_{app};
 };
 
 /// `help run` as `run --help`, and no word at all as `--help`.
 void take_help(std::vector<std::string>& words) {
   if (words.size() == 1)
     words.emplace_back("--help");
-  if (words.size() > 1 && words[1] == "help" && words.back() != "--help") {
+  if (words.size() > 1 && words[1] == "help" && words.back() != "--help" &&
+      !(words.size() > 2 && words[2].starts_with("--pages"))) {
     words.erase(words.begin() + 1);
     words.emplace_back("--help");
   }
@@ -158,6 +158,11 @@ command parse_command_line(std::span<const char* const> arguments) {
   for (const auto& word : words)
     rest.push_back(word.c_str());
   return parse_words(rest, original);
+}
+
+command_description describe_commands() {
+  const all_commands all;
+  return describe(all.app);
 }
 
 } // namespace rubicon::cli

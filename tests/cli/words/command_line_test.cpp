@@ -114,6 +114,41 @@ TEST_CASE("check takes the files that run takes", "[cli]") {
   CHECK(parse_run({"--strict"}).is_strict);
 }
 
+TEST_CASE("a key is explained instead of checking a file", "[cli]") {
+  const auto x = parse({"check", "--explain", "island.*.jitter"});
+  REQUIRE(std::holds_alternative<explain_key_command>(x));
+  CHECK(std::get<explain_key_command>(x).key == "island.*.jitter");
+  CHECK(contains(refusal({"check", "a.toml", "--explain", "seed"}), "--explain"));
+  CHECK(contains(refusal({"check"}), "FILE is required"));
+}
+
+TEST_CASE("new takes a template, a file and --force, none of which is required", "[cli]") {
+  const auto parse_new = [](std::vector<const char*> words) {
+    words.insert(words.begin(), "new");
+    const auto x = parse(words);
+    REQUIRE(std::holds_alternative<new_command>(x));
+    return std::get<new_command>(x);
+  };
+  CHECK(parse_new({}).name.empty());
+  CHECK(parse_new({"home"}).name == "home");
+  CHECK(parse_new({"home"}).file.empty());
+  CHECK_FALSE(parse_new({"home"}).is_forced);
+  CHECK(parse_new({"home", "my.toml", "--force"}).file == "my.toml");
+  CHECK(parse_new({"home", "--force"}).is_forced);
+}
+
+TEST_CASE("completion is for known shells, and pages have a date", "[cli]") {
+  const auto x = parse({"completion", "fish"});
+  REQUIRE(std::holds_alternative<completion_command>(x));
+  CHECK(std::get<completion_command>(x).shell == "fish");
+  CHECK(contains(refusal({"completion", "csh"}), "SHELL"));
+  const auto pages = parse({"help", "--pages", "man", "--date", "2026-11-28"});
+  REQUIRE(std::holds_alternative<pages_command>(pages));
+  CHECK(std::get<pages_command>(pages).folder == "man");
+  CHECK(std::get<pages_command>(pages).date == "2026-11-28");
+  CHECK(contains(refusal({"help", "--pages", "man", "--date", "today\n.so x"}), "not a date"));
+}
+
 TEST_CASE("each option of explain reaches it, and none without meaning", "[cli][explain]") {
   const auto parse_explain = [](std::vector<const char*> words) {
     words.insert(words.begin(), {"explain", "home.rec"});
