@@ -127,15 +127,21 @@ std::vector<key_place> places_of(const std::vector<key_place>& all, std::string_
     return {};
   const auto parts = parts_of(wanted);
   std::vector<key_place> whole;
+  std::vector<key_place> named; // NAME of the path is a name that was given
   std::vector<key_place> ends;
   for (const auto& each : all) {
     const auto names = names_of(each);
-    if (matches(parts, names, true))
+    if (matches(parts, names, false))
       whole.push_back(each);
+    else if (matches(parts, names, true))
+      named.push_back(each);
     else if (ends_with(parts, names))
       ends.push_back(each);
   }
-  return whole.empty() ? ends : whole;
+  for (auto* const each : {&whole, &named})
+    if (!each->empty())
+      return *each;
+  return ends;
 }
 
 std::vector<std::string> nearest_keys(const std::vector<key_place>& all, std::string_view wanted) {

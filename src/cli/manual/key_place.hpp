@@ -30,7 +30,8 @@ struct key_place {
 [[nodiscard]] std::vector<key_place> all_places(const config::table_description& file);
 
 /// The places whose path is, or ends with, these parts between dots; * stands for one or more
-/// parts. A whole path wins over ends of others. Brackets of headers do not count.
+/// parts. A whole path wins over one in which NAME is a name, and that over ends of others.
+/// Brackets of headers do not count.
 [[nodiscard]] std::vector<key_place> places_of(const std::vector<key_place>& all,
                                                std::string_view wanted);
 

@@ -18,15 +18,16 @@ namespace {
 /// What bash completes a line with, sorted, one a line; each word is one of bash.
 std::string completed(const scratch_folder& folder, const std::string& words) {
   std::ofstream(folder.file("rubicon.bash")) << completion_script(describe_commands(), "bash");
-  std::ofstream(folder.file("ask")) << "source ./rubicon.bash\n"
-                                       "COMP_WORDS=(rubicon " +
-                                           words +
-                                           ")\n"
-                                           "COMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n"
-                                           "_rubicon\n"
-                                           "printf '%s\\n' \"${COMPREPLY[@]}\" | LC_ALL=C sort\n";
+  std::ofstream(folder.file("question"))
+      << "source ./rubicon.bash\n"
+         "COMP_WORDS=(rubicon " +
+             words +
+             ")\n"
+             "COMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n"
+             "_rubicon\n"
+             "printf '%s\\n' \"${COMPREPLY[@]}\" | LC_ALL=C sort\n";
   const auto x =
-      shell("cd " + shell_word(folder.path.string()) + " && bash --norc --noprofile ask 2>&1");
+      shell("cd " + shell_word(folder.path.string()) + " && bash --norc --noprofile question 2>&1");
   CHECK(x.status == 0);
   return x.out;
 }
@@ -86,7 +87,8 @@ TEST_CASE("zsh and fish have a script with the same commands and options", "[cli
     CHECK(zsh.find("_rubicon_" + command.name('_') + "() {") != std::string::npos);
     CHECK(fish.find(" -a " + command.name() + " -d ") != std::string::npos);
     for (const auto& option : command.options) {
-      CHECK(zsh.find('\'' + option.names.front()) != std::string::npos);
+      CHECK(zsh.find(option.names.front() + (option.value.empty() ? "[" : "=")) !=
+            std::string::npos);
       CHECK(fish.find(" -l " + option.names.front().substr(2) + ' ') != std::string::npos);
     }
   }
