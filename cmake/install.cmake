@@ -1,5 +1,6 @@
 # `cmake --install build/release --prefix FOLDER --component COMPONENT`, or tools/install, which builds it before:
-#   binary   the program without debug information, its systemd unit, and the Python package rubicon (docs/python.md)
+#   binary   the program without debug information, its systemd unit, pages of the manual, completion in shells, templates of
+#            files, and the Python package rubicon (docs/python.md)
 #   library  what others write theirs with: find_package(rubicon), target rubicon::rubicon (docs/applications.md)
 #   kit      what they test it with: target rubicon::test (docs/testing.md); needs the library
 #   debug    the debug information of the binary, where debuggers look for it
@@ -30,6 +31,29 @@ string(CONFIGURE [[
 ]] part @ONLY)
 install(CODE "${part}" COMPONENT binary)
 install(PROGRAMS ${parted}/rubicon DESTINATION bin COMPONENT binary)
+# The binary writes them of its own options and keys. The date follows SOURCE_DATE_EPOCH.
+string(CONFIGURE [[
+  file(REMOVE_RECURSE "@parted@/manual")
+  file(MAKE_DIRECTORY "@parted@/manual" "@parted@/completion")
+  string(TIMESTAMP day "%Y-%m-%d" UTC)
+  execute_process(COMMAND_ERROR_IS_FATAL ANY
+    COMMAND "$<TARGET_FILE:rubicon>" help --pages "@parted@/manual" --date "${day}")
+  foreach(shell_and_file "bash rubicon" "zsh _rubicon" "fish rubicon.fish")
+    separate_arguments(shell_and_file)
+    list(GET shell_and_file 0 shell)
+    list(GET shell_and_file 1 file)
+    execute_process(COMMAND_ERROR_IS_FATAL ANY
+      COMMAND "$<TARGET_FILE:rubicon>" completion "${shell}" OUTPUT_FILE "@parted@/completion/${file}")
+  endforeach()
+]] write_manual @ONLY)
+install(CODE "${write_manual}" COMPONENT binary)
+foreach(number 1 5)
+  install(DIRECTORY ${parted}/manual/ DESTINATION share/man/man${number} COMPONENT binary FILES_MATCHING PATTERN *.${number})
+endforeach()
+install(FILES ${parted}/completion/rubicon DESTINATION share/bash-completion/completions COMPONENT binary)
+install(FILES ${parted}/completion/_rubicon DESTINATION share/zsh/site-functions COMPONENT binary)
+install(FILES ${parted}/completion/rubicon.fish DESTINATION share/fish/vendor_completions.d COMPONENT binary)
+install(DIRECTORY share/templates DESTINATION share/rubicon COMPONENT binary FILES_MATCHING PATTERN *.toml)
 # It names the binary by where this is installed, which `cmake --install` may be told last.
 install(CODE "set(RUBICON_BINARY_FOLDER \"\${CMAKE_INSTALL_PREFIX}/bin\")
   configure_file(\"${PROJECT_SOURCE_DIR}/packaging/rubicon-host@.service.in\" \"${parted}/rubicon-host@.service\" @ONLY)"

@@ -1,8 +1,8 @@
 // What the live page may do to a run.
 #include <string>
 
+#include "cli/options/parse_command_line.hpp"
 #include "cli/run/live_page.hpp"
-#include "cli/words/command_line.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

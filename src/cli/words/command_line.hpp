@@ -1,9 +1,8 @@
-// From the words of the command line to one typed command.
+// What a command line asks for: a type for each command.
 #pragma once
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -45,10 +44,6 @@ struct run_command {
   std::string deciding;
 };
 
-/// Options of `rubicon run` that do not decide what runs, or that whoever repeats a run sets anew:
-/// all others are repeated in the commands that are advised.
-[[nodiscard]] const std::vector<std::string>& options_not_repeated();
-
 /// `rubicon check FILE`
 struct check_command {
   std::string file;
@@ -56,6 +51,29 @@ struct check_command {
   config::extensions known;
   bool list = false;      ///< motes, peers and tuples instead of a summary
   bool is_strict = false; ///< a warning is an error
+};
+
+/// `rubicon check --explain KEY`
+struct explain_key_command {
+  std::string key; ///< `island.duty_cycle.period`, or its last parts; * stands for parts
+};
+
+/// `rubicon new TEMPLATE [FILE]`
+struct new_command {
+  std::string name;       ///< of the template; empty: list them
+  std::string file;       ///< empty: NAME.toml
+  bool is_forced = false; ///< overwrites a file
+};
+
+/// `rubicon completion SHELL`
+struct completion_command {
+  std::string shell; ///< bash, zsh or fish
+};
+
+/// `rubicon help --pages DIR`: writes all pages of the manual, for packages
+struct pages_command {
+  std::string folder;
+  std::string date = "2001-01-01"; ///< of the pages, YYYY-MM-DD
 };
 
 /// `rubicon deploy FILE`
@@ -177,10 +195,8 @@ struct refused_command {
 
 using command =
     std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
-                 check_command, schema_command, swarm_command, explain_command, view_command,
+                 check_command, explain_key_command, new_command, schema_command,
+                 completion_command, pages_command, swarm_command, explain_command, view_command,
                  certs_command, network_command, serial_command, show_command, refused_command>;
-
-/// @param arguments the program's name first
-[[nodiscard]] command parse_command_line(std::span<const char* const> arguments);
 
 } // namespace rubicon::cli

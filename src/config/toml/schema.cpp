@@ -181,8 +181,8 @@ std::vector<std::string> titles_of(const table_description& file) {
   return out;
 }
 
-std::string markdown_of(const table_description& file, std::string_view title) {
-  std::vector<const key_description*> keys; // of all tables of that title together
+std::vector<const key_description*> keys_of(const table_description& file, std::string_view title) {
+  std::vector<const key_description*> keys;
   each_table(file, [&](const table_description& x) {
     if (x.title != title)
       return;
@@ -191,8 +191,12 @@ std::string markdown_of(const table_description& file, std::string_view title) {
           std::ranges::find(keys, key.name, &key_description::name) == keys.end())
         keys.push_back(&key);
   });
+  return keys;
+}
+
+std::string markdown_of(const table_description& file, std::string_view title) {
   std::string out;
-  for (const auto* key : keys)
+  for (const auto* key : keys_of(file, title))
     out += "| `" + key->name + "` | " + wanted_of(*key) + " | " + default_of(*key) + " | " +
            key->meaning + " |\n";
   return out.empty() ? out : "| Key | Value | Default | Meaning |\n|---|---|---|---|\n" + out;

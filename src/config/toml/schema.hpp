@@ -48,6 +48,11 @@ struct table_description {
 /// JSON Schema (draft 7) of a file, for editors and validators.
 [[nodiscard]] std::string json_schema(const table_description& file);
 
+/// The keys of all tables of that title together, each once, without the one that chooses between
+/// variants. @pre `file` lives longer
+[[nodiscard]] std::vector<const key_description*> keys_of(const table_description& file,
+                                                          std::string_view title);
+
 /// The rows of docs/configuration.md about the tables of that title: a Markdown table; empty if
 /// there is no such title or it has no keys.
 [[nodiscard]] std::string markdown_of(const table_description& file, std::string_view title);

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/words/command_line.hpp"
+#include "cli/options/parse_command_line.hpp"
 #include "cli/words/condition.hpp"
 #include "support/catch.hpp"
 
@@ -89,27 +89,18 @@ TEST_CASE("what decides what runs is repeated, in any order, and quoted", "[cli]
   CHECK(parse_run({"--host", "kitchen", "--starts", "n"}).deciding == "--host kitchen --starts n");
 }
 
-TEST_CASE("no option of run is forgotten where a run is repeated", "[cli]") {
-  const std::vector<std::string> repeated{"--mode", "--speed",  "--topology", "--noise-trace",
-                                          "--host", "--starts", "--elapsed"};
-  const auto& others = options_not_repeated();
-  const auto help = parse({"run", "--help"});
-  REQUIRE(std::holds_alternative<show_command>(help));
-  const auto& text = std::get<show_command>(help).text;
-  std::size_t found = 0;
-  for (auto at = text.find("\n  --"); at != std::string::npos; at = text.find("\n  --", at + 1)) {
-    const auto end = text.find_first_not_of("abcdefghijklmnopqrstuvwxyz-", at + 3);
-    const auto name = text.substr(at + 3, end - at - 3);
-    CAPTURE(name); // a new one decides what runs, or it does not: say so here or there
-    CHECK(std::count(repeated.begin(), repeated.end(), name) +
-              std::count(others.begin(), others.end(), name) ==
-          1);
-    ++found;
-  }
-  CHECK(found > 20);
-  for (const auto& name : others) // and none that there is no more
-    if (name != "--help")
-      CHECK(!contains(refusal({"run", "x.toml", name.c_str()}), "there is no option"));
+TEST_CASE("what only shows a run, or is set anew, is not repeated", "[cli]") {
+  CHECK(parse_run({"--threads",  "2",           "--full",
+                   "--report",   "p.html",      "--csv",
+                   "d",          "--csv-every", "1s",
+                   "--view",     "8080",        "--control",
+                   "--strict",   "--debug-dir", "l",
+                   "--debug-of", "sink",        "--pcap",
+                   "c",          "--pcap-lost", "--record-serial",
+                   "s"})
+            .deciding.empty());
+  CHECK(parse_run({"--reload"}).deciding.empty());
+  CHECK(parse_run({"--check-determinism", "--json"}).deciding.empty());
 }
 
 TEST_CASE("check takes the files that run takes", "[cli]") {
@@ -121,6 +112,41 @@ TEST_CASE("check takes the files that run takes", "[cli]") {
   CHECK_FALSE(std::get<check_command>(x).is_strict);
   CHECK(std::get<check_command>(parse({"check", "a.toml", "--strict"})).is_strict);
   CHECK(parse_run({"--strict"}).is_strict);
+}
+
+TEST_CASE("a key is explained instead of checking a file", "[cli]") {
+  const auto x = parse({"check", "--explain", "island.*.jitter"});
+  REQUIRE(std::holds_alternative<explain_key_command>(x));
+  CHECK(std::get<explain_key_command>(x).key == "island.*.jitter");
+  CHECK(contains(refusal({"check", "a.toml", "--explain", "seed"}), "--explain"));
+  CHECK(contains(refusal({"check"}), "FILE is required"));
+}
+
+TEST_CASE("new takes a template, a file and --force, none of which is required", "[cli]") {
+  const auto parse_new = [](std::vector<const char*> words) {
+    words.insert(words.begin(), "new");
+    const auto x = parse(words);
+    REQUIRE(std::holds_alternative<new_command>(x));
+    return std::get<new_command>(x);
+  };
+  CHECK(parse_new({}).name.empty());
+  CHECK(parse_new({"home"}).name == "home");
+  CHECK(parse_new({"home"}).file.empty());
+  CHECK_FALSE(parse_new({"home"}).is_forced);
+  CHECK(parse_new({"home", "my.toml", "--force"}).file == "my.toml");
+  CHECK(parse_new({"home", "--force"}).is_forced);
+}
+
+TEST_CASE("completion is for known shells, and pages have a date", "[cli]") {
+  const auto x = parse({"completion", "fish"});
+  REQUIRE(std::holds_alternative<completion_command>(x));
+  CHECK(std::get<completion_command>(x).shell == "fish");
+  CHECK(contains(refusal({"completion", "csh"}), "SHELL"));
+  const auto pages = parse({"help", "--pages", "man", "--date", "2026-11-28"});
+  REQUIRE(std::holds_alternative<pages_command>(pages));
+  CHECK(std::get<pages_command>(pages).folder == "man");
+  CHECK(std::get<pages_command>(pages).date == "2026-11-28");
+  CHECK(contains(refusal({"help", "--pages", "man", "--date", "today\n.so x"}), "not a date"));
 }
 
 TEST_CASE("each option of explain reaches it, and none without meaning", "[cli][explain]") {

@@ -1,6 +1,6 @@
 #include <vector>
 
-#include "cli/words/command_line.hpp"
+#include "cli/options/parse_command_line.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/words/command_line.hpp"
+#include "cli/options/parse_command_line.hpp"
 #include "cli/words/original_options.hpp"
 #include "config/load.hpp"
 #include "support/catch.hpp"

@@ -1,10 +1,10 @@
-#include "cli/words/certs_command_line.hpp"
+#include "cli/options/certs_command_line.hpp"
 
 #include <string>
 
 #include <CLI/CLI.hpp>
 
-#include "cli/words/add_option.hpp"
+#include "cli/options/add_option.hpp"
 
 namespace rubicon::cli {
 

@@ -1,4 +1,4 @@
-#include "cli/words/serial_command_line.hpp"
+#include "cli/options/serial_command_line.hpp"
 
 #include <charconv>
 #include <functional>
@@ -8,7 +8,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "cli/words/add_option.hpp"
+#include "cli/options/add_option.hpp"
+#include "cli/options/option_values.hpp"
 #include "config/toml/units.hpp"
 #include "core/text/ipv4_network.hpp"
 #include "serial/packet.hpp"
@@ -29,13 +30,6 @@ Number parse_number(const char* name, const std::string& text, Number least, Num
     throw CLI::ValidationError(name, "not a number from " + std::to_string(least) + " to " +
                                          std::to_string(most) + ": '" + text + '\'');
   return static_cast<Number>(x);
-}
-
-duration parse_time(const std::string& text) {
-  const auto length = config::parse_duration(text);
-  if (!length || *length <= 0s)
-    throw CLI::ValidationError("--for", "not a length of time: '" + text + "' (say 90s or 10min)");
-  return *length;
 }
 
 /// `sf@HOST`, `sf@HOST:PORT`, or the path of a serial port.
@@ -108,7 +102,7 @@ serial_command_line::serial_command_line(CLI::App& app) {
   auto& listened = add(serial, "listen", "Print the packets of a sink");
   listen_app_ = &listened;
   add_parsed(listened, "--for", "TIME", "End after this time; at Ctrl-C if not given",
-             [this](const auto& text) { listen_.length = parse_time(text); });
+             [this](const auto& text) { listen_.length = parse_length(text); });
   add_parsed(listened, "--count", "N", "End after this many packets", [this](const auto& text) {
     listen_.count = parse_number<std::uint64_t>("--count", text, 1, UINT64_MAX);
   });
@@ -137,7 +131,7 @@ serial_command_line::serial_command_line(CLI::App& app) {
              "Address for their connections; default: 127.0.0.1:9002",
              [this](const auto& text) { parse_listener(text, forward_); });
   add_parsed(forwarded, "--for", "TIME", "End after this time; at Ctrl-C if not given",
-             [this](const auto& text) { forward_.length = parse_time(text); });
+             [this](const auto& text) { forward_.length = parse_length(text); });
 }
 
 std::optional<serial_command> serial_command_line::parsed() const {

@@ -1,4 +1,4 @@
-#include "cli/words/network_command_line.hpp"
+#include "cli/options/network_command_line.hpp"
 
 #include <charconv>
 #include <cstdint>
@@ -9,22 +9,15 @@
 
 #include <CLI/CLI.hpp>
 
-#include "cli/words/add_option.hpp"
+#include "cli/options/add_option.hpp"
+#include "cli/options/option_values.hpp"
 #include "cli/words/condition.hpp"
-#include "config/toml/units.hpp"
 #include "peis/tuples/key.hpp"
 #include "peis/wire/link_url.hpp"
 
 namespace rubicon::cli {
 
 namespace {
-
-duration parse_time(const char* name, const std::string& text) {
-  const auto length = config::parse_duration(text);
-  if (!length || *length <= 0s)
-    throw CLI::ValidationError(name, "not a length of time: '" + text + "' (say 90s or 10min)");
-  return *length;
-}
 
 std::uint64_t parse_number(const char* name, const std::string& text, std::uint64_t max) {
   std::uint64_t x = 0;
@@ -139,7 +132,7 @@ What& network_command_line::add(CLI::App& below, const char* name, const char* t
   add_parsed(app, "--id", "ID", "Our own id; default: a random high one",
              [this](const auto& words) { with_.id = parse_id("--id", words); });
   add_parsed(app, "--timeout", "TIME", "How long to wait for answers; default: 5s",
-             [this](const auto& words) { with_.timeout = parse_time("--timeout", words); });
+             [this](const auto& words) { with_.timeout = parse_length(words, "--timeout"); });
   app.add_flag("--json", with_.json, "Print JSON");
   return *x;
 }
@@ -192,7 +185,7 @@ network_command_line::network_command_line(CLI::App& app) {
       });
   add_owner(last(), watched.owner);
   add_parsed(last(), "--for", "TIME", "End after this time; default: at Ctrl-C",
-             [&](const auto& text) { watched.length = parse_time("--for", text); });
+             [&](const auto& text) { watched.length = parse_length(text, "--for"); });
   add_parsed(last(), "--count", "N", "End after this many changes",
              [&](const auto& text) { watched.count = parse_number("--count", text, UINT64_MAX); });
 
@@ -211,7 +204,7 @@ network_command_line::network_command_line(CLI::App& app) {
   auto& top = add<show_top>(app, "top", "Watch a running network: peers, gateways, proxies");
   last().add_flag("--once", top.once, "Print once and end");
   add_parsed(last(), "--every", "TIME", "Interval of updates; default: 1s",
-             [&](const auto& text) { top.every = parse_time("--every", text); });
+             [&](const auto& text) { top.every = parse_length(text, "--every"); });
   add_parsed(last(), "--count", "N", "End after this many updates",
              [&](const auto& text) { top.count = parse_number("--count", text, UINT64_MAX); });
   last().footer("On a terminal it fills the screen until q or Ctrl-C; into a pipe it writes one "

@@ -2,7 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
+#include <vector>
+
+#include "cli/words/watch_options.hpp"
+#include "config/load.hpp"
+#include "control/tls.hpp"
 
 namespace CLI {
 class App;
@@ -18,5 +24,20 @@ CLI::Option* add_parsed(CLI::App& app, const char* name, const char* type, const
 /// An option that takes the name of a file or folder.
 CLI::Option* add_path(CLI::App& app, const char* name, const char* type, std::string& path,
                       const char* text);
+
+/// FILE, the description of an ecology.
+CLI::Option* add_file(CLI::App& app, std::string& file);
+
+/// Files that replace those that FILE names.
+std::vector<CLI::Option*> add_overrides(CLI::App& app, config::overrides& x);
+
+/// `--view`: the live page.
+CLI::Option* add_page(CLI::App& app, std::optional<page_place>& x);
+
+/// `--log`
+CLI::Option* add_log(CLI::App& app, std::string& level);
+
+/// Certificates of the control plane.
+void add_tls(CLI::App& app, control::tls_files& x);
 
 } // namespace rubicon::cli

@@ -1,0 +1,138 @@
+#include "cli/manual/key_text.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "cli/manual/key_place.hpp"
+#include "cli/manual/value_kind.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+constexpr std::size_t explained_max = 5; // more are one line each
+
+/// One key that may stand in several places.
+struct key_group {
+  key_place first;
+  std::vector<std::string> paths;
+};
+
+bool is_same(const key_place& a, const key_place& b) {
+  return a.title == b.title && a.key->meaning == b.key->meaning && a.key->wanted == b.key->wanted &&
+         a.key->standard == b.key->standard && a.key->unset == b.key->unset;
+}
+
+std::vector<key_group> grouped(const std::vector<key_place>& all) {
+  std::vector<key_group> out;
+  for (const auto& each : all) {
+    const auto same = std::ranges::find_if(
+        out, [&each](const key_group& group) { return is_same(group.first, each); });
+    auto& group = same == out.end() ? out.emplace_back(key_group{each, {}}) : *same;
+    if (std::ranges::find(group.paths, each.path()) == group.paths.end())
+      group.paths.push_back(each.path());
+  }
+  return out;
+}
+
+/// The headers and the line that set the key, and what its tables must say for it.
+std::string example_of(const key_place& x) {
+  std::string out;
+  std::string path;
+  for (std::size_t i = 0; i + 1 < x.steps.size(); ++i) {
+    const auto& step = x.steps[i];
+    path += (path.empty() ? "" : ".") + step.name;
+    const bool is_last = i + 2 == x.steps.size();
+    if (step.part == config::part::tables)
+      out += "    [[" + path + "]]\n";
+    else if (step.part != config::part::named_tables && (is_last || !step.choice.empty()))
+      out += "    [" + path + "]\n";
+    if (!step.choice.empty())
+      out += "    " + step.choice + '\n';
+  }
+  const auto name = x.steps.back().name;
+  path += (path.empty() ? "" : ".") + name;
+  switch (x.key->part) {
+  case config::part::value:
+    return out + "    " + name + " = " + sample_of(*x.key) + '\n';
+  case config::part::tables:
+    return out + "    [[" + path + "]]\n";
+  case config::part::table:
+  case config::part::other_tables:
+    return out + "    [" + path + "]\n";
+  case config::part::named_tables:
+    return out + "    [" + path + ".NAME]\n";
+  }
+  return out;
+}
+
+/// `period, window`: the keys that a table may have.
+std::string keys_of(const config::table_description& table) {
+  std::vector<std::string> names;
+  const auto take = [&names](const config::table_description& x) {
+    for (const auto& key : x.keys)
+      if (std::ranges::find(names, key.name) == names.end())
+        names.push_back(key.name);
+  };
+  take(table);
+  std::ranges::for_each(table.variants, take);
+  std::string out;
+  for (const auto& name : names)
+    out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
+std::string line(const std::string& name, const std::string& text) {
+  return text.empty() ? text : "  " + name + std::string(10 - name.size(), ' ') + text + '\n';
+}
+
+std::string text_of(const key_group& x) {
+  const auto& key = *x.first.key;
+  std::string out = x.first.path() + '\n';
+  out += key.meaning.empty() ? "" : "  " + plain_text(key.meaning) + '\n';
+  out += '\n' + line("value:", range_text(key));
+  const auto* const kind = kind_of(key);
+  if (kind != nullptr)
+    out += line("unit:", std::string(kind->units));
+  const auto standard = default_text(key);
+  if (standard.starts_with("default: "))
+    out += line("default:", standard.substr(9));
+  else
+    out += line("default:", standard.empty() ? "none" : "none: it is required");
+  out += line("table:", plain_text(x.first.title));
+  for (const auto& path : x.paths)
+    out += line(&path == &x.paths.front() ? "place:" : "", path);
+  if (key.table)
+    out += line("keys:", keys_of(*key.table));
+  return out + "  example:\n" + example_of(x.first);
+}
+
+std::string not_found(const std::vector<key_place>& all, std::string_view wanted) {
+  std::string out = "there is no key `" + std::string(wanted) + '`';
+  const auto near = nearest_keys(all, wanted);
+  for (const auto& each : near)
+    out += (&each == &near.front() ? ": did you mean `" : ", `") + each + '`';
+  return out + (near.empty() ? ": docs/configuration.md and `man rubicon.toml` list all" : "?");
+}
+
+} // namespace
+
+key_explanation explain_key(const config::table_description& file, std::string_view wanted) {
+  const auto all = all_places(file);
+  const auto groups = grouped(places_of(all, wanted));
+  if (groups.empty())
+    return {false, not_found(all, wanted)};
+  std::string out;
+  if (groups.size() <= explained_max) {
+    for (const auto& each : groups)
+      out += (out.empty() ? "" : "\n") + text_of(each);
+    return {true, out};
+  }
+  for (const auto& each : groups)
+    out += each.first.path() + "  (" + plain_text(each.first.title) + ")\n    " +
+           plain_text(each.first.key->meaning) + '\n';
+  return {true, out + "\nThese are " + std::to_string(groups.size()) +
+                    " keys: give more of the path of one.\n"};
+}
+
+} // namespace rubicon::cli

@@ -1,0 +1,79 @@
+#include "cli/manual/new_command.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "cli/ecology_file.hpp"
+#include "cli/manual/templates.hpp"
+#include "cli/print/console.hpp"
+#include "core/text/shell_word.hpp"
+#include "core/text/spelling.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+std::string list_of_templates() {
+  std::size_t longest = 0;
+  for (const auto& each : all_templates())
+    longest = std::max(longest, each.name.size());
+  std::string out = "Templates:\n";
+  for (const auto& each : all_templates()) {
+    const auto gap = std::string(longest + 2 - each.name.size(), ' ');
+    out.append("  ").append(each.name).append(gap).append(sentence_of(each)).append("\n");
+  }
+  return out + "\nrubicon new " + std::string(all_templates().front().name) +
+         " writes the first one into a file.\n";
+}
+
+const ecology_template* find_template(const std::string& name) {
+  const auto found = std::ranges::find(all_templates(), name, &ecology_template::name);
+  return found == all_templates().end() ? nullptr : &*found;
+}
+
+std::vector<std::string> template_names() {
+  std::vector<std::string> out;
+  for (const auto& each : all_templates())
+    out.emplace_back(each.name);
+  return out;
+}
+
+/// @returns why it is not written; empty: it is
+std::string write(const std::string& path, std::string_view text, bool replaces) {
+  struct closer {
+    void operator()(std::FILE* x) const { static_cast<void>(std::fclose(x)); }
+  };
+  const auto reason = [&path] { return path + ": " + std::generic_category().message(errno); };
+  std::unique_ptr<std::FILE, closer> file(std::fopen(path.c_str(), replaces ? "w" : "wx"));
+  if (!file)
+    return errno == EEXIST ? path + " exists already; --force overwrites it" : reason();
+  const bool written = std::fwrite(text.data(), 1, text.size(), file.get()) == text.size();
+  if (std::fflush(file.get()) != 0 || !written)
+    return reason();
+  return {};
+}
+
+} // namespace
+
+exit_status perform(const new_command& x) {
+  if (x.name.empty())
+    return print(stdout, list_of_templates()) ? exit_status::good : exit_status::refused;
+  const auto* const found = find_template(x.name);
+  if (found == nullptr)
+    return refuse("there is no template `" + x.name + '`' + suggestion(x.name, template_names()));
+  if (x.file == standard_input) // here: standard output
+    return print(stdout, found->text) ? exit_status::good : exit_status::refused;
+  const auto path = x.file.empty() ? x.name + ".toml" : x.file;
+  if (const auto why = write(path, found->text, x.is_forced); !why.empty())
+    return refuse(why);
+  return print(stdout, "wrote " + path + "\nNext: rubicon run " + shell_word(path) + '\n')
+             ? exit_status::good
+             : exit_status::refused;
+}
+
+} // namespace rubicon::cli

@@ -1,0 +1,64 @@
+#include "cli/options/file_command_line.hpp"
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "cli/options/add_option.hpp"
+
+namespace rubicon::cli {
+
+file_command_line::file_command_line(CLI::App& app)
+    : new_app_(*app.add_subcommand("new", "Write a file to begin with, from a template")),
+      check_app_(*app.add_subcommand("check", "Check a file without running it, and summarise it")),
+      schema_app_(*app.add_subcommand(
+          "schema", "Print the JSON Schema of these files, for editors and validators")) {
+  add_new();
+  add_check();
+  add_schema();
+}
+
+void file_command_line::add_new() {
+  new_app_.add_option("TEMPLATE", new_.name, "Its name; default: the templates are listed")
+      ->type_name("");
+  new_app_
+      .add_option("FILE", new_.file,
+                  "The file to write; - is standard output; default: TEMPLATE.toml")
+      ->type_name("");
+  new_app_.add_flag("--force", new_.is_forced, "Overwrite a file that exists");
+}
+
+void file_command_line::add_check() {
+  auto* const file = add_file(check_app_, check_.file)->required(false);
+  add_parsed(
+      check_app_, "--explain", "KEY",
+      "Explain a key, such as island.duty_cycle.period, duty_cycle or island.*.jitter, instead "
+      "of checking a file",
+      [this](const auto& text) { explained_.key = text; })
+      ->excludes(file);
+  check_app_.final_callback([this] {
+    if (check_.file.empty() && explained_.key.empty())
+      throw CLI::RequiredError("FILE");
+  });
+  check_app_.add_flag("--list", check_.list, "List motes, peers and tuple keys instead");
+  check_app_.add_flag("--strict", check_.is_strict, "Treat warnings about the file as errors");
+  add_overrides(check_app_, check_.instead);
+}
+
+void file_command_line::add_schema() {
+  schema_app_.add_option("--tables", schema_.tables_of)->group(""); // of docs/configuration.md
+}
+
+std::optional<command> file_command_line::parsed() const {
+  if (new_app_.parsed())
+    return new_;
+  if (check_app_.parsed() && !explained_.key.empty())
+    return explained_;
+  if (check_app_.parsed())
+    return check_;
+  if (schema_app_.parsed())
+    return schema_;
+  return std::nullopt;
+}
+
+} // namespace rubicon::cli

@@ -1,0 +1,69 @@
+#include "cli/options/option_values.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+#include <CLI/CLI.hpp>
+
+#include "config/toml/units.hpp"
+#include "core/text/ipv4_network.hpp"
+
+namespace rubicon::cli {
+
+std::optional<std::uint64_t> parse_whole(std::string_view text) {
+  std::uint64_t x = 0;
+  const auto* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, x);
+  return error == std::errc{} && stop == end ? std::optional(x) : std::nullopt;
+}
+
+duration parse_length(const std::string& text, const char* option) {
+  const auto length = config::parse_duration(text);
+  if (!length || *length <= 0s)
+    throw CLI::ValidationError(option, "not a length of time: '" + text + "' (say 90s or 10min)");
+  return *length;
+}
+
+double parse_speed(const std::string& text) {
+  double speed = 0;
+  if (!CLI::detail::lexical_cast(text, speed) || !std::isfinite(speed) || speed <= 0)
+    throw CLI::ValidationError("--speed", "not a positive number: '" + text + "'");
+  return speed;
+}
+
+std::uint64_t parse_seed(const std::string& text) {
+  if (const auto seed = parse_whole(text))
+    return *seed;
+  throw CLI::ValidationError("--seed", "not a number from 0 to 2^64 - 1: '" + text + "'");
+}
+
+seed_range parse_seeds(const std::string& text) {
+  const auto dots = text.find("..");
+  const auto first = parse_whole(std::string_view(text).substr(0, dots));
+  const auto last =
+      dots == std::string::npos ? first : parse_whole(std::string_view(text).substr(dots + 2));
+  if (!first || !last || *last < *first)
+    throw CLI::ValidationError("--seeds", "not a range of seeds: '" + text + "' (say 1..100)");
+  return {*first, *last};
+}
+
+std::uint64_t parse_jobs(const std::string& text) {
+  const auto jobs = parse_whole(text);
+  if (!jobs || *jobs < 1 || *jobs > 1024)
+    throw CLI::ValidationError("--jobs", "not a number from 1 to 1024: '" + text + "'");
+  return *jobs;
+}
+
+void parse_page_place(const std::string& text, page_place& x) {
+  const auto colon = text.rfind(':');
+  const auto port = parse_whole(colon == std::string::npos ? text : text.substr(colon + 1));
+  if (colon != std::string::npos)
+    x.address = text.substr(0, colon);
+  if (!parse_ipv4_address(x.address) || !port || *port > 65535)
+    throw CLI::ValidationError("--view", "not a port, or an IPv4 address and a port: '" + text +
+                                             "' (say 8080, or nothing for any)");
+  x.port = static_cast<std::uint16_t>(*port);
+}
+
+} // namespace rubicon::cli

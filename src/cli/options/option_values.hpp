@@ -1,0 +1,35 @@
+// Values of options: each is parsed, or refused with a ValidationError.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "cli/swarm.hpp"
+#include "cli/words/watch_options.hpp"
+#include "core/time.hpp"
+
+namespace rubicon::cli {
+
+/// A decimal number without sign; nothing else.
+[[nodiscard]] std::optional<std::uint64_t> parse_whole(std::string_view text);
+
+/// `90s`, `10min`; more than zero.
+[[nodiscard]] duration parse_length(const std::string& text, const char* option = "--for");
+
+/// More than zero.
+[[nodiscard]] double parse_speed(const std::string& text);
+
+[[nodiscard]] std::uint64_t parse_seed(const std::string& text);
+
+/// `A..B`, or one seed
+[[nodiscard]] seed_range parse_seeds(const std::string& text);
+
+/// 1 to 1024
+[[nodiscard]] std::uint64_t parse_jobs(const std::string& text);
+
+/// `PORT` or `ADDRESS:PORT`
+void parse_page_place(const std::string& text, page_place& x);
+
+} // namespace rubicon::cli

@@ -1,0 +1,74 @@
+#include "cli/options/record_command_line.hpp"
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "cli/options/add_option.hpp"
+#include "cli/options/option_values.hpp"
+
+namespace rubicon::cli {
+
+record_command_line::record_command_line(CLI::App& app)
+    : explain_app_(*app.add_subcommand("explain", "Trace a message or a value in a recorded run")),
+      view_app_(*app.add_subcommand("view", "Show any moment of a recorded run in a browser")) {
+  add_explain();
+  add_view();
+}
+
+void record_command_line::add_explain() {
+  explain_app_.add_option("RECORD", explain_.record, "File written by run --record")
+      ->required()
+      ->type_name("");
+  explain_app_
+      .add_option("WHAT", explain_.what,
+                  "A message such as kitchen/fan#3, or a tuple such as kitchen.fan.state")
+      ->type_name("");
+  add_parsed(explain_app_, "--at", "TIME", "The value of the tuple at this time, not the newest",
+             [&](const auto& text) { explain_.at = parse_length(text, "--at"); });
+  explain_app_.add_flag("--all", explain_.all, "All values of the tuple, one per line");
+  explain_app_.add_flag("--lost", explain_.list.lost_only, "Only messages that were lost");
+  explain_app_
+      .add_option("--from", explain_.list.from, "Only messages from this mote, island or PC")
+      ->type_name("WHO");
+  add_parsed(explain_app_, "--limit", "N", "Only the newest N; 0 for all; default: 20",
+             [&](const auto& text) {
+               const auto limit = parse_whole(text);
+               if (!limit)
+                 throw CLI::ValidationError("--limit", "not a number: '" + text + "'");
+               explain_.list.limit = *limit;
+             });
+  explain_app_.add_flag("--json", explain_.json, "Print JSON only");
+  explain_app_.footer("Without WHAT it lists the messages with their outcomes, and the tuples.");
+  explain_app_.final_callback([this] { check_explain(); });
+}
+
+void record_command_line::add_view() {
+  view_app_.add_option("RECORD", view_.record, "File written by run --record")
+      ->required()
+      ->type_name("");
+  add_parsed(view_app_, "--port", "PORT",
+             "Address of the page; default: any free port of 127.0.0.1",
+             [&](const auto& text) { parse_page_place(text, view_.where); });
+  view_app_.footer("It prints the address of the page, and keeps serving until Ctrl-C.");
+}
+
+void record_command_line::check_explain() const {
+  if (explain_.what.empty() && (explain_.at || explain_.all))
+    throw CLI::ValidationError(explain_.at ? "--at" : "--all", "of which tuple?");
+  if (explain_.at && explain_.all)
+    throw CLI::ValidationError("--at", "selects one time, --all selects all");
+  if (!explain_.what.empty() && (explain_.list.lost_only || !explain_.list.from.empty()))
+    throw CLI::ValidationError(explain_.list.lost_only ? "--lost" : "--from",
+                               "filters the list, which is printed only without WHAT");
+}
+
+std::optional<command> record_command_line::parsed() const {
+  if (explain_app_.parsed())
+    return explain_;
+  if (view_app_.parsed())
+    return view_;
+  return std::nullopt;
+}
+
+} // namespace rubicon::cli
