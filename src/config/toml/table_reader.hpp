@@ -2,6 +2,7 @@
 // unknown.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -117,6 +118,11 @@ public:
   /// Whether `key` is in the file.
   [[nodiscard]] bool has(std::string_view key) const { return table_.find(key) != nullptr; }
 
+  /// Whether `key` is in the file, was read, and its value is good.
+  [[nodiscard]] bool is_good(std::string_view key) const {
+    return std::find(good_.begin(), good_.end(), key) != good_.end();
+  }
+
   /// Whether nothing is read and only the keys are wanted.
   [[nodiscard]] bool walks() const { return shared_.walks; }
 
@@ -197,7 +203,9 @@ private:
 
   template <class Struct, class Member, class Kind>
   void one(const keys::key<Struct, Member, Kind>& key, Struct& out) {
-    if (key.is_required)
+    if (key.is_conditional)
+      required_if(key.is_required, key.name, key.kind, out.*key.member, key.what);
+    else if (key.is_required)
       required(key.name, key.kind, out.*key.member, key.what);
     else
       optional(key.name, key.kind, out.*key.member, key.what);
@@ -211,9 +219,11 @@ private:
     if (x == nullptr)
       return false;
     auto value = read(kind, *x, asker{key, shared_});
-    if (value)
-      set(out, *std::move(value));
-    return value.has_value();
+    if (!value)
+      return false;
+    set(out, *std::move(value));
+    good_.emplace_back(key);
+    return true;
   }
 
   template <class Out, class Value>
@@ -238,6 +248,7 @@ private:
   reading& shared_;
   std::size_t problems_before_ = 0;
   std::vector<std::string> asked_;
+  std::vector<std::string> good_; ///< those whose values were read
   bool in_choice_ = false; ///< what is read is one of several possibilities
   bool silent_ = false;    ///< what the table is could not be read, so its keys mean nothing
 };
