@@ -62,19 +62,43 @@ struct component_peer {
   [[nodiscard]] static form takes() { return string_form("name of a peer"); }
 };
 
+/// @param own PEIS id of the init's peer
+auto component_keys(peer_id own) {
+  using peisinit::component;
+  return keys::of(
+      keys::required("name", &component::name, name_text{},
+                     "no other component of the init has it"),
+      keys::optional("peer", &component::peer, component_peer{},
+                     "the component is this peer, with all its apps; it is on the host of its "
+                     "init, and no component of another"),
+      keys::optional(
+          "command", &component::command, text{4000},
+          "the component is a process that `/bin/sh` runs; needs `mode = \"wall\"`. It finds the "
+          "options of its kernel, and the extra arguments, in the environment variable "
+          "`PEISINIT`"),
+      keys::optional("id", &component::id, component_id{own},
+                     "PEIS id of a command, or its offset from the init's; it is unique"));
+}
+
+auto init_folder_keys() {
+  return keys::of(keys::optional(
+      "folder", &placed_init::folder, text{path_octets_max},
+      {"each of its files `*.toml` describes one component with the keys below; an invalid "
+       "one is reported and skipped",
+       "none", "folder"}));
+}
+
+auto init_keys() {
+  return keys::of(keys::optional(
+      "lock", &init_app::lock, text{path_octets_max},
+      {"in wall time the init locks this file; a second init with the same file does not start",
+       "one per host and user, in `$XDG_RUNTIME_DIR` or `/tmp`", "file"}));
+}
+
 placed_component read_component(table_reader& in, run_mode mode, peer_id own) {
   placed_component out;
   auto& x = out.what;
-  in.required("name", name_text{}, x.name, "no other component of the init has it");
-  in.optional("peer", component_peer{}, x.peer,
-              "the component is this peer, with all its apps; it is on the host of its init, and "
-              "no component of another");
-  in.optional(
-      "command", text{4000}, x.command,
-      "the component is a process that `/bin/sh` runs; needs `mode = \"wall\"`. It finds the "
-      "options of its kernel, and the extra arguments, in the environment variable `PEISINIT`");
-  in.optional("id", component_id{own}, x.id,
-              "PEIS id of a command, or its offset from the init's; it is unique");
+  in.all(x, component_keys(own));
   in.all(x);
   if (in.has("peer") == in.has("command"))
     in.problems().add(in.at(), "a component is either a `peer` or a `command`");
@@ -235,15 +259,9 @@ init_app read_init(table_reader& in, surroundings& with, peer_id own,
         if (y.sound())
           x.components.push_back(std::move(found));
       });
-  in.optional("folder", text{path_octets_max}, x.folder,
-              {"each of its files `*.toml` describes one component with the keys below; an invalid "
-               "one is reported and skipped",
-               "none", "folder"});
-  if (in.optional(
-          "lock", text{path_octets_max}, out.lock,
-          {"in wall time the init locks this file; a second init with the same file does not start",
-           "one per host and user, in `$XDG_RUNTIME_DIR` or `/tmp`", "file"}) &&
-      with.shared.files != nullptr)
+  in.all(x, init_folder_keys());
+  in.all(out, init_keys());
+  if (in.is_good("lock") && with.shared.files != nullptr)
     out.lock = (std::filesystem::path(with.shared.files->toml).parent_path() / out.lock).string();
   if (!in.has("components") && !in.has("folder"))
     in.problems().add(in.at(), "an init needs `components`, a `folder` of them, or both");
