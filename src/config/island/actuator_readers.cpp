@@ -6,25 +6,43 @@ namespace rubicon::config {
 
 namespace {
 
-constexpr time_span way_time{0s, 24h};
+constexpr time_span travel_time{0s, 24h};
 
-void read_relay(table_reader& in, device::actuator_config& out) {
+using device::actuator_config;
+
+auto actuator_name_keys() {
+  return keys::of(
+      keys::required("name", &actuator_config::name, name_text{}, "unique on the mote"));
+}
+
+auto relay_keys() {
+  return keys::of(keys::optional("initial", &actuator_config::initial,
+                                 word<std::uint8_t>{{{"off", 0}, {"on", 1}}},
+                                 "transmitted as 0 and 1"));
+}
+
+/// @param travel_name what the way from one end to the other is called
+auto travel_keys(std::string_view travel_name) {
+  return keys::of(
+      keys::optional("initial", &actuator_config::initial, whole<std::uint8_t>{}, "at the start"),
+      keys::optional(travel_name, &actuator_config::travel, travel_time,
+                     "from 0 to 255, at constant speed"));
+}
+
+void read_relay(table_reader& in, actuator_config& out) {
   out.kind = device::actuator_kind::relay;
-  in.optional("initial", word<std::uint8_t>{{{"off", 0}, {"on", 1}}}, out.initial,
-              "transmitted as 0 and 1");
+  in.all(out, relay_keys());
 }
 
-void read_dimmer(table_reader& in, device::actuator_config& out) {
+void read_dimmer(table_reader& in, actuator_config& out) {
   out.kind = device::actuator_kind::dimmer;
-  in.optional("initial", whole<std::uint8_t>{}, out.initial, "at the start");
-  in.optional("fade", way_time, out.travel, "from 0 to 255, at constant speed");
+  in.all(out, travel_keys("fade"));
 }
 
-void read_level(table_reader& in, device::actuator_config& out) {
+void read_level(table_reader& in, actuator_config& out) {
   out.kind = device::actuator_kind::level;
   out.travel = 20s;
-  in.optional("initial", whole<std::uint8_t>{}, out.initial, "at the start");
-  in.optional("travel", way_time, out.travel, "from 0 to 255, at constant speed");
+  in.all(out, travel_keys("travel"));
 }
 
 } // namespace
@@ -37,7 +55,7 @@ void read_actuators(table_reader& in, std::vector<device::actuator_config>& out)
        "none"},
       [&](table_reader& x) {
         device::actuator_config config;
-        x.required("name", name_text{}, config.name, "unique on the mote");
+        x.all(config, actuator_name_keys());
         x.one_of("kind", "what it is",
                  {{"relay", [&config](table_reader& y) { read_relay(y, config); }},
                   {"dimmer", [&config](table_reader& y) { read_dimmer(y, config); }},

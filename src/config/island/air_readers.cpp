@@ -47,6 +47,21 @@ bool holds(const air_description& air, island_id island) {
   return std::find(air.islands.begin(), air.islands.end(), island) != air.islands.end();
 }
 
+auto air_keys() {
+  return keys::of(keys::required("name", &air_description::name, name_text{},
+                                 "unique among radio media and the islands outside it"));
+}
+
+/// Islands of an air, with the places that checks need.
+struct air_members {
+  std::vector<located<island_id>> islands;
+};
+
+auto air_member_keys() {
+  return keys::of(keys::required("islands", &air_members::islands, list_of<island_name>{{}, 1},
+                                 "each island belongs to at most one radio medium"));
+}
+
 } // namespace
 
 std::vector<air_description> read_airs(table_reader& root,
@@ -56,12 +71,12 @@ std::vector<air_description> read_airs(table_reader& root,
   island_airs placed(islands);
   root.tables("air", "[[air]]", "islands that share a place", [&](table_reader& in) {
     air_description air;
-    std::vector<located<island_id>> members;
-    if (in.required("name", name_text{}, air.name,
-                    "unique among radio media and the islands outside it"))
+    air_members found;
+    in.all(air, air_keys());
+    in.all(found, air_member_keys());
+    auto& members = found.islands;
+    if (in.is_good("name"))
       air_names.claim(air.name, "air name", in.at("name"), in.problems());
-    in.required("islands", list_of<island_name>{{}, 1}, members,
-                "each island belongs to at most one radio medium");
     placed.place(members, in.problems());
     air.islands = values_of(std::move(members));
     for (const auto& island : islands) {

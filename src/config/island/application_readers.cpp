@@ -47,14 +47,25 @@ placed_program read_stream_reader(table_reader& in) {
   return {app, {}};
 }
 
+/// Transducers of a reservoir, with the places that checks need.
+struct sensed_quantities {
+  std::vector<located<device::quantity>> transducers;
+};
+
+auto sensed_quantity_keys() {
+  return keys::of(keys::optional("transducers", &sensed_quantities::transducers,
+                                 list_of<quantity_name>{{}, 0, 8},
+                                 {"on a mote only; each is scaled by its range so far", "none",
+                                  "array of up to 8 quantities"}));
+}
+
 placed_program read_reservoir(table_reader& in, bool senses) {
   apps::reservoir_config app;
   placed_program out;
   if (senses) {
-    std::vector<located<device::quantity>> found;
-    in.optional("transducers", list_of<quantity_name>{{}, 0, 8}, found,
-                {"on a mote only; each is scaled by its range so far", "none",
-                 "array of up to 8 quantities"});
+    sensed_quantities sensed;
+    in.all(sensed, sensed_quantity_keys());
+    auto& found = sensed.transducers;
     for (const auto& each : found)
       out.needs_at.push_back(each.at);
     app.transducers = values_of(std::move(found));
@@ -77,16 +88,33 @@ placed_program read_readout(table_reader& in) {
   return {std::move(app), {}};
 }
 
+/// Streams that end at a program, with the places that checks need.
+struct stream_list {
+  std::vector<located<std::uint16_t>> streams;
+};
+
+auto stream_list_keys() {
+  return keys::of(keys::required("streams", &stream_list::streams,
+                                 list_of<whole<std::uint16_t>>{{}, 1, streams_max},
+                                 {"symbolic names of the streams that end here", "",
+                                  "array of 1 to 32 numbers from 0 to 65535"}));
+}
+
 std::vector<std::uint16_t> read_streams(table_reader& in) {
-  std::vector<located<std::uint16_t>> found;
-  in.required("streams", list_of<whole<std::uint16_t>>{{}, 1, streams_max}, found,
-              {"symbolic names of the streams that end here", "",
-               "array of 1 to 32 numbers from 0 to 65535"});
+  stream_list list;
+  in.all(list, stream_list_keys());
+  auto& found = list.streams;
   claims<std::uint16_t> listed;
   for (const auto& each : found)
     listed.claim(each.value, "stream " + std::to_string(each.value), each.at, in.problems(),
                  "is already listed");
   return values_of(std::move(found));
+}
+
+auto record_file_keys() {
+  return keys::of(
+      keys::required("file", &apps::recorder_config::file, text{},
+                     "relative to the working directory of the run; no other recorder writes it"));
 }
 
 placed_program read_average(table_reader& in) {
@@ -122,8 +150,8 @@ placed_program read_recorder(table_reader& in, claims<std::string>& files) {
   apps::recorder_config app;
   app.streams = read_streams(in);
   in.all(app);
-  if (in.required("file", text{}, app.file,
-                  "relative to the working directory of the run; no other recorder writes it"))
+  in.all(app, record_file_keys());
+  if (in.is_good("file"))
     files.claim(app.file, "file `" + app.file + '`', in.at("file"), in.problems(),
                 "is already written by the recorder");
   return {std::move(app), {}};
@@ -145,9 +173,14 @@ struct setting_reader {
 
   template <class Kind, class Value>
   std::optional<apps::setting> take(const Kind& kind, Value value) const {
-    const bool found = key.required ? in.required(key.name, kind, value, key.meaning.c_str())
-                                    : in.optional(key.name, kind, value, key.meaning.c_str());
-    return found ? std::optional<apps::setting>(value) : std::nullopt;
+    struct holder {
+      Value value;
+    };
+    auto one = keys::optional(key.name, &holder::value, kind, key.meaning.c_str());
+    one.is_required = key.required;
+    holder x{std::move(value)};
+    in.all(x, keys::of(one));
+    return in.is_good(key.name) ? std::optional<apps::setting>(x.value) : std::nullopt;
   }
 };
 

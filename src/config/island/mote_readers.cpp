@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "config/island/application_readers.hpp"
+#include "config/island/mote_keys.hpp"
 #include "config/island/size_check.hpp"
 #include "radio/mac_rules.hpp"
 #include "radio/parameter_keys.hpp"
@@ -178,18 +179,9 @@ mote_description mote_profile::mote() const {
 }
 
 void read_profile(table_reader& in, mote_profile& out) {
-  in.optional("platform", platform_name(), out.like.platform,
-              {"currents, receive slots and speed; a mote's is that of its type, if it has one",
-               "`\"micaz\"`"});
-  in.optional("battery", charge{}, out.like.battery_mah,
-              {"charge of the battery at the start", "the mote type's, or the platform's"});
-  if (in.optional("power", power_level{-100, 30}, out.like.transmit_dbm,
-                  {"transmit power: -25 to 0 dBm on a MicaZ or a TelosB, -17 to 3 dBm on an IRIS",
-                   "the mote type's, or the platform's maximum", "power, as the platform has it"}))
+  in.all(out.like, profile_keys());
+  if (in.is_good("power"))
     out.transmit_at = in.at("power");
-  in.optional("channel", radio_channel, out.like.channel,
-              {"channel of its radio, which exchanges frames only with radios of the same channel",
-               "the mote type's, or the island's"});
   read_access(in, out.like.access, out.access_at);
   read_transducers(in, out.like.transducers.edit());
   read_actuators(in, out.like.actuators.edit());
@@ -291,19 +283,18 @@ bool is_flow_app(const mote_app& x) {
 
 mote_types read_mote_types(table_reader& root) {
   mote_types out;
-  root.named_tables(
-      "mote_type", "[mote_type.NAME]", "kinds of mote",
-      [&](const located<std::string>& name, table_reader& in) {
-        if (!is_name(name.value))
-          in.problems().add(name.at, "mote type " + in_quotes(name.value) +
+  root.named_tables("mote_type", "[mote_type.NAME]", "kinds of mote",
+                    [&](const located<std::string>& name, table_reader& in) {
+                      if (!is_name(name.value))
+                        in.problems().add(
+                            name.at, "mote type " + in_quotes(name.value) +
                                          " must have a name of 1 to 32 letters, digits, - and _");
-        mote_profile profile;
-        in.required("type", whole<std::uint32_t>{1}, profile.like.type,
-                    "the signature that the mote reports at join, which selects its proxy");
-        read_profile(in, profile);
-        profile.like.type_name = name.value;
-        out.emplace(name.value, std::move(profile));
-      });
+                      mote_profile profile;
+                      in.all(profile.like, mote_type_keys());
+                      read_profile(in, profile);
+                      profile.like.type_name = name.value;
+                      out.emplace(name.value, std::move(profile));
+                    });
   return out;
 }
 
