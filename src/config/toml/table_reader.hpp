@@ -30,29 +30,6 @@ public:
   table_reader(const table_reader&) = delete;
   table_reader& operator=(const table_reader&) = delete;
 
-  /// Reads `key` into `out`; complains if it is missing or not of that kind.
-  /// @returns whether `out` was set
-  template <class Kind, class Out>
-  bool required(std::string_view key, const Kind& kind, Out& out, const about& what) {
-    describe({.is_required = true}, key, kind, what);
-    return get(true, key, kind, out);
-  }
-
-  /// The same, but a missing key leaves `out` as it is.
-  template <class Kind, class Out>
-  bool optional(std::string_view key, const Kind& kind, Out& out, const about& what) {
-    describe({.standard = written_of(kind, out)}, key, kind, what);
-    return get(false, key, kind, out);
-  }
-
-  /// One that is required under a condition only.
-  template <class Kind, class Out>
-  bool required_if(bool condition, std::string_view key, const Kind& kind, Out& out,
-                   const about& what) {
-    describe({}, key, kind, what);
-    return get(condition && !walks(), key, kind, out);
-  }
-
   /// What the table at `key` may be instead, and is read elsewhere.
   template <class Kind>
   void instead_of_table(std::string_view key, const Kind& kind) {
@@ -63,7 +40,7 @@ public:
       }
   }
 
-  /// All keys that are listed beside a struct.
+  /// All keys that are listed beside a struct. There is no other way to read a value.
   template <class Struct>
   void all(Struct& out) {
     all(out, keys_of(static_cast<const Struct*>(nullptr)));
@@ -150,6 +127,29 @@ public:
   [[nodiscard]] reading& shared() const { return shared_; }
 
 private:
+  /// Reads `key` into `out`; complains if it is missing or not of that kind.
+  /// @returns whether `out` was set
+  template <class Kind, class Out>
+  bool required(std::string_view key, const Kind& kind, Out& out, const about& what) {
+    describe({.is_required = true}, key, kind, what);
+    return get(true, key, kind, out);
+  }
+
+  /// The same, but a missing key leaves `out` as it is.
+  template <class Kind, class Out>
+  bool optional(std::string_view key, const Kind& kind, Out& out, const about& what) {
+    describe({.standard = written_of(kind, out)}, key, kind, what);
+    return get(false, key, kind, out);
+  }
+
+  /// One that is required under a condition only.
+  template <class Kind, class Out>
+  bool required_if(bool condition, std::string_view key, const Kind& kind, Out& out,
+                   const about& what) {
+    describe({}, key, kind, what);
+    return get(condition && !walks(), key, kind, out);
+  }
+
   /// The names of keys, and what reads all of them.
   using alternative = std::pair<std::vector<std::string_view>, part_reader>;
   void either(const std::vector<alternative>& choices);
@@ -249,8 +249,8 @@ private:
   std::size_t problems_before_ = 0;
   std::vector<std::string> asked_;
   std::vector<std::string> good_; ///< those whose values were read
-  bool in_choice_ = false; ///< what is read is one of several possibilities
-  bool silent_ = false;    ///< what the table is could not be read, so its keys mean nothing
+  bool in_choice_ = false;        ///< what is read is one of several possibilities
+  bool silent_ = false;           ///< what the table is could not be read, so its keys mean nothing
 };
 
 } // namespace rubicon::config
