@@ -9,7 +9,7 @@
 
 #include "config/island/mote_readers.hpp"
 #include "config/load.hpp"
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "config/plan/ecology.hpp"
 #include "config/plan/references.hpp"
 #include "config/toml/table_reader.hpp"
@@ -40,10 +40,10 @@ struct surroundings {
   std::uint32_t group_motes = 0; ///< of all groups so far
   mote_types types;
   std::set<std::string> types_used;
-  name_claims end_names; ///< of peers and gateways (ADR-02)
-  claims<std::int64_t> end_ids;
-  claims<std::uint32_t> island_ids;
-  claims<std::string> files; ///< that recorders write
+  name_uniqueness end_names; ///< of peers and gateways (ADR-02)
+  uniqueness<std::int64_t> end_ids;
+  uniqueness<std::uint32_t> island_ids;
+  uniqueness<std::string> files; ///< that recorders write
 };
 
 /// [[radio.link]], to be checked when the airs are known.

@@ -7,7 +7,7 @@
 
 #include "config/checks/doubts.hpp"
 #include "config/checks/tuple_keys.hpp"
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "config/plan/counts.hpp"
 #include "proxy/classes/layout.hpp"
 

@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "config/checks/doubts.hpp"
-#include "config/checks/reach.hpp"
+#include "config/checks/connectivity.hpp"
 #include "config/toml/document.hpp"
 #include "core/numbers/math.hpp"
 #include "radio/medium/tossim_files.hpp"
@@ -203,7 +203,7 @@ std::vector<std::size_t> unreached_of_many(const std::vector<station>& all,
     if (each.is_sink)
       sinks.push_back(each.place);
   }
-  return out_of_reach_of(sinks, places,
+  return disconnected_from_any(sinks, places,
                          range_m(radio.propagation, budget_db + soft_edge_db, deviations_max));
 }
 

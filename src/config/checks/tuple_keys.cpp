@@ -4,7 +4,7 @@
 #include <utility>
 #include <variant>
 
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "core/tuples/device_keys.hpp"
 #include "proxy/classes/class_table.hpp"
 #include "proxy/classes/signature.hpp"

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "config/checks/reach.hpp"
+#include "config/checks/connectivity.hpp"
 #include "core/numbers/math.hpp"
 #include "core/overloads.hpp"
 #include "core/text/decimal.hpp"

@@ -48,7 +48,7 @@ void read_level(table_reader& in, actuator_config& out) {
 } // namespace
 
 void read_actuators(table_reader& in, std::vector<device::actuator_config>& out) {
-  name_claims names;
+  name_uniqueness names;
   in.tables(
       "actuators", "actuators",
       {"actuators; those of a mote replace those of its type with the same name, or are added",
@@ -61,7 +61,7 @@ void read_actuators(table_reader& in, std::vector<device::actuator_config>& out)
                   {"dimmer", [&config](table_reader& y) { read_dimmer(y, config); }},
                   {"level", [&config](table_reader& y) { read_level(y, config); }}});
         if (!config.name.empty())
-          names.claim(config.name, "actuator", x.at("name"), x.problems());
+          names.add(config.name, "actuator", x.at("name"), x.problems());
         std::erase_if(out, [&config](const auto& y) { return y.name == config.name; });
         out.push_back(std::move(config));
       });

@@ -22,7 +22,7 @@ public:
       if (island->outside.has_sink())
         problems.add(each.at,
                      "island `" + island->name + "` has a real sink: its motes use real radios");
-      placed_.claim(each.value, "island `" + island->name + '`', each.at, problems,
+      placed_.add(each.value, "island `" + island->name + '`', each.at, problems,
                     "already belongs to a radio medium");
       if (first == nullptr)
         first = island;
@@ -40,7 +40,7 @@ private:
   }
 
   const std::vector<island_description>& islands_;
-  claims<island_id> placed_;
+  uniqueness<island_id> placed_;
 };
 
 bool holds(const air_description& air, island_id island) {
@@ -67,7 +67,7 @@ auto air_member_keys() {
 std::vector<air_description> read_airs(table_reader& root,
                                        const std::vector<island_description>& islands) {
   std::vector<air_description> out;
-  name_claims air_names;
+  name_uniqueness air_names;
   island_airs placed(islands);
   root.tables("air", "[[air]]", "islands that share a place", [&](table_reader& in) {
     air_description air;
@@ -76,7 +76,7 @@ std::vector<air_description> read_airs(table_reader& root,
     in.all(found, air_member_keys());
     auto& members = found.islands;
     if (in.is_good("name"))
-      air_names.claim(air.name, "air name", in.at("name"), in.problems());
+      air_names.add(air.name, "air name", in.at("name"), in.problems());
     placed.place(members, in.problems());
     air.islands = values_of(std::move(members));
     for (const auto& island : islands) {

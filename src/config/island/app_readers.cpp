@@ -105,9 +105,9 @@ placed_app read_sampler(table_reader& in) {
   if (in.sound() && app.jitter > app.every)
     in.problems().add(in.at("jitter"),
                       "`jitter` must not be longer than `every`, which is " + to_text(app.every));
-  claims<device::quantity> listed;
+  uniqueness<device::quantity> listed;
   for (const auto& each : found) {
-    listed.claim(each.value, "transducer `" + in.shared().quantities.word_of(each.value) + '`',
+    listed.add(each.value, "transducer `" + in.shared().quantities.word_of(each.value) + '`',
                  each.at, in.problems(), "is already listed");
     out.needs_at.push_back(each.at);
   }

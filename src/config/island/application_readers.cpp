@@ -20,12 +20,12 @@ constexpr std::size_t streams_max = 32;
 std::vector<apps::synapse> read_synapses(table_reader& in, std::string_view key,
                                          const about& what) {
   std::vector<apps::synapse> out;
-  claims<mote_address> listed;
+  uniqueness<mote_address> listed;
   in.tables(key, "synapses", what, [&](table_reader& x) {
     apps::synapse end;
     x.all(end);
     if (end.other != mote_address{})
-      listed.claim(end.other, "the channel with " + to_string(end.other), x.at("node"),
+      listed.add(end.other, "the channel with " + to_string(end.other), x.at("node"),
                    x.problems(), "is already listed");
     out.push_back(end);
   });
@@ -104,9 +104,9 @@ std::vector<std::uint16_t> read_streams(table_reader& in) {
   stream_list list;
   in.all(list, stream_list_keys());
   auto& found = list.streams;
-  claims<std::uint16_t> listed;
+  uniqueness<std::uint16_t> listed;
   for (const auto& each : found)
-    listed.claim(each.value, "stream " + std::to_string(each.value), each.at, in.problems(),
+    listed.add(each.value, "stream " + std::to_string(each.value), each.at, in.problems(),
                  "is already listed");
   return values_of(std::move(found));
 }
@@ -121,7 +121,7 @@ placed_program read_average(table_reader& in) {
   apps::average_config app;
   app.streams = read_streams(in);
   in.all(app);
-  claims<std::uint16_t> listed;
+  uniqueness<std::uint16_t> listed;
   in.tables(
       "outputs", "outputs of an average", "receivers of the mean",
       [&](table_reader& x) {
@@ -130,7 +130,7 @@ placed_program read_average(table_reader& in) {
         if (std::ranges::find(app.streams, to.stream) != app.streams.end())
           x.problems().add(x.at("stream"),
                            "stream " + std::to_string(to.stream) + " is read by this average");
-        listed.claim(to.stream, "stream " + std::to_string(to.stream), x.at("stream"), x.problems(),
+        listed.add(to.stream, "stream " + std::to_string(to.stream), x.at("stream"), x.problems(),
                      "is already listed");
         app.outputs.push_back(to);
       },
@@ -146,13 +146,13 @@ placed_program read_stream_switch(table_reader& in) {
   return {app, {}};
 }
 
-placed_program read_recorder(table_reader& in, claims<std::string>& files) {
+placed_program read_recorder(table_reader& in, uniqueness<std::string>& files) {
   apps::recorder_config app;
   app.streams = read_streams(in);
   in.all(app);
   in.all(app, record_file_keys());
   if (in.is_good("file"))
-    files.claim(app.file, "file `" + app.file + '`', in.at("file"), in.problems(),
+    files.add(app.file, "file `" + app.file + '`', in.at("file"), in.problems(),
                 "is already written by the recorder");
   return {std::move(app), {}};
 }
@@ -212,7 +212,7 @@ std::vector<program_kind> mote_programs(const table_reader& in) {
                      in);
 }
 
-std::vector<program_kind> pc_programs(const table_reader& in, claims<std::string>& files) {
+std::vector<program_kind> pc_programs(const table_reader& in, uniqueness<std::string>& files) {
   return with_custom({{"stream_reader", read_stream_reader},
                       {"reservoir", [&](table_reader& x) { return read_reservoir(x, false); }},
                       {"readout", [&](table_reader& x) { return read_readout(x); }},
@@ -224,9 +224,9 @@ std::vector<program_kind> pc_programs(const table_reader& in, claims<std::string
 
 std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_view key,
                                                const std::string& title,
-                                               claims<std::string>& files) {
+                                               uniqueness<std::string>& files) {
   std::vector<apps::app_config> out;
-  end_claims ends;
+  end_uniqueness ends;
   in.tables(key, title,
             {"programs of its PC; they are notified of each mote that joins the island; only if it "
              "is the island's only gateway",
@@ -236,7 +236,7 @@ std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_vie
               for (const auto& [word, read] : pc_programs(in, files))
                 choices.emplace_back(word, [&, read = read](table_reader& y) {
                   out.push_back(read(y).app);
-                  ends.claim(out.back(), y.at("app"), y.problems());
+                  ends.add(out.back(), y.at("app"), y.problems());
                 });
               x.one_of("app", "which program", choices);
             });

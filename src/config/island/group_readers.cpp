@@ -86,11 +86,11 @@ auto member_group_keys() {
                                  text{smepp::group_description::name_max}, "its name"));
 }
 
-smepp::group_description read_group(table_reader& in, std::uint64_t seed, name_claims& names) {
+smepp::group_description read_group(table_reader& in, std::uint64_t seed, name_uniqueness& names) {
   smepp::group_description out;
   in.all(out, group_keys());
   if (in.is_good("name"))
-    names.claim(out.name, "group", in.at("name"), in.problems());
+    names.add(out.name, "group", in.at("name"), in.problems());
   group_secret secret;
   in.all(secret, group_secret_keys(out.name));
   if (in.has("master_key") && in.sound() && !out.is_closed && !out.is_private)
@@ -132,7 +132,7 @@ smepp::group_settings read_smepp(table_reader& root, std::uint64_t seed) {
                in.all(out.energy);
                in.all(out);
                in.all(out, sender_secret_keys());
-               name_claims names;
+               name_uniqueness names;
                in.tables(
                    "group", "[[smepp.group]]",
                    "groups that motes with the app `member` create and join",
@@ -156,13 +156,13 @@ placed_app read_member(table_reader& in) {
   if (in.is_good("group") && !in.names().groups.contains(app.group))
     in.problems().add(in.at("group"), "there is no [[smepp.group]] " + in_quotes(app.group));
   in.all(app);
-  claims<std::string> events;
+  uniqueness<std::string> events;
   in.tables("subscribes", "subscriptions of a member",
             {"events that it subscribes to once it is a member", "none"}, [&](table_reader& x) {
               smepp::wanted_event wanted;
               x.all(wanted);
               if (!wanted.event.empty())
-                events.claim(wanted.event, "event `" + wanted.event + '`', x.at("event"),
+                events.add(wanted.event, "event `" + wanted.event + '`', x.at("event"),
                              x.problems(), "is already listed");
               if (x.sound() && wanted.until && *wanted.until <= wanted.from)
                 x.problems().add(x.at("until"), "`until` must be later than `from`, which is " +
@@ -172,14 +172,14 @@ placed_app read_member(table_reader& in) {
   if (app.subscribes.size() > wanted_max)
     in.problems().add(in.at("subscribes"),
                       "`subscribes` must not have more than 8 events: a mote's table has no room");
-  claims<std::string> raised;
+  uniqueness<std::string> raised;
   in.tables("raises", "events of a member",
             {"events that it raises while a member subscribes to them", "none"},
             [&](table_reader& x) {
               smepp::raised_event event;
               x.all(event);
               if (!event.event.empty())
-                raised.claim(event.event, "event `" + event.event + '`', x.at("event"),
+                raised.add(event.event, "event `" + event.event + '`', x.at("event"),
                              x.problems(), "is already listed");
               if (event.transducer)
                 out.needs_at.push_back(x.at("transducer"));

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "config/checks/reach.hpp"
+#include "config/checks/connectivity.hpp"
 #include "config/checks/slot_check.hpp"
 #include "config/island/layouts.hpp"
 #include "config/island/model_readers.hpp"
@@ -193,9 +193,9 @@ void island_motes::read_mote(table_reader& in) {
   read_backbone(in, out);
   if (has_id) {
     static_cast<void>(settle_traces(out.transducers, out.id, in.at("id"), in.shared()));
-    const bool id_is_free = claim_id(out.id, in.at("id"), in.problems());
+    const bool id_is_free = add_id(out.id, in.at("id"), in.problems());
     if (id_is_free || in.has("name")) // a default name is taken together with its id
-      names_.claim(out.name, "mote name", in.at("name"), in.problems());
+      names_.add(out.name, "mote name", in.at("name"), in.problems());
     static_cast<void>(check_node(out.id, out.name, in.at("id"), in.problems()));
   }
   if (has_place)
@@ -275,8 +275,8 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
       mote.place = places[i];
     // The first mistake of each kind will do.
     const auto id_at = in.at(in.has("first") ? "first" : "count");
-    ids_are_free = claim_id(mote.id, id_at, in.problems()) &&
-                   names_.claim(mote.name, "mote name",
+    ids_are_free = add_id(mote.id, id_at, in.problems()) &&
+                   names_.add(mote.name, "mote name",
                                 in.at(in.has("prefix") ? "prefix" : "count"), in.problems());
     has_node = has_node && check_node(mote.id, mote.name, id_at, in.problems());
     has_traces = has_traces && settle_traces(mote.transducers, mote.id, id_at, in.shared());
@@ -288,7 +288,7 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
   }
 }
 
-bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
+bool island_motes::add_id(mote_id id, mark at, complaints& problems) {
   taken_.insert(id.value);
   const bool is_real = island_.real.is_there() && island_.real.motes.has(id);
   if (id == island_.sink.id)
@@ -296,12 +296,12 @@ bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
   else if (is_real)
     problems.add(at, "mote id " + to_string(id) +
                          " is in the range of `real`, whose motes are not simulated");
-  return ids_.claim(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id &&
+  return ids_.add(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id &&
          !is_real;
 }
 
 /// Each mote that stands still must have a route to the sink, over others if need be.
-void island_motes::check_reach(complaints& problems) const {
+void island_motes::check_connectivity(complaints& problems) const {
   if (!range_m_ || !joins() || island_.outside.has_sink())
     return;
   std::vector<position> sinks{island_.sink.place};
@@ -316,7 +316,7 @@ void island_motes::check_reach(complaints& problems) const {
       sinks.push_back(island_.motes[i].place);
   }
   std::set<mark> told; // one mote of a group will do
-  for (const auto i : out_of_reach_of(sinks, places, *range_m_)) {
+  for (const auto i : disconnected_from_any(sinks, places, *range_m_)) {
     const auto& mote = island_.motes[motes[i]];
     const auto at = placed_at_.find(mote.id);
     if (mote.path.empty() && at != placed_at_.end() && told.insert(at->second).second)
@@ -385,7 +385,7 @@ void island_motes::finish(complaints& problems) {
   constexpr unsigned hops_max = 1024;
   std::sort(island_.motes.begin(), island_.motes.end(),
             [](const auto& a, const auto& b) { return a.id < b.id; });
-  check_reach(problems);
+  check_connectivity(problems);
   check_tick(traffic_, island_.serial, with_.tick, vectors_at_, problems);
   // Where radios sleep there are no slots: channels have schedules, or receivers no certain time.
   if (!programs_at_.empty() && !island_.duty.enabled && !island_.listening.enabled())

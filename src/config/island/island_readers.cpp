@@ -232,11 +232,11 @@ alias_description read_alias(table_reader& in, surroundings& with, const island_
                       "an island has at most " + std::to_string(aliases_max + 1) + " gateways");
   in.all(out, alias_keys());
   if (in.is_good("id") &&
-      with.end_ids.claim(out.id.value, "PEIS id " + to_string(out.id), in.at("id"), in.problems()))
-    with.island_ids.claim(static_cast<std::uint32_t>(out.id.value),
+      with.end_ids.add(out.id.value, "PEIS id " + to_string(out.id), in.at("id"), in.problems()))
+    with.island_ids.add(static_cast<std::uint32_t>(out.id.value),
                           "island id " + to_string(out.id), in.at("id"), in.problems());
   if (!of.name.empty() || in.has("name"))
-    with.end_names.claim(out.name, "peer or gateway name", in.at(in.has("name") ? "name" : "id"),
+    with.end_names.add(out.name, "peer or gateway name", in.at(in.has("name") ? "name" : "id"),
                          in.problems());
   out.links = read_links(in, {out.name}, "peers that it connects to");
   in.table("serial", "[island.alias.serial]", "its cable",
@@ -276,17 +276,17 @@ real_names read_parts(table_reader& in, surroundings& with, bool name_is_free,
   auto names = read_real(in, with, out);
   read_plain(in, out);
   mark name_at = in.at("name");
-  bool claims_name = name_is_free; // a default name is taken together with the island's
+  bool adds_name = name_is_free; // a default name is taken together with the island's
   in.table("gateway", "[island.gateway]", "connection of the island to the PEIS network",
            [&](table_reader& x) {
              read_gateway(x, with, out);
              if (x.has("name")) {
                name_at = x.at("name");
-               claims_name = true;
+               adds_name = true;
              }
            });
-  if (claims_name)
-    with.end_names.claim(out.gateway_name, "peer or gateway name", name_at, in.problems());
+  if (adds_name)
+    with.end_names.add(out.gateway_name, "peer or gateway name", name_at, in.problems());
   in.tables("alias", "[[island.alias]]", {"further gateways, at most 3", "none"},
             [&](table_reader& x) { out.aliases.push_back(read_alias(x, with, out)); });
   check_aliases(in, out);
@@ -315,21 +315,21 @@ void refuse_membership(table_reader& in) {
 }
 
 /// The id of an island with a gateway is a PEIS id too (ADR-02).
-void claim_island_id(const table_reader& in, surroundings& with, const island_description& x) {
+void add_island_id(const table_reader& in, surroundings& with, const island_description& x) {
   const bool is_free =
       x.stack == stack::mac ||
-      with.end_ids.claim(x.id.value, "PEIS id " + to_string(x.id), in.at("id"), in.problems());
+      with.end_ids.add(x.id.value, "PEIS id " + to_string(x.id), in.at("id"), in.problems());
   if (is_free)
-    with.island_ids.claim(x.id.value, "island id " + to_string(x.id), in.at("id"), in.problems());
+    with.island_ids.add(x.id.value, "island id " + to_string(x.id), in.at("id"), in.problems());
 }
 
-island_description read_island(table_reader& in, surroundings& with, name_claims& names) {
+island_description read_island(table_reader& in, surroundings& with, name_uniqueness& names) {
   island_description out;
   in.all(out, island_keys());
   const bool name_is_free =
-      in.is_good("name") && names.claim(out.name, "island name", in.at("name"), in.problems());
+      in.is_good("name") && names.add(out.name, "island name", in.at("name"), in.problems());
   if (in.is_good("id"))
-    claim_island_id(in, with, out);
+    add_island_id(in, with, out);
   const auto before_sink = in.problems().size();
   out.sink.platform = radio::find_platform("micaz");
   std::vector<placed_app> sink_apps;
@@ -356,7 +356,7 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
   const auto before_motes = in.problems().size();
   island_motes motes(with, out, sink_is_good);
   for (const auto& [at, name] : names_of_real)
-    motes.claim_name(name, at, in.problems());
+    motes.add_name(name, at, in.problems());
   motes.add_sink(in, std::move(sink_apps), in.at("sink"));
   in.tables("mote", "[[island.mote]]", {"also as `mote = [{ ... }, { ... }]`", "none"},
             [&](table_reader& x) { motes.read_mote(x); });
@@ -392,7 +392,7 @@ surroundings::surroundings(reading& all, const radio::channel_config& channel,
 
 std::vector<island_description> read_islands(table_reader& root, surroundings& with) {
   std::vector<island_description> out;
-  name_claims names;
+  name_uniqueness names;
   root.tables("island", "[[island]]",
               "motes around one sink; a file has at least an island or a peer",
               [&](table_reader& x) { out.push_back(read_island(x, with, names)); });

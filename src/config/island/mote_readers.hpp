@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "config/plan/ecology.hpp"
 #include "config/plan/references.hpp"
 #include "config/toml/table_reader.hpp"

@@ -203,7 +203,7 @@ void read_macs(table_reader& in, radio::channel_config& out) {
 }
 
 void read_radio_links(table_reader& in, radio::channel_config& out, std::vector<mark>& places) {
-  claims<std::pair<mote_address, mote_address>> pairs;
+  uniqueness<std::pair<mote_address, mote_address>> pairs;
   in.tables("link", "[[radio.link]]", {"links with their own loss or gain", "none"},
             [&](table_reader& x) {
               radio::link_override link;
@@ -214,7 +214,7 @@ void read_radio_links(table_reader& in, radio::channel_config& out, std::vector<
               if (ends && link.from == link.to)
                 x.problems().add(x.at("to"), "a link leads from one mote to another");
               else if (ends)
-                pairs.claim({link.from, link.to}, "the link", x.at("to"), x.problems(),
+                pairs.add({link.from, link.to}, "the link", x.at("to"), x.problems(),
                             "is already listed");
               places.push_back(x.at());
               out.links.push_back(link);

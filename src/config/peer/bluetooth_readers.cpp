@@ -96,9 +96,9 @@ void read_adapter_names(table_reader& in, peer_description& out) {
   }
   adapter_list adapters;
   in.all(adapters);
-  claims<std::string> named;
+  uniqueness<std::string> named;
   for (const auto& each : adapters.names)
-    named.claim(each.value, "the adapter `" + each.value + '`', each.at, in.problems(),
+    named.add(each.value, "the adapter `" + each.value + '`', each.at, in.problems(),
                 "is already listed");
   out.bluetooth = values_of(std::move(adapters.names));
 }
@@ -147,16 +147,16 @@ void read_bluetooth(table_reader& in, bluetooth_description& out) {
 std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root) {
   need_bluetooth(root, "bluetooth_device");
   std::vector<bluetooth_device> out;
-  name_claims names;
-  claims<peis::bluetooth_address> addresses;
+  name_uniqueness names;
+  uniqueness<peis::bluetooth_address> addresses;
   root.tables("bluetooth_device", "[[bluetooth_device]]",
               "devices with Bluetooth that are not peers", [&](table_reader& in) {
                 bluetooth_device x;
                 in.all(x, device_keys());
                 if (in.is_good("name"))
-                  names.claim(x.name, "device name", in.at("name"), in.problems());
+                  names.add(x.name, "device name", in.at("name"), in.problems());
                 if (in.is_good("address"))
-                  addresses.claim(x.address, "Bluetooth address " + to_string(x.address),
+                  addresses.add(x.address, "Bluetooth address " + to_string(x.address),
                                   in.at("address"), in.problems());
                 out.push_back(std::move(x));
               });

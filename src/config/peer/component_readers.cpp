@@ -135,7 +135,7 @@ public:
     const auto host = !peer.host.empty() ? "host `" + peer.host + '`'
                       : here             ? std::string("this computer")
                                          : "peer `" + peer.name + '`';
-    return hosts_.claim(host, host, x.at, with_.shared.problems, "already has an init");
+    return hosts_.add(host, host, x.at, with_.shared.problems, "already has an init");
   }
 
   /// @returns whether the component is good
@@ -203,7 +203,7 @@ private:
 
   std::vector<peer_description>& peers_;
   surroundings& with_;
-  claims<std::string> hosts_;
+  uniqueness<std::string> hosts_;
   std::set<peer_id> ids_;
   std::map<peer_id, std::set<std::string>> names_; ///< of each init's components
 };

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "config/file_readers.hpp"
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "core/text/decimal.hpp"
 #include "goal/pursuer_keys.hpp"
 #include "peis/tuples/meta_tuple.hpp"
@@ -97,15 +97,15 @@ auto pursuer_name_keys() {
 /// The names below that of one pursuer.
 class pursuer_names {
 public:
-  void claim(const table_reader& in, const std::string& name) {
+  void add(const table_reader& in, const std::string& name) {
     constexpr std::array<std::string_view, 3> set_by_all{"goal", "state", "outcome"};
     if (std::ranges::find(set_by_all, folded(name)) != set_by_all.end())
       in.problems().add(in.at("name"), '`' + name + "` is a tuple of its own");
-    names_.claim(name, "name", in.at("name"), in.problems());
+    names_.add(name, "name", in.at("name"), in.problems());
   }
 
 private:
-  name_claims names_;
+  name_uniqueness names_;
 };
 
 /// The key of what an input points at first; empty: its own tuple, or nothing.
@@ -118,9 +118,9 @@ void read_input(table_reader& in, pursuer_names& own, goal::pursuer_config& out)
   goal::input_config found;
   in.all(found, goal_input_keys());
   if (in.is_good("name")) {
-    own.claim(in, found.name);
+    own.add(in, found.name);
     if (is_name("mi-" + found.name))
-      own.claim(in, "mi-" + found.name);
+      own.add(in, "mi-" + found.name);
     else
       in.problems().add(in.at("name"),
                         "`mi-" + found.name + "` would be longer than 32 characters");
@@ -135,7 +135,7 @@ void read_output(table_reader& in, pursuer_names& own, goal::pursuer_config& out
   goal::output_config found;
   in.all(found, output_start_keys());
   if (in.is_good("name"))
-    own.claim(in, found.name);
+    own.add(in, found.name);
   const bool has_value = in.is_good("value");
   in.all(found);
   if (has_value && in.has("step") && !number_in(found.value))
@@ -208,13 +208,13 @@ void read_state(table_reader& in, const goal::pursuer_config& own, goal::goal_co
   out.states.push_back(std::move(found));
 }
 
-void read_goal(table_reader& in, claims<std::string>& goals, goal::pursuer_config& out) {
+void read_goal(table_reader& in, uniqueness<std::string>& goals, goal::pursuer_config& out) {
   goal::goal_config found;
   in.all(found, goal_keys());
   if (in.is_good("goal")) {
     if (found.text == "none")
       in.problems().add(in.at("goal"), "`none` stands for no goal");
-    goals.claim(found.text, "goal `" + found.text + '`', in.at("goal"), in.problems());
+    goals.add(found.text, "goal `" + found.text + '`', in.at("goal"), in.problems());
   }
   in.tables(
       "states", "states", "one after the other, see below",
@@ -227,7 +227,7 @@ void read_goal(table_reader& in, claims<std::string>& goals, goal::pursuer_confi
 goal::pursuer_config read_pursuer(table_reader& in) {
   goal::pursuer_config out;
   pursuer_names own;
-  claims<std::string> goals;
+  uniqueness<std::string> goals;
   in.all(out, pursuer_name_keys());
   in.tables("inputs", "inputs of a goal app",
             {"see below; also as `[[peer.apps.inputs]]`, as the next two", "none"},

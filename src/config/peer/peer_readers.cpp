@@ -15,11 +15,11 @@ namespace {
 /// What all peers have in common.
 struct peer_surroundings {
   const std::vector<island_description>& islands;
-  claims<island_id> managed; ///< proxies map one-to-one to motes, so managers to islands (PXY-15)
-  claims<std::string> object_managers{}; ///< "objects": a tagged object has one proxy as well
-  name_claims readers{};
-  name_claims pursuers{};
-  claims<std::pair<std::string, std::uint32_t>> ports{}; ///< by host
+  uniqueness<island_id> managed; ///< proxies map one-to-one to motes, so managers to islands (PXY-15)
+  uniqueness<std::string> object_managers{}; ///< "objects": a tagged object has one proxy as well
+  name_uniqueness readers{};
+  name_uniqueness pursuers{};
+  uniqueness<std::pair<std::string, std::uint32_t>> ports{}; ///< by host
   machine_places places{};
   std::vector<placed_init> inits{};
 };
@@ -29,7 +29,7 @@ proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
   managed_islands found;
   in.all(out, object_manager_keys());
   if (out.objects)
-    with.object_managers.claim("objects", "the proxy manager of tagged objects", in.at("objects"),
+    with.object_managers.add("objects", "the proxy manager of tagged objects", in.at("objects"),
                                in.problems());
   in.all(found, managed_island_keys(out.objects || in.walks() ? 0 : 1));
   if (!in.has("islands")) {
@@ -44,7 +44,7 @@ proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
       in.problems().add(each.at,
                         "island `" + island->name + "` has no gateway, since its stack is \"mac\"");
     else if (island != with.islands.end() && each.value.value != 0)
-      with.managed.claim(each.value, "island `" + island->name + '`', each.at, in.problems(),
+      with.managed.add(each.value, "island `" + island->name + '`', each.at, in.problems(),
                          "already has a proxy manager");
   }
   out.islands = values_of(std::move(found.islands));
@@ -104,9 +104,9 @@ void read_identity(table_reader& in, surroundings& with, peer_table& out) {
   }
   bool free = true;
   for (std::uint32_t i = 0; i < out.count && free; ++i) { // the first mistake will do
-    free = !has_id || with.end_ids.claim(out.id(i).value, "PEIS id " + to_string(out.id(i)),
+    free = !has_id || with.end_ids.add(out.id(i).value, "PEIS id " + to_string(out.id(i)),
                                          in.at("id"), in.problems());
-    free = (!has_name || with.end_names.claim(out.name(i), "peer or gateway name", in.at("name"),
+    free = (!has_name || with.end_names.add(out.name(i), "peer or gateway name", in.at("name"),
                                               in.problems())) &&
            free;
   }
@@ -147,7 +147,7 @@ void read_tcp(table_reader& in, const peer_table& peers, peer_surroundings& all,
         bool free = true;
         for (std::uint32_t i = 0; i < peers.count && free; ++i)
           free =
-              all.ports.claim({peers.like.host, port + i}, "TCP port " + std::to_string(port + i),
+              all.ports.add({peers.like.host, port + i}, "TCP port " + std::to_string(port + i),
                               x.at("port"), x.problems());
       });
   in.instead_of_table("tcp", flag{});
@@ -201,18 +201,18 @@ rfid::reader_config read_reader(table_reader& in, const peer_table& peers, peer_
   if (peers.count > 1)
     in.problems().add(in.at("app"), "a place has one reader, not " + std::to_string(peers.count));
   else if (!out.name.empty())
-    all.readers.claim(out.name, "reader", in.has("name") ? in.at("name") : in.at("app"),
+    all.readers.add(out.name, "reader", in.has("name") ? in.at("name") : in.at("app"),
                       in.problems());
   return out;
 }
 
 /// A pursuer without a name has that of its peer, so peers with a `count` have one each.
-void claim_pursuer(const table_reader& in, const peer_table& peers, peer_surroundings& all,
+void add_pursuer(const table_reader& in, const peer_table& peers, peer_surroundings& all,
                    const std::string& name) {
   const auto at = in.has("name") ? in.at("name") : in.at("app");
   for (std::uint32_t i = 0; i < peers.count; ++i) { // the first mistake will do
     const auto& own = name.empty() ? peers.name(i) : name;
-    if (!own.empty() && !all.pursuers.claim(own, "pursuer", at, in.problems()))
+    if (!own.empty() && !all.pursuers.add(own, "pursuer", at, in.problems()))
       return;
   }
 }
@@ -225,7 +225,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
   in.all(like, peer_host_keys());
   read_connections(in, with, peers, apps, like);
   read_adapters(in, with.mode, apps.places, like);
-  end_claims ends;
+  end_uniqueness ends;
   in.shared().seen.peer = like.name;
   in.tables("apps", "apps of a peer", {"its programs", "none"}, [&](table_reader& x) {
     const auto add = [&like](peer_app app) { like.apps.push_back(std::move(app)); };
@@ -244,7 +244,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
         {"goal",
          [&](table_reader& y) {
            auto app = read_pursuer(y);
-           claim_pursuer(y, peers, apps, app.name);
+           add_pursuer(y, peers, apps, app.name);
            add(std::move(app));
          }},
         {"init", [&](table_reader& y) {
@@ -262,7 +262,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
           y.problems().add(y.at("app"),
                            "a file has one recorder, not " + std::to_string(peers.count));
         auto program = read(y).app;
-        ends.claim(program, y.at("app"), y.problems());
+        ends.add(program, y.at("app"), y.problems());
         add(std::move(program));
       });
     x.one_of("app", "which program", choices);
@@ -289,11 +289,11 @@ std::vector<std::string> read_links(table_reader& in, const std::vector<std::str
                                     const char* whom) {
   link_list found;
   in.all(found, peer_links_keys(whom));
-  claims<std::string> listed;
+  uniqueness<std::string> listed;
   for (const auto& each : found.links) {
     if (std::find(own_names.begin(), own_names.end(), each.value) != own_names.end())
       in.problems().add(each.at, "`" + each.value + "` cannot have a link to itself");
-    listed.claim(each.value, "the link to `" + each.value + '`', each.at, in.problems(),
+    listed.add(each.value, "the link to `" + each.value + '`', each.at, in.problems(),
                  "is already listed");
   }
   return values_of(std::move(found.links));

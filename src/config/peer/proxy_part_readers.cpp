@@ -179,12 +179,12 @@ std::optional<sent_count> count_of(const mote_description& mote, std::uint16_t c
 
 } // namespace
 
-void tuple_names::claim(const std::string& name, mark at, complaints& problems) {
+void tuple_names::add(const std::string& name, mark at, complaints& problems) {
   constexpr std::array<std::string_view, 6> set_by_all{"status", "class",     "id",
                                                        "island", "interface", "position"};
   if (std::ranges::find(set_by_all, name) != set_by_all.end())
     problems.add(at, "`" + name + "` is a tuple that proxies set by themselves");
-  names_.claim(name, "name", at, problems);
+  names_.add(name, "name", at, problems);
 }
 
 placed_template read_tuple_template(table_reader& in) {
@@ -266,7 +266,7 @@ void read_program(table_reader& in, const proxy::program_registry& programs, tup
   }
   out.make_program = std::get<proxy::program_factory>(std::move(made));
   for (const auto& name : out.make_program()->names())
-    names.claim(name, in.at("program"), in.problems());
+    names.add(name, in.at("program"), in.problems());
 }
 
 void check_streams(const std::vector<placed_stream>& all,

@@ -92,7 +92,7 @@ void read_field(table_reader& in, tuple_names& names, placed_fields& placed,
   proxy::field field;
   in.all(field, field_name_keys());
   if (in.is_good("name"))
-    names.claim(field.name, in.at("name"), in.problems());
+    names.add(field.name, in.at("name"), in.problems());
   if (out.ids.empty()) {
     in.all(field, field_channel_keys(!in.has("stream")));
     read_stream(in, field, out.name, placed);
@@ -141,9 +141,9 @@ void read_input(table_reader& in, tuple_names& names, proxy::proxy_class& out) {
   proxy::input input;
   in.all(input, input_keys());
   if (in.is_good("name"))
-    names.claim(input.name, in.at("name"), in.problems());
+    names.add(input.name, in.at("name"), in.problems());
   if (input.meta && !input.name.empty())
-    names.claim("mi-" + input.name, in.at("meta"), in.problems());
+    names.add("mi-" + input.name, in.at("meta"), in.problems());
   read_numbers(in, input);
   input_words words;
   in.all(words, input_word_keys(!in.has("encoding")));
@@ -168,25 +168,25 @@ std::vector<std::pair<std::string, std::string>> read_properties(table_reader& i
       in.problems().add(key.at, "a property's name must have 1 to 32 letters, digits, - and _, "
                                 "unlike " +
                                     in_quotes(key.value));
-    names.claim(key.value, key.at, in.problems());
+    names.add(key.value, key.at, in.problems());
     out.emplace_back(key.value, std::move(value));
   }
   return out;
 }
 
 /// Who of a [[proxy.object]] it is: a mote by its name.
-void read_known_mote(table_reader& in, name_claims& ids, proxy::known_object& found) {
+void read_known_mote(table_reader& in, name_uniqueness& ids, proxy::known_object& found) {
   known_mote known;
   in.all(known);
   if (in.is_good("mote")) {
     found.id = proxy::proxy_id(known.mote);
-    ids.claim(found.id, "mote", in.at("mote"), in.problems());
+    ids.add(found.id, "mote", in.at("mote"), in.problems());
   }
   found.place = known.place;
 }
 
 /// [[proxy.object]]
-void read_object(table_reader& in, const tuple_names& of_class, name_claims& ids,
+void read_object(table_reader& in, const tuple_names& of_class, name_uniqueness& ids,
                  proxy::proxy_class& out) {
   proxy::known_object found;
   if (out.ids.empty() || in.walks()) {
@@ -195,7 +195,7 @@ void read_object(table_reader& in, const tuple_names& of_class, name_claims& ids
   if (!out.ids.empty() || in.walks()) {
     in.all(found, tagged_object_keys());
     if (in.is_good("id"))
-      ids.claim(found.id, "object", in.at("id"), in.problems());
+      ids.add(found.id, "object", in.at("id"), in.problems());
   }
   auto names = of_class;
   found.properties = read_properties(in, names);
@@ -282,9 +282,9 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root,
                                              const std::vector<peer_description>& peers) {
   std::vector<proxy::proxy_class> out;
   std::vector<placed_range> ranges;
-  name_claims classes;
-  name_claims ids;
-  name_claims objects;
+  name_uniqueness classes;
+  name_uniqueness ids;
+  name_uniqueness objects;
   placed_fields placed;
   root.tables("proxy", "[[proxy]]", "decodes the octets of motes, or represents tagged objects",
               [&](table_reader& in) {
@@ -292,10 +292,10 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root,
                 tuple_names names;
                 in.all(found, class_name_keys());
                 if (in.is_good("name"))
-                  classes.claim(found.name, "proxy name", in.at("name"), in.problems());
+                  classes.add(found.name, "proxy name", in.at("name"), in.problems());
                 auto scope = read_scope(in);
                 for (const auto& [value, at] : scope.ids)
-                  ids.claim(value.channel + '/' + value.prefix, "id pattern", at, in.problems());
+                  ids.add(value.channel + '/' + value.prefix, "id pattern", at, in.problems());
                 for (const auto& each : scope.types)
                   ranges.push_back({each.value, each.at, found.name});
                 found.types = values_of(std::move(scope.types));
@@ -320,9 +320,9 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root,
                 std::vector<placed_template> templates;
                 in.tables("tuple", "[[proxy.tuple]]", {"tuples with other keys and forms", "none"},
                           [&](table_reader& x) { templates.push_back(read_tuple_template(x)); });
-                claims<std::string> keys;
+                uniqueness<std::string> keys;
                 for (auto& each : templates) {
-                  keys.claim(folded(each.what.key), "the key `" + each.what.key + '`', each.key_at,
+                  keys.add(folded(each.what.key), "the key `" + each.what.key + '`', each.key_at,
                              in.problems());
                   check_tuple_template(each, found, in.problems());
                   found.tuples.push_back(std::move(each.what));

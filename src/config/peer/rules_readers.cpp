@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "config/file_readers.hpp"
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "peis/tuples/meta_tuple.hpp"
 #include "proxy/rules/rules_keys.hpp"
 

@@ -30,12 +30,12 @@ rfid::reader_config read_rfid_reader(table_reader& in, std::string_view peer_nam
 
 std::vector<tag_description> read_tags(table_reader& root) {
   std::vector<tag_description> out;
-  name_claims ids;
+  name_uniqueness ids;
   root.tables("tag", "[[tag]]", "tagged objects, which readers perceive", [&](table_reader& in) {
     tag_description found;
     in.all(found, tag_keys());
     if (in.is_good("id"))
-      ids.claim(found.id, "tag", in.at("id"), in.problems());
+      ids.add(found.id, "tag", in.at("id"), in.problems());
     found.id = folded(found.id);
     in.all(found, tag_place_keys(!in.has("path")));
     read_path(in, in.is_good("position_m"), found.place, found.path);

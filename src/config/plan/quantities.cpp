@@ -1,7 +1,7 @@
 #include "config/plan/quantities.hpp"
 
 #include "config/file_readers.hpp"
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 
 namespace rubicon::config {
 
@@ -51,15 +51,15 @@ auto quantity_keys() {
 
 void read_quantities(table_reader& root) {
   auto& out = root.shared().quantities;
-  name_claims names;
+  name_uniqueness names;
   for (const auto& each : out.all())
-    static_cast<void>(names.claim(each.name, "quantity", {}, root.problems()));
+    static_cast<void>(names.add(each.name, "quantity", {}, root.problems()));
   root.tables(
       "quantity", "[[quantity]]", "further quantities that motes measure", [&](table_reader& in) {
         own_quantity found;
         in.all(found, quantity_keys());
         auto& [name, unit] = found;
-        if (!in.is_good("name") || !names.claim(name, "quantity", in.at("name"), in.problems()))
+        if (!in.is_good("name") || !names.add(name, "quantity", in.at("name"), in.problems()))
           return;
         if (out.all().size() == device::quantities_max)
           in.problems().add(in.at(), "a file has at most " + std::to_string(quantities::own_max) +

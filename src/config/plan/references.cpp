@@ -4,7 +4,7 @@
 #include <charconv>
 #include <utility>
 
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "core/text/spelling.hpp"
 #include "peis/tuples/meta_tuple.hpp"
 
@@ -168,12 +168,12 @@ std::optional<peer_groups::type> peer_groups::read(const node& x, const asker& w
   if (!found)
     return std::nullopt;
   type out;
-  claims<peer_id> placed;
+  uniqueness<peer_id> placed;
   for (const auto& group : *found) {
     auto& peers = out.emplace_back();
     for (const auto& each : group.value)
       for (const auto id : each.value) {
-        placed.claim(id, "the peer with the id " + to_string(id), each.at, who.in.problems,
+        placed.add(id, "the peer with the id " + to_string(id), each.at, who.in.problems,
                      "is already in a group");
         peers.push_back(id);
       }

@@ -170,11 +170,11 @@ auto host_link_keys() {
           {"networks that those links may come from; others are closed at once", "anywhere"}));
 }
 
-host_description read_host(table_reader& in, name_claims& names) {
+host_description read_host(table_reader& in, name_uniqueness& names) {
   host_description host;
   in.all(host, host_keys());
   if (in.is_good("name"))
-    names.claim(host.name, "host name", in.at("name"), in.problems());
+    names.add(host.name, "host name", in.at("name"), in.problems());
   if (host.address.find(':') != std::string::npos)
     in.problems().add(in.at("address"), "`address` must be a DNS name or an IPv4 address, as in "
                                         "\"192.168.1.7\": links over IPv6 are not made");
@@ -189,7 +189,7 @@ host_description read_host(table_reader& in, name_claims& names) {
 
 std::vector<host_description> read_hosts(table_reader& root) {
   std::vector<host_description> out;
-  name_claims names;
+  name_uniqueness names;
   root.tables("host", "[[host]]", "computers; the first one runs everything that names no host",
               [&](table_reader& in) { out.push_back(read_host(in, names)); });
   return out;

@@ -1,4 +1,4 @@
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 
 namespace rubicon::config {
 
@@ -9,9 +9,9 @@ std::string folded(std::string_view name) {
   return out;
 }
 
-bool name_claims::claim(std::string_view name, std::string_view kind, mark at,
+bool name_uniqueness::add(std::string_view name, std::string_view kind, mark at,
                         complaints& problems) {
-  return names_.claim(folded(name), std::string(kind) + " `" + std::string(name) + '`', at,
+  return names_.add(folded(name), std::string(kind) + " `" + std::string(name) + '`', at,
                       problems);
 }
 
