@@ -145,11 +145,11 @@ loaded load_text(std::string_view toml, const std::string& file_name, const over
   table_reader in(std::get<node>(parsed), "the file", shared);
   auto ecology = read_file_tables(in, files);
   if (!shared.problems.empty())
-    return {std::nullopt, shared.problems.of_file(file_name), shared.problems.warnings()};
+    return {std::nullopt, shared.problems.of_file(file_name), shared.problems.skipped()};
   return {std::move(ecology),
           {},
-          shared.problems.warnings(),
-          shared.problems.doubts_of(file_name),
+          shared.problems.skipped(),
+          shared.problems.warnings_of(file_name),
           std::move(shared.seen)};
 }
 

@@ -21,10 +21,10 @@ namespace rubicon::config {
 struct loaded {
   std::optional<ecology_description> ecology; ///< only if there are no problems
   std::vector<problem> problems;              ///< in order of place, those of named files last
-  std::vector<problem> warnings = {};         ///< of named files that are left out
-  std::vector<problem> doubts = {}; ///< what is no mistake, but hardly what is meant, in order,
+  std::vector<problem> skipped = {};          ///< of named files that are left out
+  std::vector<problem> warnings = {}; ///< what is no mistake, but hardly what is meant, in order,
                                     ///< as far as it is seen while the file is read
-  file_places seen = {};            ///< for the rest of these: doubts.hpp
+  file_places seen = {};            ///< for the rest of these: warnings.hpp
 };
 
 /// What a command line may say in the place of the TOML file.

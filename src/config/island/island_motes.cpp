@@ -306,7 +306,7 @@ void island_motes::check_connectivity(complaints& problems) const {
     return;
   std::vector<position> sinks{island_.sink.place};
   std::vector<position> places;
-  std::vector<std::size_t> motes; // of those on another channel radio_doubts warns
+  std::vector<std::size_t> motes; // of those on another channel radio_warnings.cpp warns
   for (std::size_t i = 0; i < island_.motes.size(); ++i) {
     if (channel_of(island_, island_.motes[i]) != island_.channel)
       continue;

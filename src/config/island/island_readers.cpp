@@ -195,7 +195,7 @@ void warn_of_keep_alive(table_reader& in, const island_description& x) {
   const bool says_so = in.has("keep_alive");
   if (says_so ? x.keep_alive >= least : x.keep_alive > x.duty.period || !x.duty.enabled)
     return;
-  in.problems().doubt(in.at(says_so ? "keep_alive" : "duty_cycle"),
+  in.problems().warn(in.at(says_so ? "keep_alive" : "duty_cycle"),
                       "`keep_alive` is " + to_text(x.keep_alive) +
                           ", but motes whose radios sleep are received once in a period of " +
                           to_text(x.duty.period) + ": they are removed after three of these, " +
@@ -206,7 +206,7 @@ void warn_of_keep_alive(table_reader& in, const island_description& x) {
 void warn_of_slow_signs(table_reader& in, const island_description& x) {
   const auto least = x.listening.silence_min();
   if (in.has("keep_alive") && x.keep_alive < least)
-    in.problems().doubt(
+    in.problems().warn(
         in.at("keep_alive"),
         "`keep_alive` is " + to_text(x.keep_alive) +
             ", but a mote is removed after sixty intervals of low-power listening, " +
@@ -367,12 +367,12 @@ island_description read_island(table_reader& in, surroundings& with, name_unique
   if (!in.walks() && out.listening.enabled() && with.radio_is_known)
     check_listening(out, with.radio, with.tick, interval_at, in.problems());
   if (!in.walks() && in.problems().empty() && with.radio_is_known) {
-    const auto short_window = doubt_of_window(out, with.radio);
+    const auto short_window = warning_of_window(out, with.radio);
     if (!short_window.empty())
-      in.problems().doubt(window_at, short_window);
-    const auto traffic = doubt_of_traffic(out);
+      in.problems().warn(window_at, short_window);
+    const auto traffic = warning_of_traffic(out);
     if (!traffic.empty())
-      in.problems().doubt(in.at("id"), traffic);
+      in.problems().warn(in.at("id"), traffic);
   }
   return out;
 }

@@ -123,7 +123,7 @@ void read_export(table_reader& island, const surroundings& with, island_descript
         in.all(out.exported, export_network_keys());
         const auto address = found ? parse_ipv4_address(found->host) : errc::bad_value;
         if (address && address->at(0) != 127 && out.exported.networks.empty())
-          in.problems().doubt(in.at("forwarder"),
+          in.problems().warn(in.at("forwarder"),
                               where + " is reachable from other computers: anyone who can connect "
                                       "controls the motes; restrict it with `networks`");
       });

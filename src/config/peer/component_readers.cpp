@@ -224,12 +224,12 @@ void take_folder(const placed_init& init, settlement& all, surroundings& with) {
     auto& problems = with.shared.problems;
     const auto file = files.read(path, component_file_octets_max);
     if (!file.text) {
-      problems.warn({path, 0, 0, file.reason});
+      problems.skip({path, 0, 0, file.reason});
       continue;
     }
     const auto parsed = parse(*file.text, path);
     if (const auto* wrong = std::get_if<problem>(&parsed)) {
-      problems.warn(*wrong);
+      problems.skip(*wrong);
       continue;
     }
     reading own;
@@ -241,7 +241,7 @@ void take_folder(const placed_init& init, settlement& all, surroundings& with) {
       all.take(init, found,
                [&own](mark at, std::string message) { own.problems.add(at, std::move(message)); });
     for (auto& each : own.problems.of_file(path))
-      problems.warn(std::move(each));
+      problems.skip(std::move(each));
   }
 }
 

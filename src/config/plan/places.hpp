@@ -1,5 +1,5 @@
 // What a file says of others by their names, and where. Whether it can work is known when all of
-// the file is read: doubts.hpp.
+// the file is read: warnings.hpp.
 #pragma once
 
 #include <map>

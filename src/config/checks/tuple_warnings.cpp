@@ -3,7 +3,7 @@
 #include <string>
 #include <variant>
 
-#include "config/checks/doubts.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/checks/tuple_keys.hpp"
 #include "config/checks/tuple_values.hpp"
 #include "config/toml/document.hpp"
@@ -32,9 +32,9 @@ bool strangers_may_come(const ecology_description& all) {
   });
 }
 
-class tuple_doubter {
+class tuple_warnings {
 public:
-  tuple_doubter(const ecology_description& x, doubt_list& out)
+  tuple_warnings(const ecology_description& x, warning_list& out)
       : keys_(tuple_keys(x)), values_(x), out_(out) {
     for (const auto& each : keys_)
       if (each.pattern.find('*') == std::string::npos)
@@ -106,22 +106,22 @@ private:
   std::vector<known_key> keys_;
   std::vector<std::string> exact_;
   tuple_values values_;
-  doubt_list& out_;
+  warning_list& out_;
 };
 
 } // namespace
 
-void doubt_tuples(const ecology_description& x, const file_places& seen, doubt_list& out) {
+void warn_of_tuples(const ecology_description& x, const file_places& seen, warning_list& out) {
   if (seen.uses.empty())
     return;
-  tuple_doubter doubter(x, out);
+  tuple_warnings found(x, out);
   if (!strangers_may_come(x))
     for (const auto& each : seen.uses)
-      doubter.look_at(each);
+      found.look_at(each);
   for (const auto& each : seen.writes)
-    doubter.look_at(each);
+    found.look_at(each);
   for (const auto& each : seen.tests)
-    doubter.look_at(each);
+    found.look_at(each);
 }
 
 } // namespace rubicon::config

@@ -8,7 +8,7 @@
 #include <utility>
 #include <variant>
 
-#include "config/checks/doubts.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/checks/connectivity.hpp"
 #include "config/toml/document.hpp"
 #include "core/numbers/math.hpp"
@@ -207,9 +207,9 @@ std::vector<std::size_t> unreached_of_many(const std::vector<station>& all,
                          range_m(radio.propagation, budget_db + soft_edge_db, deviations_max));
 }
 
-class radio_doubter {
+class radio_warnings {
 public:
-  radio_doubter(const ecology_description& x, const file_places& seen, doubt_list& out)
+  radio_warnings(const ecology_description& x, const file_places& seen, warning_list& out)
       : all_(x), seen_(seen), out_(out), links_(x.radio) {}
 
   void look_at(const island_description& x) {
@@ -318,17 +318,17 @@ private:
 
   const ecology_description& all_;
   const file_places& seen_;
-  doubt_list& out_;
+  warning_list& out_;
   possible_links links_;
   std::set<mark> told_;
 };
 
 } // namespace
 
-void doubt_radios(const ecology_description& x, const file_places& seen, doubt_list& out) {
-  radio_doubter doubter(x, seen, out);
+void warn_of_radios(const ecology_description& x, const file_places& seen, warning_list& out) {
+  radio_warnings found(x, seen, out);
   for (const auto& each : x.islands)
-    doubter.look_at(each);
+    found.look_at(each);
 }
 
 } // namespace rubicon::config

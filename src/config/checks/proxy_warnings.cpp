@@ -5,7 +5,7 @@
 #include <set>
 #include <variant>
 
-#include "config/checks/doubts.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/checks/tuple_keys.hpp"
 #include "config/plan/uniqueness.hpp"
 #include "config/plan/counts.hpp"
@@ -31,9 +31,9 @@ std::map<std::uint16_t, std::size_t> messages_of(const mote_description& mote) {
   return found;
 }
 
-class proxy_doubter {
+class proxy_warnings {
 public:
-  proxy_doubter(const ecology_description& x, const file_places& seen, doubt_list& out)
+  proxy_warnings(const ecology_description& x, const file_places& seen, warning_list& out)
       : all_(x), seen_(seen), out_(out), classes_(x) {}
 
   void look() {
@@ -48,8 +48,8 @@ public:
   }
 
 private:
-  void doubt(mark at, std::string what) {
-    if (std::ranges::find(out_, what, &config::doubt::second) == out_.end())
+  void warn(mark at, std::string what) {
+    if (std::ranges::find(out_, what, &config::warning::second) == out_.end())
       out_.emplace_back(at, std::move(what));
   }
 
@@ -64,7 +64,7 @@ private:
         }
     for (const auto& [group, is_created] : created)
       if (!is_created)
-        doubt({}, "no member of group `" + group + "` in island " + island.name +
+        warn({}, "no member of group `" + group + "` in island " + island.name +
                       " has `creates = true`");
   }
 
@@ -146,7 +146,7 @@ private:
     sharers.push_back({&island, &mote, what});
     for (const auto& field : what->fields)
       if (field.stream && !is_written(field.stream->number, manager->id))
-        doubt(place_of(*what, field), named(*what, field) + ": no program writes stream " +
+        warn(place_of(*what, field), named(*what, field) + ": no program writes stream " +
                                           std::to_string(field.stream->number) + " to " +
                                           manager->name);
     if (may_send_anything(mote))
@@ -160,7 +160,7 @@ private:
                           ? std::to_string(mote.type)
                           : mote.type_name + " (" + std::to_string(mote.type) + ')';
     if (unclaimed_.insert(kind).second) // one mote of a kind will do
-      doubt(place_of(island, mote), "no [[proxy]] claims motes of type " + kind + ", as " +
+      warn(place_of(island, mote), "no [[proxy]] claims motes of type " + kind + ", as " +
                                         island.name + '/' + mote.name + " is one");
   }
 
@@ -178,10 +178,10 @@ private:
       const auto sent = messages.find(field.channel);
       const auto end = field.offset + proxy::octets_of(field.layout);
       if (sent == messages.end())
-        doubt(place_of(what, field), who + ": no program of " + of_kind(island, mote) +
+        warn(place_of(what, field), who + ": no program of " + of_kind(island, mote) +
                                          " sends on channel " + std::to_string(field.channel));
       else if (field.layout != proxy::encoding::stamp && end > sent->second)
-        doubt(place_of(what, field), who + " ends at octet " + std::to_string(end) +
+        warn(place_of(what, field), who + " ends at octet " + std::to_string(end) +
                                          ", but messages of " + of_kind(island, mote) +
                                          " on channel " + std::to_string(field.channel) + " have " +
                                          std::to_string(sent->second) + " of counts");
@@ -198,7 +198,7 @@ private:
                (listener != nullptr && listener->am_type == input.channel);
       });
       if (!is_heard)
-        doubt(place_of(what, input), "input `" + input.name + "` of [[proxy]] `" + what.name +
+        warn(place_of(what, input), "input `" + input.name + "` of [[proxy]] `" + what.name +
                                          "`: no program of " + of_kind(island, mote) +
                                          " listens on channel " + std::to_string(input.channel));
     }
@@ -209,7 +209,7 @@ private:
     const auto found = unmanaged_.find(&what);
     if (found == unmanaged_.end() || managed_.contains(&what))
       return;
-    doubt(place_of(what), "no proxy of [[proxy]] `" + what.name +
+    warn(place_of(what), "no proxy of [[proxy]] `" + what.name +
                               "` is ever started: no peer has "
                               "a \"proxy_manager\" for the island of " +
                               found->second);
@@ -231,7 +231,7 @@ private:
       const auto& [island, mote, what] = sharers[1];
       const auto at = seen_.classes.find(what->name);
       const auto others = sharers.size() - 2;
-      doubt(at == seen_.classes.end() ? mark() : at->second.prefix,
+      warn(at == seen_.classes.end() ? mark() : at->second.prefix,
             "the proxies of " + sharers[0].name() + " and " + sharers[1].name() +
                 (others > 0 ? " and of " + std::to_string(others) + " more" : "") +
                 " have the same key, `" + prefix_of(*what, *island, *mote) +
@@ -248,7 +248,7 @@ private:
 
   const ecology_description& all_;
   const file_places& seen_;
-  doubt_list& out_;
+  warning_list& out_;
   mote_classes classes_;
   std::set<std::string> unclaimed_;                          ///< types told of
   std::map<const proxy::proxy_class*, std::string> managed_; ///< a mote of each
@@ -258,8 +258,8 @@ private:
 
 } // namespace
 
-void doubt_proxies(const ecology_description& x, const file_places& seen, doubt_list& out) {
-  proxy_doubter(x, seen, out).look();
+void warn_of_proxies(const ecology_description& x, const file_places& seen, warning_list& out) {
+  proxy_warnings(x, seen, out).look();
 }
 
 } // namespace rubicon::config
