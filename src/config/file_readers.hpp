@@ -9,9 +9,9 @@
 
 #include "config/island/mote_readers.hpp"
 #include "config/load.hpp"
-#include "config/plan/uniqueness.hpp"
 #include "config/plan/ecology.hpp"
 #include "config/plan/references.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "config/toml/table_reader.hpp"
 
 namespace rubicon::config {
@@ -109,7 +109,7 @@ read_links(table_reader& in, const std::vector<std::string>& own_names, const ch
 read_proxies(table_reader& root, const proxy::program_registry& programs,
              std::vector<island_description>& islands, const std::vector<peer_description>& peers);
 
-/// Complains about classes of tagged objects whose proxies nobody would start.
+/// Reports classes of tagged objects whose proxies no manager would start.
 void check_object_manager(const table_reader& root, const std::vector<peer_description>& peers,
                           const std::vector<proxy::proxy_class>& classes);
 

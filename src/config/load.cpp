@@ -20,7 +20,8 @@ namespace rubicon::config {
 
 namespace {
 
-/// Who is there, as the readers see it while they know of nobody; what is wrong they tell later.
+/// The names of the file, read before any reader knows them; problems are reported by the second
+/// pass.
 directory names_in(const node& root) {
   reading quiet;
   table_reader in(root, "the file", quiet);

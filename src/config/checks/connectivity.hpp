@@ -16,8 +16,8 @@ disconnected_from(const position& from, const std::vector<position>& places, dou
 
 /// The same, with any of several places.
 [[nodiscard]] std::vector<std::size_t> disconnected_from_any(const std::vector<position>& from,
-                                                       const std::vector<position>& places,
-                                                       double range_m);
+                                                             const std::vector<position>& places,
+                                                             double range_m);
 
 /// How many steps of at most `range_m` lead from the place of index `from` to each; 0 also where
 /// none do. @param range_m > 0

@@ -63,7 +63,7 @@ air_need air_need_of(const island_description& x, std::optional<double> range_m,
 }
 
 std::string warning_of_interval(const island_description& x, const radio::channel_config& radio,
-                              duration tick) {
+                                duration tick) {
   const auto need = air_need_of(x, range_of(radio), tick);
   if (need.share <= share_max)
     return {};
@@ -86,8 +86,8 @@ void check_listening(const island_description& x, const radio::channel_config& r
                          to_text(gap) + " by the medium access of its motes");
   if (x.listening.interval <= x.listening.awake)
     problems.warn(at, "motes stay awake for " + to_text(x.listening.awake) +
-                           " after each frame, but check the channel every " +
-                           to_text(x.listening.interval) + ": a shorter `awake` saves more");
+                          " after each frame, but check the channel every " +
+                          to_text(x.listening.interval) + ": a shorter `awake` saves more");
   for (const auto& mote : x.motes)
     if (std::ranges::any_of(
             mote.apps, [](const auto& app) { return std::holds_alternative<member_app>(app); })) {

@@ -26,7 +26,7 @@ struct air_need {
 
 /// What is to be said of an interval that is too long for that; empty: nothing.
 [[nodiscard]] std::string warning_of_interval(const island_description& x,
-                                            const radio::channel_config& radio, duration tick);
+                                              const radio::channel_config& radio, duration tick);
 
 /// Refuses what cannot be, and warns of an interval that is too long.
 /// @param at of the interval @pre x.listening.enabled()

@@ -5,10 +5,10 @@
 #include <set>
 #include <variant>
 
-#include "config/checks/warnings.hpp"
 #include "config/checks/tuple_keys.hpp"
-#include "config/plan/uniqueness.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/plan/counts.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "proxy/classes/layout.hpp"
 
 namespace rubicon::config {
@@ -53,7 +53,7 @@ private:
       out_.emplace_back(at, std::move(what));
   }
 
-  /// Members look for a group until somebody has created it in their island.
+  /// Members look for a group until a member has created it in their island.
   void look_at_groups(const island_description& island) {
     std::map<std::string, bool> created;
     for (const auto& mote : island.motes)
@@ -65,10 +65,10 @@ private:
     for (const auto& [group, is_created] : created)
       if (!is_created)
         warn({}, "no member of group `" + group + "` in island " + island.name +
-                      " has `creates = true`");
+                     " has `creates = true`");
   }
 
-  /// nullptr: nobody starts proxies of its motes.
+  /// nullptr: no proxy manager serves its motes.
   [[nodiscard]] const peer_description* manager_of(island_id island) const {
     const auto manages = [island](const peer_app& app) {
       const auto* manager = std::get_if<proxy_manager_app>(&app);
@@ -147,8 +147,8 @@ private:
     for (const auto& field : what->fields)
       if (field.stream && !is_written(field.stream->number, manager->id))
         warn(place_of(*what, field), named(*what, field) + ": no program writes stream " +
-                                          std::to_string(field.stream->number) + " to " +
-                                          manager->name);
+                                         std::to_string(field.stream->number) + " to " +
+                                         manager->name);
     if (may_send_anything(mote))
       return;
     look_at_fields(island, mote, *what);
@@ -161,7 +161,7 @@ private:
                           : mote.type_name + " (" + std::to_string(mote.type) + ')';
     if (unclaimed_.insert(kind).second) // one mote of a kind will do
       warn(place_of(island, mote), "no [[proxy]] claims motes of type " + kind + ", as " +
-                                        island.name + '/' + mote.name + " is one");
+                                       island.name + '/' + mote.name + " is one");
   }
 
   static std::string named(const proxy::proxy_class& what, const proxy::field& x) {
@@ -179,12 +179,12 @@ private:
       const auto end = field.offset + proxy::octets_of(field.layout);
       if (sent == messages.end())
         warn(place_of(what, field), who + ": no program of " + of_kind(island, mote) +
-                                         " sends on channel " + std::to_string(field.channel));
+                                        " sends on channel " + std::to_string(field.channel));
       else if (field.layout != proxy::encoding::stamp && end > sent->second)
         warn(place_of(what, field), who + " ends at octet " + std::to_string(end) +
-                                         ", but messages of " + of_kind(island, mote) +
-                                         " on channel " + std::to_string(field.channel) + " have " +
-                                         std::to_string(sent->second) + " of counts");
+                                        ", but messages of " + of_kind(island, mote) +
+                                        " on channel " + std::to_string(field.channel) + " have " +
+                                        std::to_string(sent->second) + " of counts");
     }
   }
 
@@ -199,8 +199,8 @@ private:
       });
       if (!is_heard)
         warn(place_of(what, input), "input `" + input.name + "` of [[proxy]] `" + what.name +
-                                         "`: no program of " + of_kind(island, mote) +
-                                         " listens on channel " + std::to_string(input.channel));
+                                        "`: no program of " + of_kind(island, mote) +
+                                        " listens on channel " + std::to_string(input.channel));
     }
   }
 
@@ -210,9 +210,9 @@ private:
     if (found == unmanaged_.end() || managed_.contains(&what))
       return;
     warn(place_of(what), "no proxy of [[proxy]] `" + what.name +
-                              "` is ever started: no peer has "
-                              "a \"proxy_manager\" for the island of " +
-                              found->second);
+                             "` is ever started: no peer has "
+                             "a \"proxy_manager\" for the island of " +
+                             found->second);
   }
 
   /// Proxies whose tuples have the same keys.
@@ -232,11 +232,11 @@ private:
       const auto at = seen_.classes.find(what->name);
       const auto others = sharers.size() - 2;
       warn(at == seen_.classes.end() ? mark() : at->second.prefix,
-            "the proxies of " + sharers[0].name() + " and " + sharers[1].name() +
-                (others > 0 ? " and of " + std::to_string(others) + " more" : "") +
-                " have the same key, `" + prefix_of(*what, *island, *mote) +
-                "`: a write to it reaches all of them, and its value may be from any of them; "
-                "`prefix` can contain {island} and {name}");
+           "the proxies of " + sharers[0].name() + " and " + sharers[1].name() +
+               (others > 0 ? " and of " + std::to_string(others) + " more" : "") +
+               " have the same key, `" + prefix_of(*what, *island, *mote) +
+               "`: a write to it reaches all of them, and its value may be from any of them; "
+               "`prefix` can contain {island} and {name}");
     }
   }
 
@@ -250,7 +250,7 @@ private:
   const file_places& seen_;
   warning_list& out_;
   mote_classes classes_;
-  std::set<std::string> unclaimed_;                          ///< types told of
+  std::set<std::string> unclaimed_;                          ///< types with a warning
   std::map<const proxy::proxy_class*, std::string> managed_; ///< a mote of each
   std::map<const proxy::proxy_class*, std::string> unmanaged_;
   std::map<std::string, std::vector<sharer>> sharers_;

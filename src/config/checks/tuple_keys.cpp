@@ -111,7 +111,7 @@ struct app_keys {
       for (const auto& mote : island.motes)
         if (const auto* what = classes.of(mote))
           keys.add_proxy(*what, prefix_of(*what, island, mote), peer.name);
-      for (const auto& rule : island.plain) { // nobody knows which of them will come
+      for (const auto& rule : island.plain) { // which of them will appear is not known
         mote_description real;
         real.id = mote_id(rule.first);
         real.type = rule.type;

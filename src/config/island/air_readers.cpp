@@ -23,7 +23,7 @@ public:
         problems.add(each.at,
                      "island `" + island->name + "` has a real sink: its motes use real radios");
       placed_.add(each.value, "island `" + island->name + '`', each.at, problems,
-                    "already belongs to a radio medium");
+                  "already belongs to a radio medium");
       if (first == nullptr)
         first = island;
       if (island->host != first->host)

@@ -108,7 +108,7 @@ placed_app read_sampler(table_reader& in) {
   uniqueness<device::quantity> listed;
   for (const auto& each : found) {
     listed.add(each.value, "transducer `" + in.shared().quantities.word_of(each.value) + '`',
-                 each.at, in.problems(), "is already listed");
+               each.at, in.problems(), "is already listed");
     out.needs_at.push_back(each.at);
   }
   app.transducers = values_of(std::move(found));

@@ -25,8 +25,8 @@ std::vector<apps::synapse> read_synapses(table_reader& in, std::string_view key,
     apps::synapse end;
     x.all(end);
     if (end.other != mote_address{})
-      listed.add(end.other, "the channel with " + to_string(end.other), x.at("node"),
-                   x.problems(), "is already listed");
+      listed.add(end.other, "the channel with " + to_string(end.other), x.at("node"), x.problems(),
+                 "is already listed");
     out.push_back(end);
   });
   if (out.size() > synapses_max)
@@ -107,7 +107,7 @@ std::vector<std::uint16_t> read_streams(table_reader& in) {
   uniqueness<std::uint16_t> listed;
   for (const auto& each : found)
     listed.add(each.value, "stream " + std::to_string(each.value), each.at, in.problems(),
-                 "is already listed");
+               "is already listed");
   return values_of(std::move(found));
 }
 
@@ -131,7 +131,7 @@ placed_program read_average(table_reader& in) {
           x.problems().add(x.at("stream"),
                            "stream " + std::to_string(to.stream) + " is read by this average");
         listed.add(to.stream, "stream " + std::to_string(to.stream), x.at("stream"), x.problems(),
-                     "is already listed");
+                   "is already listed");
         app.outputs.push_back(to);
       },
       1);
@@ -153,7 +153,7 @@ placed_program read_recorder(table_reader& in, uniqueness<std::string>& files) {
   in.all(app, record_file_keys());
   if (in.is_good("file"))
     files.add(app.file, "file `" + app.file + '`', in.at("file"), in.problems(),
-                "is already written by the recorder");
+              "is already written by the recorder");
   return {std::move(app), {}};
 }
 

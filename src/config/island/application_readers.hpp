@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "apps/app_config.hpp"
-#include "config/plan/uniqueness.hpp"
 #include "config/plan/references.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "config/toml/table_reader.hpp"
 
 namespace rubicon::config {

@@ -163,7 +163,7 @@ placed_app read_member(table_reader& in) {
               x.all(wanted);
               if (!wanted.event.empty())
                 events.add(wanted.event, "event `" + wanted.event + '`', x.at("event"),
-                             x.problems(), "is already listed");
+                           x.problems(), "is already listed");
               if (x.sound() && wanted.until && *wanted.until <= wanted.from)
                 x.problems().add(x.at("until"), "`until` must be later than `from`, which is " +
                                                     to_text(wanted.from));
@@ -179,8 +179,8 @@ placed_app read_member(table_reader& in) {
               smepp::raised_event event;
               x.all(event);
               if (!event.event.empty())
-                raised.add(event.event, "event `" + event.event + '`', x.at("event"),
-                             x.problems(), "is already listed");
+                raised.add(event.event, "event `" + event.event + '`', x.at("event"), x.problems(),
+                           "is already listed");
               if (event.transducer)
                 out.needs_at.push_back(x.at("transducer"));
               app.raises.push_back(std::move(event));

@@ -21,7 +21,7 @@ std::string metres_text(double x) {
   return shown(std::ceil(x * 100) / 100) + " m"; // upwards: 30.001 m is more than 30 m
 }
 
-/// The first of the lowest `count` ids in a row from 1 on that nobody has.
+/// The first of the lowest `count` ids in a row from 1 on that are free.
 std::uint32_t lowest_free(const std::set<std::uint32_t>& taken, std::uint32_t count) {
   std::uint32_t first = 1;
   for (const auto id : taken) {
@@ -276,8 +276,8 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
     // The first mistake of each kind will do.
     const auto id_at = in.at(in.has("first") ? "first" : "count");
     ids_are_free = add_id(mote.id, id_at, in.problems()) &&
-                   names_.add(mote.name, "mote name",
-                                in.at(in.has("prefix") ? "prefix" : "count"), in.problems());
+                   names_.add(mote.name, "mote name", in.at(in.has("prefix") ? "prefix" : "count"),
+                              in.problems());
     has_node = has_node && check_node(mote.id, mote.name, id_at, in.problems());
     has_traces = has_traces && settle_traces(mote.transducers, mote.id, id_at, in.shared());
     if (i < places.size())
@@ -315,11 +315,11 @@ void island_motes::check_connectivity(complaints& problems) const {
     if (island_.motes[i].backbone)
       sinks.push_back(island_.motes[i].place);
   }
-  std::set<mark> told; // one mote of a group will do
+  std::set<mark> reported; // one mote of a group will do
   for (const auto i : disconnected_from_any(sinks, places, *range_m_)) {
     const auto& mote = island_.motes[motes[i]];
     const auto at = placed_at_.find(mote.id);
-    if (mote.path.empty() && at != placed_at_.end() && told.insert(at->second).second)
+    if (mote.path.empty() && at != placed_at_.end() && reported.insert(at->second).second)
       problems.add(at->second, "mote `" + mote.name +
                                    "` is unreachable: no chain of motes at most " +
                                    metres_text(*range_m_) + " apart leads to its sink");

@@ -196,10 +196,10 @@ void warn_of_keep_alive(table_reader& in, const island_description& x) {
   if (says_so ? x.keep_alive >= least : x.keep_alive > x.duty.period || !x.duty.enabled)
     return;
   in.problems().warn(in.at(says_so ? "keep_alive" : "duty_cycle"),
-                      "`keep_alive` is " + to_text(x.keep_alive) +
-                          ", but motes whose radios sleep are received once in a period of " +
-                          to_text(x.duty.period) + ": they are removed after three of these, " +
-                          to_text(least));
+                     "`keep_alive` is " + to_text(x.keep_alive) +
+                         ", but motes whose radios sleep are received once in a period of " +
+                         to_text(x.duty.period) + ": they are removed after three of these, " +
+                         to_text(least));
 }
 
 /// Keep-alives of motes whose radios listen at low power occupy the air.
@@ -233,11 +233,11 @@ alias_description read_alias(table_reader& in, surroundings& with, const island_
   in.all(out, alias_keys());
   if (in.is_good("id") &&
       with.end_ids.add(out.id.value, "PEIS id " + to_string(out.id), in.at("id"), in.problems()))
-    with.island_ids.add(static_cast<std::uint32_t>(out.id.value),
-                          "island id " + to_string(out.id), in.at("id"), in.problems());
+    with.island_ids.add(static_cast<std::uint32_t>(out.id.value), "island id " + to_string(out.id),
+                        in.at("id"), in.problems());
   if (!of.name.empty() || in.has("name"))
     with.end_names.add(out.name, "peer or gateway name", in.at(in.has("name") ? "name" : "id"),
-                         in.problems());
+                       in.problems());
   out.links = read_links(in, {out.name}, "peers that it connects to");
   in.table("serial", "[island.alias.serial]", "its cable",
            [&out](table_reader& x) { x.all(out.serial); });

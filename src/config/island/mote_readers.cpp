@@ -128,7 +128,7 @@ private:
 
   void add(uniqueness<std::uint16_t>& among, std::string_view kind, std::uint16_t channel) const {
     among.add(channel, std::string(kind) + " channel " + std::to_string(channel) + " of the mote",
-                app.channel_at, problems);
+              app.channel_at, problems);
   }
 
   void claim_single(const std::string& kind) const {

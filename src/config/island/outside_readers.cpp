@@ -124,8 +124,8 @@ void read_export(table_reader& island, const surroundings& with, island_descript
         const auto address = found ? parse_ipv4_address(found->host) : errc::bad_value;
         if (address && address->at(0) != 127 && out.exported.networks.empty())
           in.problems().warn(in.at("forwarder"),
-                              where + " is reachable from other computers: anyone who can connect "
-                                      "controls the motes; restrict it with `networks`");
+                             where + " is reachable from other computers: anyone who can connect "
+                                     "controls the motes; restrict it with `networks`");
       });
 }
 

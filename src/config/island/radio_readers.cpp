@@ -90,7 +90,7 @@ named_text(table_reader& in, const file_choice& x, const named_files& files) {
   return std::nullopt;
 }
 
-void tell(complaints& problems, const std::string& path, const radio::file_problem& x) {
+void add_problem(complaints& problems, const std::string& path, const radio::file_problem& x) {
   problems.add(problem{path, static_cast<unsigned>(x.line), 0, x.message});
 }
 
@@ -106,7 +106,7 @@ radio::gain_matrix read_gains(table_reader& in, const named_files& files) {
     return out;
   auto read = radio::read_topology(file->second);
   if (const auto* wrong = std::get_if<radio::file_problem>(&read))
-    tell(in.problems(), file->first, *wrong);
+    add_problem(in.problems(), file->first, *wrong);
   else
     out.table =
         std::make_shared<const radio::gain_table>(std::move(std::get<radio::gain_table>(read)));
@@ -124,7 +124,7 @@ radio::noise_model read_trace(table_reader& in, const named_files& files) {
     return out;
   auto read = radio::read_noise_trace(file->second);
   if (const auto* wrong = std::get_if<radio::file_problem>(&read))
-    tell(in.problems(), file->first, *wrong);
+    add_problem(in.problems(), file->first, *wrong);
   else
     out.trace = std::get<std::shared_ptr<const radio::noise_trace>>(std::move(read));
   return out;
@@ -215,7 +215,7 @@ void read_radio_links(table_reader& in, radio::channel_config& out, std::vector<
                 x.problems().add(x.at("to"), "a link leads from one mote to another");
               else if (ends)
                 pairs.add({link.from, link.to}, "the link", x.at("to"), x.problems(),
-                            "is already listed");
+                          "is already listed");
               places.push_back(x.at());
               out.links.push_back(link);
             });

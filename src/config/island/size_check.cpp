@@ -65,20 +65,20 @@ void end_uniqueness::add(const apps::app_config& x, mark at, complaints& problem
 
 void end_uniqueness::add_stream(bool writes, std::uint16_t name, mark at, complaints& problems) {
   streams_.add({writes, name},
-                 std::string("the ") + (writes ? "write" : "read") + " end of stream " +
-                     std::to_string(name) + " at this node",
-                 at, problems);
+               std::string("the ") + (writes ? "write" : "read") + " end of stream " +
+                   std::to_string(name) + " at this node",
+               at, problems);
 }
 
 void end_uniqueness::add_synapses(bool is_out, const std::vector<apps::synapse>& ends, mark at,
-                                complaints& problems) {
+                                  complaints& problems) {
   for (const auto& x : ends) {
     if (x.other == mote_address{})
-      continue; // there is no such node: that was told
+      continue; // there is no such node, which is reported already
     synapses_.add({is_out, x.other},
-                    std::string("the channel ") + (is_out ? "to " : "from ") + to_string(x.other) +
-                        " of this node",
-                    at, problems);
+                  std::string("the channel ") + (is_out ? "to " : "from ") + to_string(x.other) +
+                      " of this node",
+                  at, problems);
   }
 }
 

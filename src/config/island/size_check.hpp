@@ -24,7 +24,7 @@ public:
 private:
   void add_stream(bool writes, std::uint16_t name, mark at, complaints& problems);
   void add_synapses(bool is_out, const std::vector<apps::synapse>& ends, mark at,
-                      complaints& problems);
+                    complaints& problems);
 
   uniqueness<std::pair<bool, std::uint16_t>> streams_;
   uniqueness<std::pair<bool, mote_address>> synapses_;

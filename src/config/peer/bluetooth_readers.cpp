@@ -99,7 +99,7 @@ void read_adapter_names(table_reader& in, peer_description& out) {
   uniqueness<std::string> named;
   for (const auto& each : adapters.names)
     named.add(each.value, "the adapter `" + each.value + '`', each.at, in.problems(),
-                "is already listed");
+              "is already listed");
   out.bluetooth = values_of(std::move(adapters.names));
 }
 
@@ -157,7 +157,7 @@ std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root) {
                   names.add(x.name, "device name", in.at("name"), in.problems());
                 if (in.is_good("address"))
                   addresses.add(x.address, "Bluetooth address " + to_string(x.address),
-                                  in.at("address"), in.problems());
+                                in.at("address"), in.problems());
                 out.push_back(std::move(x));
               });
   return out;

@@ -274,7 +274,7 @@ void settle_inits(std::vector<placed_init> inits, std::vector<peer_description>&
   const auto same_id = [](const auto& a, const auto& b) { return a.id == b.id; };
   if (peers.empty() || peers.front().id.value < 1 ||
       std::adjacent_find(peers.begin(), peers.end(), same_id) != peers.end())
-    return; // who they are is not sure, which is told already
+    return; // their ids are not valid, which is reported already
   settlement all(peers, with);
   const complain wrong = [&with](mark at, std::string message) {
     with.shared.problems.add(at, std::move(message));

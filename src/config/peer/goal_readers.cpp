@@ -17,8 +17,8 @@ constexpr duration shortest = 1ms;
 constexpr duration goal_timeout_max = 24h * 10;
 constexpr std::size_t goal_octets_max = 64;
 
-/// What an output tells: a text, or a number.
-struct told_value {
+/// Value of an output: a text or a number.
+struct initial_value {
   using type = std::string;
 
   [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
@@ -47,7 +47,7 @@ auto goal_input_keys() {
 auto output_start_keys() {
   return keys::of(
       keys::required("name", &goal::output_config::name, name_text{}, "last part of the key"),
-      keys::required("value", &goal::output_config::value, told_value{}, "initial value"));
+      keys::required("value", &goal::output_config::value, initial_value{}, "initial value"));
 }
 
 auto condition_keys() {
@@ -68,7 +68,7 @@ struct output_values {
 };
 
 auto keys_of(const output_values*) {
-  return keys::of(keys::optional("sets", &output_values::sets, pairs_of<told_value>{},
+  return keys::of(keys::optional("sets", &output_values::sets, pairs_of<initial_value>{},
                                  {"outputs, and their values when the state is over", "none"}));
 }
 

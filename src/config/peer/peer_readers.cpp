@@ -15,7 +15,8 @@ namespace {
 /// What all peers have in common.
 struct peer_surroundings {
   const std::vector<island_description>& islands;
-  uniqueness<island_id> managed; ///< proxies map one-to-one to motes, so managers to islands (PXY-15)
+  uniqueness<island_id>
+      managed; ///< proxies map one-to-one to motes, so managers to islands (PXY-15)
   uniqueness<std::string> object_managers{}; ///< "objects": a tagged object has one proxy as well
   name_uniqueness readers{};
   name_uniqueness pursuers{};
@@ -30,7 +31,7 @@ proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
   in.all(out, object_manager_keys());
   if (out.objects)
     with.object_managers.add("objects", "the proxy manager of tagged objects", in.at("objects"),
-                               in.problems());
+                             in.problems());
   in.all(found, managed_island_keys(out.objects || in.walks() ? 0 : 1));
   if (!in.has("islands")) {
     for (const auto& each : with.islands)
@@ -45,7 +46,7 @@ proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
                         "island `" + island->name + "` has no gateway, since its stack is \"mac\"");
     else if (island != with.islands.end() && each.value.value != 0)
       with.managed.add(each.value, "island `" + island->name + '`', each.at, in.problems(),
-                         "already has a proxy manager");
+                       "already has a proxy manager");
   }
   out.islands = values_of(std::move(found.islands));
   return out;
@@ -105,9 +106,9 @@ void read_identity(table_reader& in, surroundings& with, peer_table& out) {
   bool free = true;
   for (std::uint32_t i = 0; i < out.count && free; ++i) { // the first mistake will do
     free = !has_id || with.end_ids.add(out.id(i).value, "PEIS id " + to_string(out.id(i)),
-                                         in.at("id"), in.problems());
+                                       in.at("id"), in.problems());
     free = (!has_name || with.end_names.add(out.name(i), "peer or gateway name", in.at("name"),
-                                              in.problems())) &&
+                                            in.problems())) &&
            free;
   }
 }
@@ -146,9 +147,8 @@ void read_tcp(table_reader& in, const peer_table& peers, peer_surroundings& all,
         }
         bool free = true;
         for (std::uint32_t i = 0; i < peers.count && free; ++i)
-          free =
-              all.ports.add({peers.like.host, port + i}, "TCP port " + std::to_string(port + i),
-                              x.at("port"), x.problems());
+          free = all.ports.add({peers.like.host, port + i}, "TCP port " + std::to_string(port + i),
+                               x.at("port"), x.problems());
       });
   in.instead_of_table("tcp", flag{});
 }
@@ -202,13 +202,13 @@ rfid::reader_config read_reader(table_reader& in, const peer_table& peers, peer_
     in.problems().add(in.at("app"), "a place has one reader, not " + std::to_string(peers.count));
   else if (!out.name.empty())
     all.readers.add(out.name, "reader", in.has("name") ? in.at("name") : in.at("app"),
-                      in.problems());
+                    in.problems());
   return out;
 }
 
 /// A pursuer without a name has that of its peer, so peers with a `count` have one each.
 void add_pursuer(const table_reader& in, const peer_table& peers, peer_surroundings& all,
-                   const std::string& name) {
+                 const std::string& name) {
   const auto at = in.has("name") ? in.at("name") : in.at("app");
   for (std::uint32_t i = 0; i < peers.count; ++i) { // the first mistake will do
     const auto& own = name.empty() ? peers.name(i) : name;
@@ -294,7 +294,7 @@ std::vector<std::string> read_links(table_reader& in, const std::vector<std::str
     if (std::find(own_names.begin(), own_names.end(), each.value) != own_names.end())
       in.problems().add(each.at, "`" + each.value + "` cannot have a link to itself");
     listed.add(each.value, "the link to `" + each.value + '`', each.at, in.problems(),
-                 "is already listed");
+               "is already listed");
   }
   return values_of(std::move(found.links));
 }

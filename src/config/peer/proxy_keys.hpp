@@ -60,7 +60,7 @@ private:
   }
 };
 
-/// @param also "stamp", which nobody writes
+/// @param also "stamp", which no input has
 inline word<proxy::encoding> encoding_words(bool also_stamps) {
   using proxy::encoding;
   word<encoding> all{{{"u8", encoding::u8},

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "config/plan/uniqueness.hpp"
 #include "config/plan/ecology.hpp"
 #include "config/plan/references.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "config/toml/table_reader.hpp"
 #include "proxy/classes/program.hpp"
 

@@ -323,7 +323,7 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root,
                 uniqueness<std::string> keys;
                 for (auto& each : templates) {
                   keys.add(folded(each.what.key), "the key `" + each.what.key + '`', each.key_at,
-                             in.problems());
+                           in.problems());
                   check_tuple_template(each, found, in.problems());
                   found.tuples.push_back(std::move(each.what));
                 }

@@ -113,7 +113,7 @@ void note(const table_reader& in, const proxy::rule& x) {
   seen.tests.push_back(std::move(test));
 }
 
-/// What a rule writes: a word, what another tuple tells, or where a meta tuple is to point.
+/// What a rule writes: a word, the value of another tuple, or the target of a meta tuple.
 proxy::rule_write read_rule_write(table_reader& in) {
   proxy::rule_write out;
   out.meta = in.has("point");

@@ -71,9 +71,10 @@ using peer_app =
 
 /// Where a peer takes links over real TCP.
 struct tcp_listener {
-  std::optional<std::uint16_t> port;  ///< unset: the first free one from 8000 on
-  std::string address;                ///< IPv4; empty: loopback, with `lan` all
-  std::vector<ipv4_network> networks; ///< others are closed at once; empty: nobody is
+  std::optional<std::uint16_t> port; ///< unset: the first free one from 8000 on
+  std::string address;               ///< IPv4; empty: loopback, with `lan` all
+  std::vector<ipv4_network>
+      networks; ///< links from others are closed at once; empty: from anywhere
 };
 
 struct peer_description {
@@ -236,7 +237,7 @@ struct kill_fault {
   peer_id peer;                   ///< any_peer: drawn each time, as in the next ones
   std::optional<duration> length; ///< until it is started again; unset: never
 };
-/// A peer's computer loses its power: nobody is told anything.
+/// A peer's computer loses its power: no link is closed.
 struct power_off_fault {
   peer_id peer;
   std::optional<duration> length;

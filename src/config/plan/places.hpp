@@ -21,7 +21,7 @@ struct tuple_use {
   mark at;
 };
 
-/// What a tuple is to tell.
+/// A value that a tuple is compared with.
 struct tuple_test {
   std::string who; ///< `a rule of pc`
   std::string key;

@@ -10,9 +10,8 @@ std::string folded(std::string_view name) {
 }
 
 bool name_uniqueness::add(std::string_view name, std::string_view kind, mark at,
-                        complaints& problems) {
-  return names_.add(folded(name), std::string(kind) + " `" + std::string(name) + '`', at,
-                      problems);
+                          complaints& problems) {
+  return names_.add(folded(name), std::string(kind) + " `" + std::string(name) + '`', at, problems);
 }
 
 } // namespace rubicon::config

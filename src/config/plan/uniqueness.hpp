@@ -17,7 +17,7 @@ public:
   /// @param what the value as messages have it: island name `kitchen`
   /// @returns whether it is the first of its kind
   bool add(T value, std::string_view what, mark at, complaints& problems,
-             std::string_view how = "is already taken") {
+           std::string_view how = "is already taken") {
     const auto [found, is_first] = places_.emplace(std::move(value), at);
     if (is_first)
       return true;

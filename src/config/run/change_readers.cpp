@@ -201,7 +201,7 @@ private:
     if (mote == nullptr) {
       if (const auto* of = in.names().find(x.mote.island); of != nullptr && !of->is_simulated)
         refuse(in, "mote", "that island has a real sink: nothing of its motes is simulated");
-      return; // or somebody else complains
+      return; // which is reported elsewhere
     }
     std::vector<const mote_app*> fitting;
     for (const auto& each : mote->apps)

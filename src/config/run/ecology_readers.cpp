@@ -135,7 +135,7 @@ void check_end(table_reader& root, const ecology_description& x) {
 
 namespace {
 
-/// Where a host listens; empty: nobody can tell.
+/// Where a host listens; empty: not known.
 std::string listening_address(const host_description& x) {
   if (parse_ipv4_address(x.address))
     return x.address;

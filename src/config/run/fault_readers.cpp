@@ -182,7 +182,7 @@ private:
     refuse_further_sink(in, x.mote);
   }
 
-  /// Nobody has a second cable, and a cable holds its sink.
+  /// There is one cable, which holds its sink.
   void refuse_further_sink(table_reader& in, const mote_address& x) const {
     if (const auto* mote = find(x); mote != nullptr && mote->backbone)
       in.problems().add(in.at("mote"), "mote `" + mote->name +
@@ -271,7 +271,7 @@ private:
                                     "not simulated, so they cannot fail");
   }
 
-  /// The mote of the description; nullptr if there is none, about which somebody else complains.
+  /// The mote of the description; nullptr if there is none, which is reported elsewhere.
   [[nodiscard]] const mote_description* find(const mote_address& x) const {
     const auto island = std::ranges::find(islands_, x.island, &island_description::id);
     if (island == islands_.end())

@@ -89,7 +89,7 @@ public:
       either({{names_of(lists), [&](table_reader& /*self*/) { one(lists); }}...});
   }
 
-  /// Complains about keys nobody asked for. Called once, by who made this reader.
+  /// Reports keys that were not asked for as unknown. Called once, where the reader was made.
   void finish() const;
 
   /// Whether `key` is in the file.

@@ -1,7 +1,7 @@
 #include <string>
 
-#include "config/checks/warnings.hpp"
 #include "config/checks/tuple_keys.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/checks/window_room.hpp"
 #include "config/listing.hpp"
 #include "support/catch.hpp"
@@ -52,7 +52,7 @@ std::string warning_of(const std::string& toml) {
 
 /// What is to be said of an island of `motes` around their sink, with what follows its name.
 std::vector<problem> warnings_of_island(int motes, const std::string& island,
-                                      const std::string& every = "30s") {
+                                        const std::string& every = "30s") {
   std::string toml = "[ecology]\nname = 't'\n[radio.propagation]\nmodel = 'log_distance'\n"
                      "[mote_type.c]\ntype = 7\n"
                      "transducers.temperature = { model = 'constant', value = 20 }\n"
@@ -175,10 +175,10 @@ TEST_CASE("patterns of keys match without letter case", "[config]") {
 }
 
 TEST_CASE("a good file has no warnings", "[config]") {
-  CHECK(
-      warnings_of(home_with("channel = 1\n",
-                          ", { app = 'collector', keys = ['k.*.temperature', 'devices.*.type'] }"))
-          .empty());
+  CHECK(warnings_of(
+            home_with("channel = 1\n",
+                      ", { app = 'collector', keys = ['k.*.temperature', 'devices.*.type'] }"))
+            .empty());
 }
 
 TEST_CASE("what reads or writes a tuple that no component publishes cannot work", "[config]") {
@@ -186,15 +186,15 @@ TEST_CASE("what reads or writes a tuple that no component publishes cannot work"
             home_with("channel = 1\n", ", { app = 'collector', keys = ['k.c-2.temprature'] }")) ==
         std::vector<std::string>{"the collector of pc reads `k.c-2.temprature`, a tuple that no "
                                  "component publishes: did you mean `k.c-2.temperature`?"});
-  const auto rule = warnings_of(home_with("channel = 1\n",
-                                        ", { app = 'rules', rules = [{ when = 'k.c-2.temperature', "
-                                        "above = 1, write = 'k.lamp.switch', then = 'on' }] }"));
+  const auto rule = warnings_of(
+      home_with("channel = 1\n", ", { app = 'rules', rules = [{ when = 'k.c-2.temperature', "
+                                 "above = 1, write = 'k.lamp.switch', then = 'on' }] }"));
   REQUIRE(rule.size() == 1);
   CHECK(rule[0].starts_with(
       "a rule of pc writes `k.lamp.switch`, a tuple that no component publishes"));
   CHECK(warnings_of(home_with("channel = 1\n",
-                            ", { app = 'translate', rules = [{ from = 'x.y', "
-                            "to = 'x.z' }] }, { app = 'collector', keys = ['x.z'] }"))
+                              ", { app = 'translate', rules = [{ from = 'x.y', "
+                              "to = 'x.z' }] }, { app = 'collector', keys = ['x.z'] }"))
             .size() == 1);
 }
 
@@ -215,7 +215,7 @@ TEST_CASE("a field needs a program that sends it, and enough octets", "[config]"
                                  "messages of motes of type c on channel 1 have 2 of counts"});
   const auto input =
       warnings_of(home_with("channel = 1\n[[proxy.input]]\nname = 'switch'\nchannel = 2\n"
-                          "words = { on = '01' }\n"));
+                            "words = { on = '01' }\n"));
   CHECK(input == std::vector<std::string>{"input `switch` of [[proxy]] `p`: no program of motes "
                                           "of type c listens on channel 2"});
 }
@@ -391,9 +391,10 @@ TEST_CASE("what a rule waits for is what its tuple may tell", "[config]") {
 
 TEST_CASE("a rule that never ends has a warning if it has something to write then", "[config]") {
   const auto ends = [](const std::string& otherwise) {
-    return warnings_of(flat("{ when = 'k.lamp-2.temperature', above = 15, write = 'k.lamp-2.switch', "
-                          "then = 'on'" +
-                          otherwise + " }"));
+    return warnings_of(
+        flat("{ when = 'k.lamp-2.temperature', above = 15, write = 'k.lamp-2.switch', "
+             "then = 'on'" +
+             otherwise + " }"));
   };
   CHECK(ends("").empty());
   REQUIRE(ends(", otherwise = 'off'").size() == 1);
@@ -406,12 +407,12 @@ TEST_CASE("what is expected may come", "[config]") {
   CHECK(warning_of(flat("", wanted("key = 'k.lamp-2.state', equals = ['on', 'an']"))) ==
         "t.toml:1:69: an expectation waits until `k.lamp-2.state` is `an`, but its values are "
         "\"off\" or \"on\": did you mean `on`?");
-  CHECK(
-      warnings_of(flat("", wanted("key = 'k.lamp-2.temperature', above = 20, below = 21"))).empty());
+  CHECK(warnings_of(flat("", wanted("key = 'k.lamp-2.temperature', above = 20, below = 21")))
+            .empty());
   CHECK(warnings_of(flat("", wanted("key = 'k.lamp-2.temperature', above = 26"))).size() == 1);
   CHECK(warnings_of(flat("", wanted("key = 'k.lamp-2.temperature', below = 15"))).size() == 1);
   CHECK(warnings_of(flat("", wanted("key = 'k.lamp-2.state', equals = ['on'], when = { key = "
-                                  "'k.lamp-2.switch', equals = ['an'] }")))
+                                    "'k.lamp-2.switch', equals = ['an'] }")))
             .size() == 1);
 }
 
@@ -419,7 +420,7 @@ TEST_CASE("a tuple that changes as the file says may tell anything", "[config]")
   const auto warm = flat(rule("when = 'k.lamp-2.temperature', above = 30"));
   CHECK(warnings_of(warm).size() == 1);
   CHECK(warnings_of(warm + "[[change]]\nat = '1min'\nkind = 'proxy_class'\nclass = 'lamp'\n"
-                         "field = 'temperature'\nscale = 1\n")
+                           "field = 'temperature'\nscale = 1\n")
             .empty());
 }
 
@@ -442,9 +443,10 @@ TEST_CASE("two proxies with one key have a warning, with both motes", "[config][
   CHECK(warnings_of(toml).empty());
   toml.insert(toml.find("properties ="), "prefix = '{name}'\n");
   toml.replace(toml.find("pc:k.lamp-2.state"), 17, "pc:lamp-2.state");
-  CHECK(warning_of(toml) == "t.toml:23:10: the proxies of k/lamp-2 and l/lamp-2 have the same key, "
-                          "`lamp-2`: a write to it reaches all of them, and its value may be from "
-                          "any of them; `prefix` can contain {island} and {name}");
+  CHECK(warning_of(toml) ==
+        "t.toml:23:10: the proxies of k/lamp-2 and l/lamp-2 have the same key, "
+        "`lamp-2`: a write to it reaches all of them, and its value may be from "
+        "any of them; `prefix` can contain {island} and {name}");
 }
 
 TEST_CASE("a class whose motes have no manager has a warning", "[config][PXY-09]") {
@@ -522,9 +524,9 @@ TEST_CASE("a mote whose links in a topology are weak has a warning", "[config][N
   const auto found = [](const std::string& links) {
     const auto files = [&links](const std::string&, std::size_t) { return file_text{links, {}}; };
     return placed_warnings_of("[ecology]\nname = 't'\n[radio]\npropagation = { model = 'gains', "
-                            "topology = 'l.txt' }\n[[island]]\nname = 'k'\nid = 1\nsink.id = 1\n"
-                            "mote = [{ id = 2, type = 7 }, { id = 3, type = 7 }]\n",
-                            files)
+                              "topology = 'l.txt' }\n[[island]]\nname = 'k'\nid = 1\nsink.id = 1\n"
+                              "mote = [{ id = 2, type = 7 }, { id = 3, type = 7 }]\n",
+                              files)
         .size();
   };
   CHECK(found("0 1 -60\n1 0 -60\n1 2 -60\n2 1 -60\n") == 0);
@@ -536,7 +538,7 @@ TEST_CASE("a mote whose walk comes near may join", "[config][NET-15]") {
   const std::string law = "propagation = { model = 'log_distance', exponent = 3.3 }";
   const auto walk = [&](const std::string& to) {
     return warnings_of(row_of(law, {5}) + "[[island.mote]]\nid = 3\ntype = 7\n" +
-                     "path = [['0s', [600, 0]], ['10min', " + to + "]]\n");
+                       "path = [['0s', [600, 0]], ['10min', " + to + "]]\n");
   };
   CHECK(walk("[-600, 0]").empty()); // past the sink
   CHECK(walk("[600, 600]").size() == 1);
@@ -545,7 +547,7 @@ TEST_CASE("a mote whose walk comes near may join", "[config][NET-15]") {
 TEST_CASE("a walk that is faster than its step has a warning", "[config]") {
   const auto told = [](const std::string& path, const std::string& step = "") {
     return warning_of(row_of("range = '30m'", {}) +
-                    "[[island.mote]]\nid = 2\ntype = 7\npath = " + path + "\n" + step);
+                      "[[island.mote]]\nid = 2\ntype = 7\npath = " + path + "\n" + step);
   };
   CHECK(told("[['0s', [0, 0]], ['10s', [30, 0]]]").empty()); // 3 m/s
   CHECK(told("[['0s', [0, 0]], ['10s', [31, 0]]]") ==
@@ -595,7 +597,7 @@ TEST_CASE("a trace beside the run has a warning", "[config][STR-21]") {
 TEST_CASE("a trace of a small part of the run has a warning", "[config][STR-21]") {
   const std::string minutes = "time,temperature\n0,20\n300,22\n600,23\n";
   CHECK(warning_of_trace(minutes).find("cover 15 min of a run of 1 h: the last one, of 10 min, "
-                                     "applies until the end; `repeat = true` begins again") !=
+                                       "applies until the end; `repeat = true` begins again") !=
         std::string::npos);
   CHECK(warning_of_trace(minutes, ", repeat = true").empty());
   CHECK(warning_of_trace("time,temperature\n0,20\n900,22\n1800,23\n").empty());

@@ -1,8 +1,8 @@
 // What a file may say about the radios of single motes: medium access and channel.
 #include <string>
 
-#include "config/checks/warnings.hpp"
 #include "config/checks/slot_check.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/run/summary.hpp"
 #include "support/catch.hpp"
 #include "unit/config/sample.hpp"
@@ -100,8 +100,7 @@ TEST_CASE("slots have room for the longest back-off of any mote", "[config][radi
 
 TEST_CASE("a mote on a channel of its own has a warning", "[config][radio]") {
   const std::string more = "[[island.mote]]\nid = 3\ntype = \"c\"\nposition_m = [3, 2]\n";
-  CHECK(warnings_in(mote_head + more) ==
-        warnings_in(mote_head + "channel = 26\n" + more));
+  CHECK(warnings_in(mote_head + more) == warnings_in(mote_head + "channel = 26\n" + more));
   CHECK(
       warnings_in(mote_head + "channel = 15\n" + more)
           .find("mote `c-2` cannot reach any radio of its island: no other one is on channel 15") !=

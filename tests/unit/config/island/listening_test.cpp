@@ -1,9 +1,9 @@
 // What a file may say about radios that listen at low power.
 #include <string>
 
-#include "config/checks/warnings.hpp"
 #include "config/checks/listening_check.hpp"
 #include "config/checks/slot_check.hpp"
+#include "config/checks/warnings.hpp"
 #include "support/catch.hpp"
 #include "unit/config/sample.hpp"
 

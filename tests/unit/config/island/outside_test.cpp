@@ -61,7 +61,8 @@ TEST_CASE("an island may have a real sink, and then no air", "[config][GW-17]") 
   CHECK(behind.islands.at(0).exported.forwarder == "127.0.0.1:9003");
 }
 
-TEST_CASE("an export to other computers has a warning unless it says to which", "[config][security]") {
+TEST_CASE("an export to other computers has a warning unless it says to which",
+          "[config][security]") {
   const auto warnings = [](const std::string& more) {
     const auto x = load_text(
         outside_with("serial.forwarder = \"localhost:9002\"\n[island.export]\n" + more), "t");
