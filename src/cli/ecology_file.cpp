@@ -5,7 +5,7 @@
 
 #include "cli/print/console.hpp"
 #include "cli/run/bundle_file.hpp"
-#include "config/checks/doubts.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/toml/document.hpp"
 #include "config/toml/problem_text.hpp"
 #include "core/hash.hpp"
@@ -27,7 +27,7 @@ std::optional<ecology_file> load_bundle(const std::string& file, const config::o
   complain(loaded, bundle->name);
   if (!loaded.problems.empty())
     return std::nullopt;
-  auto warnings = config::doubts_of(loaded, bundle->name);
+  auto warnings = config::warnings_of(loaded, bundle->name);
   return ecology_file{*std::move(loaded.ecology),
                       fold64().add(std::string_view(bundle->toml)).value(), std::move(warnings)};
 }
@@ -36,7 +36,7 @@ std::optional<ecology_file> load_bundle(const std::string& file, const config::o
 
 void complain(const config::loaded& x, const std::string& name) {
   std::string text;
-  for (const auto& skipped : x.warnings)
+  for (const auto& skipped : x.skipped)
     text += to_string(skipped) + " (left out)\n";
   text += config::text_of(x.problems, name);
   static_cast<void>(print(stderr, text)); // without standard error the exit status must do
@@ -68,7 +68,7 @@ std::optional<ecology_file> load_or_complain(const std::string& file,
   complain(loaded, name);
   if (!loaded.problems.empty())
     return std::nullopt;
-  auto warnings = config::doubts_of(loaded, name);
+  auto warnings = config::warnings_of(loaded, name);
   return ecology_file{*std::move(loaded.ecology),
                       fold64().add(std::string_view(*read.text)).value(), std::move(warnings)};
 }

@@ -9,9 +9,9 @@
 
 #include "config/island/mote_readers.hpp"
 #include "config/load.hpp"
-#include "config/plan/claims.hpp"
 #include "config/plan/ecology.hpp"
 #include "config/plan/references.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "config/toml/table_reader.hpp"
 
 namespace rubicon::config {
@@ -40,10 +40,10 @@ struct surroundings {
   std::uint32_t group_motes = 0; ///< of all groups so far
   mote_types types;
   std::set<std::string> types_used;
-  name_claims end_names; ///< of peers and gateways (ADR-02)
-  claims<std::int64_t> end_ids;
-  claims<std::uint32_t> island_ids;
-  claims<std::string> files; ///< that recorders write
+  name_uniqueness end_names; ///< of peers and gateways (ADR-02)
+  uniqueness<std::int64_t> end_ids;
+  uniqueness<std::uint32_t> island_ids;
+  uniqueness<std::string> files; ///< that recorders write
 };
 
 /// [[radio.link]], to be checked when the airs are known.
@@ -109,7 +109,7 @@ read_links(table_reader& in, const std::vector<std::string>& own_names, const ch
 read_proxies(table_reader& root, const proxy::program_registry& programs,
              std::vector<island_description>& islands, const std::vector<peer_description>& peers);
 
-/// Complains about classes of tagged objects whose proxies nobody would start.
+/// Reports classes of tagged objects whose proxies no manager would start.
 void check_object_manager(const table_reader& root, const std::vector<peer_description>& peers,
                           const std::vector<proxy::proxy_class>& classes);
 

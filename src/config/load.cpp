@@ -20,7 +20,8 @@ namespace rubicon::config {
 
 namespace {
 
-/// Who is there, as the readers see it while they know of nobody; what is wrong they tell later.
+/// The names of the file, read before any reader knows them; problems are reported by the second
+/// pass.
 directory names_in(const node& root) {
   reading quiet;
   table_reader in(root, "the file", quiet);
@@ -145,11 +146,11 @@ loaded load_text(std::string_view toml, const std::string& file_name, const over
   table_reader in(std::get<node>(parsed), "the file", shared);
   auto ecology = read_file_tables(in, files);
   if (!shared.problems.empty())
-    return {std::nullopt, shared.problems.of_file(file_name), shared.problems.warnings()};
+    return {std::nullopt, shared.problems.of_file(file_name), shared.problems.skipped()};
   return {std::move(ecology),
           {},
-          shared.problems.warnings(),
-          shared.problems.doubts_of(file_name),
+          shared.problems.skipped(),
+          shared.problems.warnings_of(file_name),
           std::move(shared.seen)};
 }
 

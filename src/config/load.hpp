@@ -21,10 +21,10 @@ namespace rubicon::config {
 struct loaded {
   std::optional<ecology_description> ecology; ///< only if there are no problems
   std::vector<problem> problems;              ///< in order of place, those of named files last
-  std::vector<problem> warnings = {};         ///< of named files that are left out
-  std::vector<problem> doubts = {}; ///< what is no mistake, but hardly what is meant, in order,
-                                    ///< as far as it is seen while the file is read
-  file_places seen = {};            ///< for the rest of these: doubts.hpp
+  std::vector<problem> skipped = {};          ///< of named files that are left out
+  std::vector<problem> warnings = {}; ///< what is no mistake, but hardly what is meant, in order,
+                                      ///< as far as it is seen while the file is read
+  file_places seen = {};              ///< for the rest of these: warnings.hpp
 };
 
 /// What a command line may say in the place of the TOML file.
@@ -69,11 +69,11 @@ using folder_reader = std::function<folder_names(const std::string& path)>;
 /// From the disk; more than 1000 files are refused.
 [[nodiscard]] folder_names read_folder(const std::string& path);
 
-/// A syntax error hides everything else; all other problems are told together.
+/// A syntax error hides everything else; all other problems are reported together.
 /// @param file_name how problems call the text; names in it are relative to this file's folder
 /// @param read reads the files that the text names; without it, none can be opened
 /// @param known a file that names another program or application has a problem
-/// @param list tells what is in the folders that the text names; the same
+/// @param list lists the folders that the text names; the same
 [[nodiscard]] loaded load_text(std::string_view toml, const std::string& file_name,
                                const overrides& instead = {}, const file_reader& read = {},
                                const folder_reader& list = {}, const extensions& known = {});

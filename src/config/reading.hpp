@@ -22,7 +22,7 @@ struct reading {
   bool walks = false;
   trace_files* traces = nullptr;      ///< not set where other files are not read
   const named_files* files = nullptr; ///< the same
-  /// Empty where nobody knows yet who is there; never nullptr.
+  /// Empty before the names of the file are read; never nullptr.
   std::shared_ptr<const directory> names = nobody_yet();
   config::quantities quantities;
   file_places seen;

@@ -62,8 +62,8 @@ air_need air_need_of(const island_description& x, std::optional<double> range_m,
   return sum;
 }
 
-std::string doubt_of_interval(const island_description& x, const radio::channel_config& radio,
-                              duration tick) {
+std::string warning_of_interval(const island_description& x, const radio::channel_config& radio,
+                                duration tick) {
   const auto need = air_need_of(x, range_of(radio), tick);
   if (need.share <= share_max)
     return {};
@@ -85,9 +85,9 @@ void check_listening(const island_description& x, const radio::channel_config& r
                      "up to " +
                          to_text(gap) + " by the medium access of its motes");
   if (x.listening.interval <= x.listening.awake)
-    problems.doubt(at, "motes stay awake for " + to_text(x.listening.awake) +
-                           " after each frame, but check the channel every " +
-                           to_text(x.listening.interval) + ": a shorter `awake` saves more");
+    problems.warn(at, "motes stay awake for " + to_text(x.listening.awake) +
+                          " after each frame, but check the channel every " +
+                          to_text(x.listening.interval) + ": a shorter `awake` saves more");
   for (const auto& mote : x.motes)
     if (std::ranges::any_of(
             mote.apps, [](const auto& app) { return std::holds_alternative<member_app>(app); })) {
@@ -96,8 +96,8 @@ void check_listening(const island_description& x, const radio::channel_config& r
                            "low-power listening");
       break;
     }
-  if (const auto text = doubt_of_interval(x, radio, tick); !text.empty())
-    problems.doubt(at, text);
+  if (const auto text = warning_of_interval(x, radio, tick); !text.empty())
+    problems.warn(at, text);
 }
 
 } // namespace rubicon::config

@@ -25,8 +25,8 @@ struct air_need {
                                    duration tick);
 
 /// What is to be said of an interval that is too long for that; empty: nothing.
-[[nodiscard]] std::string doubt_of_interval(const island_description& x,
-                                            const radio::channel_config& radio, duration tick);
+[[nodiscard]] std::string warning_of_interval(const island_description& x,
+                                              const radio::channel_config& radio, duration tick);
 
 /// Refuses what cannot be, and warns of an interval that is too long.
 /// @param at of the interval @pre x.listening.enabled()

@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "apps/traffic.hpp"
-#include "config/checks/reach.hpp"
+#include "config/checks/connectivity.hpp"
 #include "network/clock/tick_plan.hpp"
 
 namespace rubicon::config {

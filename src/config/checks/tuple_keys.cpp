@@ -4,7 +4,7 @@
 #include <utility>
 #include <variant>
 
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "core/tuples/device_keys.hpp"
 #include "proxy/classes/class_table.hpp"
 #include "proxy/classes/signature.hpp"
@@ -111,7 +111,7 @@ struct app_keys {
       for (const auto& mote : island.motes)
         if (const auto* what = classes.of(mote))
           keys.add_proxy(*what, prefix_of(*what, island, mote), peer.name);
-      for (const auto& rule : island.plain) { // nobody knows which of them will come
+      for (const auto& rule : island.plain) { // which of them will appear is not known
         mote_description real;
         real.id = mote_id(rule.first);
         real.type = rule.type;

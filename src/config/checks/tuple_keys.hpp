@@ -1,4 +1,4 @@
-// The keys of tuples that an ecology has, as far as its file tells.
+// The keys of tuples that an ecology has, as far as its file says.
 #pragma once
 
 #include <cstdint>
@@ -43,10 +43,11 @@ private:
   std::map<std::uint32_t, const proxy::proxy_class*> known_; ///< by type
 };
 
-/// Names in braces stand for what nobody knows before: such parts of a key become `*`.
+/// Names in braces stand for what is not known before the run: such parts of a key become `*`.
 [[nodiscard]] std::string without_names(std::string_view text);
 
-/// What the keys of a proxy begin with, of a mote of that island whose name nobody knows before.
+/// What the keys of a proxy begin with, of a mote of that island whose name is not known before the
+/// run.
 [[nodiscard]] std::string prefix_of_any(const proxy::proxy_class& what,
                                         const island_description& island);
 

@@ -25,22 +25,22 @@ const std::vector<std::string> goal_causes{"none",    "timeout", "broken",
                                            "unknown", "newer",   "cancelled"};
 constexpr const char* no_goal = "none";
 
-told_values anything() {
-  told_values out;
+published_values anything() {
+  published_values out;
   out.anything = true;
   return out;
 }
 
-told_values words_of(std::vector<std::string> words, std::vector<std::string> endings = {}) {
-  told_values out;
+published_values words_of(std::vector<std::string> words, std::vector<std::string> endings = {}) {
+  published_values out;
   out.words = std::move(words);
   out.endings = std::move(endings);
   return out;
 }
 
-/// What its owner alone tells.
-tuple_value told_by_owner(told_values told) {
-  return {std::move(told), {.anything = false}};
+/// A tuple that its owner alone writes.
+tuple_value published_by_owner(published_values values) {
+  return {std::move(values), {.anything = false}};
 }
 
 double number_of(const proxy::field& field, std::int64_t count) {
@@ -77,11 +77,11 @@ std::string_view behind(std::string_view prefix, std::string_view key) {
 
 tuple_value of_input(const proxy::input& x) {
   tuple_value out;
-  out.taken = {.anything = false, .input = &x};
+  out.accepted = {.anything = false, .input = &x};
   if (x.numbers)
-    out.told = anything();
+    out.published = anything();
   for (const auto& [word, octets] : x.words)
-    out.told.words.push_back(word);
+    out.published.words.push_back(word);
   return out;
 }
 
@@ -93,7 +93,7 @@ std::vector<std::string> goals_of(const goal::pursuer_config& x) {
 }
 
 /// What an output is at first and after each state.
-told_values of_output(const goal::pursuer_config& x, const goal::output_config& output) {
+published_values of_output(const goal::pursuer_config& x, const goal::output_config& output) {
   if (output.step != 0)
     return anything();
   auto out = words_of({output.value});
@@ -110,19 +110,19 @@ std::optional<tuple_value> of_pursuer(const goal::pursuer_config& x, std::string
   if (proxy::same_key(name, "goal"))
     return tuple_value{words_of(goals_of(x)), {.anything = false, .pursuer = &x}};
   if (proxy::same_key(name, "outcome"))
-    return told_by_owner(words_of({no_goal}, goal_outcomes));
+    return published_by_owner(words_of({no_goal}, goal_outcomes));
   if (proxy::same_key(name, "outcome.cause"))
-    return told_by_owner(words_of(goal_causes));
+    return published_by_owner(words_of(goal_causes));
   if (proxy::same_key(name, "state")) {
     std::vector<std::string> states{"idle", "waiting"};
     for (const auto& each : x.goals)
       for (const auto& state : each.states)
         states.push_back(state.name);
-    return told_by_owner(words_of(std::move(states)));
+    return published_by_owner(words_of(std::move(states)));
   }
   for (const auto& output : x.outputs)
     if (proxy::same_key(name, output.name))
-      return told_by_owner(of_output(x, output));
+      return published_by_owner(of_output(x, output));
   for (const auto& input : x.inputs)
     if (proxy::same_key(name, input.name) || proxy::same_key(name, "mi-" + input.name))
       return tuple_value{anything(), {}};
@@ -133,7 +133,7 @@ std::optional<tuple_value> of_pursuer(const goal::pursuer_config& x, std::string
 
 // ------------------------------------------------------------------------------------------------
 
-bool told_values::may_be(std::string_view text) const {
+bool published_values::may_be(std::string_view text) const {
   if (anything || std::ranges::find(words, text) != words.end())
     return true;
   const auto blank = text.rfind(' ');
@@ -152,7 +152,7 @@ bool told_values::may_be(std::string_view text) const {
          proxy::reading_of(*field, static_cast<std::int64_t>(count)).text == text;
 }
 
-std::optional<std::pair<double, double>> told_values::numbers() const {
+std::optional<std::pair<double, double>> published_values::numbers() const {
   std::optional<std::pair<double, double>> out;
   const auto add = [&out](double x) {
     out = out ? std::pair(std::min(out->first, x), std::max(out->second, x)) : std::pair(x, x);
@@ -167,7 +167,7 @@ std::optional<std::pair<double, double>> told_values::numbers() const {
   return out;
 }
 
-std::string told_values::text() const {
+std::string published_values::text() const {
   std::string out = words.empty() ? "" : alternatives(words);
   for (const auto& each : endings)
     out += (out.empty() ? "\"... " : ", \"... ") + each + '"';
@@ -181,7 +181,7 @@ std::string told_values::text() const {
   return out;
 }
 
-bool taken_words::takes(std::string_view word) const {
+bool accepted_words::accepts(std::string_view word) const {
   if (input != nullptr)
     return static_cast<bool>(proxy::encode(*input, word));
   return pursuer != nullptr &&
@@ -189,7 +189,7 @@ bool taken_words::takes(std::string_view word) const {
                                  pursuer->goals.end());
 }
 
-std::string taken_words::instead_of(std::string_view word) const {
+std::string accepted_words::instead_of(std::string_view word) const {
   if (pursuer != nullptr) {
     auto goals = goals_of(*pursuer);
     goals.erase(goals.begin());
@@ -269,39 +269,39 @@ std::optional<tuple_value> tuple_values::of_proxy(const proxy_of_mote& x,
   const auto is = [name](const std::string& y) { return proxy::same_key(name, y); };
   for (const auto& field : x.what->fields) {
     if (is(field.name))
-      return told_by_owner(of_field(x, field));
+      return published_by_owner(of_field(x, field));
     if (is(field.name + ".unit"))
-      return told_by_owner(words_of({field.unit}));
+      return published_by_owner(words_of({field.unit}));
     if (is(field.name + ".freshness"))
-      return told_by_owner(words_of({"fresh", "stale"}));
+      return published_by_owner(words_of({"fresh", "stale"}));
   }
   for (const auto& input : x.what->inputs) {
     if (is(input.name))
       return of_input(input);
     if (is(input.name + ".unit"))
-      return told_by_owner(words_of({input.unit}));
+      return published_by_owner(words_of({input.unit}));
     if (is(input.name + ".outcome"))
-      return told_by_owner(words_of({}, request_outcomes));
+      return published_by_owner(words_of({}, request_outcomes));
     if (is("mi-" + input.name))
       return tuple_value{anything(), {}};
   }
   if (is("status"))
-    return told_by_owner(words_of(statuses));
+    return published_by_owner(words_of(statuses));
   if (is("class"))
-    return told_by_owner(words_of({x.what->name}));
+    return published_by_owner(words_of({x.what->name}));
   for (const auto* known : {"status.cause", "status.since", "id", "island"})
     if (is(known))
-      return told_by_owner(anything());
+      return published_by_owner(anything());
   for (const auto& [property, text] : x.what->properties)
     if (is(property))
-      return told_by_owner(words_of({text}));
+      return published_by_owner(words_of({text}));
   return tuple_value{anything(), {}}; // of its program, or of this object alone
 }
 
-told_values tuple_values::of_field(const proxy_of_mote& x, const proxy::field& field) const {
+published_values tuple_values::of_field(const proxy_of_mote& x, const proxy::field& field) const {
   if (is_rescaled(*x.what, field))
     return anything();
-  told_values out;
+  published_values out;
   out.field = &field;
   for (const auto& [count, word] : field.words)
     out.words.push_back(word);

@@ -1,4 +1,4 @@
-// What tuples may tell, and what may be written to them, as far as a file says.
+// Values that tuples may have, and words that may be written to them, as far as a file says.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace rubicon::config {
 
-/// What a tuple may tell. More than one of these may be so.
-struct told_values {
+/// Values that the owner of a tuple publishes; more than one of these may apply.
+struct published_values {
   bool anything = false;
   std::vector<std::string> words;
   std::vector<std::string> endings;               ///< words that stand behind another
@@ -21,26 +21,26 @@ struct told_values {
   std::pair<std::int64_t, std::int64_t> counts{}; ///< from one of these to the other
 
   [[nodiscard]] bool may_be(std::string_view text) const;
-  /// The least and the greatest number; nothing: it tells words alone. @pre not anything
+  /// The least and the greatest number; nothing: it has words only. @pre not anything
   [[nodiscard]] std::optional<std::pair<double, double>> numbers() const;
   /// `"off" or "on"`, `numbers from 0 to 25.5 C`
   [[nodiscard]] std::string text() const;
 };
 
-/// What is done with a word that is written to a tuple.
-struct taken_words {
+/// Words that an owner accepts when they are written to its tuple.
+struct accepted_words {
   bool anything = true;
   const proxy::input* input = nullptr;
-  const goal::pursuer_config* pursuer = nullptr; ///< its goals are taken
+  const goal::pursuer_config* pursuer = nullptr; ///< its goals are accepted
 
-  [[nodiscard]] bool takes(std::string_view word) const; ///< @pre not anything
-  /// What ends a sentence about a word that is not taken: `, which takes "off" or "on"`.
+  [[nodiscard]] bool accepts(std::string_view word) const; ///< @pre not anything
+  /// What ends a sentence about a word that is not accepted: `, which accepts "off" or "on"`.
   [[nodiscard]] std::string instead_of(std::string_view word) const;
 };
 
 struct tuple_value {
-  told_values told;
-  taken_words taken;
+  published_values published;
+  accepted_words accepted;
 };
 
 class tuple_values {
@@ -48,7 +48,7 @@ public:
   /// @param x outlives this
   explicit tuple_values(const ecology_description& x);
 
-  /// Of each of those whose tuple may have the key; empty: of nobody, as far as the file says.
+  /// One for each owner whose tuple may have the key; empty: the file describes none.
   [[nodiscard]] std::vector<tuple_value> of(std::string_view key) const;
 
 private:
@@ -61,13 +61,13 @@ private:
   void add_proxies(const proxy_manager_app& x);
   [[nodiscard]] std::optional<tuple_value> of_proxy(const proxy_of_mote& x,
                                                     std::string_view key) const;
-  [[nodiscard]] told_values of_field(const proxy_of_mote& x, const proxy::field& field) const;
+  [[nodiscard]] published_values of_field(const proxy_of_mote& x, const proxy::field& field) const;
   [[nodiscard]] bool is_rescaled(const proxy::proxy_class& what, const proxy::field& field) const;
 
   const ecology_description& all_;
   std::vector<proxy_of_mote> proxies_;
   std::vector<const goal::pursuer_config*> pursuers_;
-  std::vector<std::string> others_; ///< patterns of keys that may tell anything
+  std::vector<std::string> others_; ///< patterns of keys whose values are not known
 };
 
 } // namespace rubicon::config

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "config/checks/reach.hpp"
+#include "config/checks/connectivity.hpp"
 #include "core/numbers/math.hpp"
 #include "core/overloads.hpp"
 #include "core/text/decimal.hpp"
@@ -235,7 +235,7 @@ double messages_per_second(const island_description& x) {
   return sum;
 }
 
-std::string doubt_of_window(const island_description& x, const radio::channel_config& radio) {
+std::string warning_of_window(const island_description& x, const radio::channel_config& radio) {
   if (!x.duty.enabled)
     return {};
   const auto room = beacons_in(x.duty.window);
@@ -264,7 +264,7 @@ std::string doubt_of_window(const island_description& x, const radio::channel_co
   return text;
 }
 
-std::string doubt_of_traffic(const island_description& x) {
+std::string warning_of_traffic(const island_description& x) {
   const auto rate = messages_per_second(x);
   if (x.duty.enabled || x.listening.enabled() || rate <= sink_carries)
     return {};

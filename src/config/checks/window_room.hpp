@@ -52,10 +52,10 @@ namespace rubicon::config {
 inline constexpr double sink_carries = 85;
 
 /// What is to be said of a window that is too short for those that share it; empty: nothing.
-[[nodiscard]] std::string doubt_of_window(const island_description& x,
-                                          const radio::channel_config& radio);
+[[nodiscard]] std::string warning_of_window(const island_description& x,
+                                            const radio::channel_config& radio);
 
 /// The same of an island whose motes send more than the radio of its sink carries.
-[[nodiscard]] std::string doubt_of_traffic(const island_description& x);
+[[nodiscard]] std::string warning_of_traffic(const island_description& x);
 
 } // namespace rubicon::config

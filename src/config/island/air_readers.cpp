@@ -22,8 +22,8 @@ public:
       if (island->outside.has_sink())
         problems.add(each.at,
                      "island `" + island->name + "` has a real sink: its motes use real radios");
-      placed_.claim(each.value, "island `" + island->name + '`', each.at, problems,
-                    "already belongs to a radio medium");
+      placed_.add(each.value, "island `" + island->name + '`', each.at, problems,
+                  "already belongs to a radio medium");
       if (first == nullptr)
         first = island;
       if (island->host != first->host)
@@ -40,11 +40,26 @@ private:
   }
 
   const std::vector<island_description>& islands_;
-  claims<island_id> placed_;
+  uniqueness<island_id> placed_;
 };
 
 bool holds(const air_description& air, island_id island) {
   return std::find(air.islands.begin(), air.islands.end(), island) != air.islands.end();
+}
+
+auto air_keys() {
+  return keys::of(keys::required("name", &air_description::name, name_text{},
+                                 "unique among radio media and the islands outside it"));
+}
+
+/// Islands of an air, with the places that checks need.
+struct air_members {
+  std::vector<located<island_id>> islands;
+};
+
+auto air_member_keys() {
+  return keys::of(keys::required("islands", &air_members::islands, list_of<island_name>{{}, 1},
+                                 "each island belongs to at most one radio medium"));
 }
 
 } // namespace
@@ -52,16 +67,16 @@ bool holds(const air_description& air, island_id island) {
 std::vector<air_description> read_airs(table_reader& root,
                                        const std::vector<island_description>& islands) {
   std::vector<air_description> out;
-  name_claims air_names;
+  name_uniqueness air_names;
   island_airs placed(islands);
   root.tables("air", "[[air]]", "islands that share a place", [&](table_reader& in) {
     air_description air;
-    std::vector<located<island_id>> members;
-    if (in.required("name", name_text{}, air.name,
-                    "unique among radio media and the islands outside it"))
-      air_names.claim(air.name, "air name", in.at("name"), in.problems());
-    in.required("islands", list_of<island_name>{{}, 1}, members,
-                "each island belongs to at most one radio medium");
+    air_members found;
+    in.all(air, air_keys());
+    in.all(found, air_member_keys());
+    auto& members = found.islands;
+    if (in.is_good("name"))
+      air_names.add(air.name, "air name", in.at("name"), in.problems());
     placed.place(members, in.problems());
     air.islands = values_of(std::move(members));
     for (const auto& island : islands) {

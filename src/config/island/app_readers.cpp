@@ -18,26 +18,62 @@ void check_channel(const table_reader& in, std::string_view key, std::uint16_t c
     in.problems().add(in.at(key), "channel 240 is that of the apps sender, relay and receiver");
 }
 
-/// dead_band and silence_max of a sampler whose other keys are read.
-void read_dead_band(table_reader& in, sampler_app& app, placed_app& out) {
+/// Transducers of a sampler, with the places that checks need.
+struct sampled_quantities {
+  std::vector<located<device::quantity>> transducers;
+};
+
+auto sampled_quantity_keys() {
+  return keys::of(keys::required(
+      "transducers", &sampled_quantities::transducers, list_of<quantity_name>{{true}, 1, 8},
+      {"each is a transducer of the mote, or `\"signal\"`: signal strength at which the "
+       "mote receives its parent, the next mote or sink on the route to the gateway, in "
+       "dBm; 127 before the first frame",
+       "", "array of 1 to 8 quantities"}));
+}
+
+auto period_min_keys() {
+  return keys::of(
+      keys::optional("every_min", &sampler_app::every_min, apps::report_period,
+                     {"shortest [period](gateway.md#of-a-gateway) that subscribers may request",
+                      "`\"100ms\"`, or `every` if that is shorter", "time from 10 ms to `every`"}));
+}
+
+/// Dead bands of a sampler, by the names of quantities.
+struct dead_bands {
   named_values<double> bands;
-  const bool found = in.optional(
-      "dead_band", pairs_of<real>{{0}}, bands,
+};
+
+auto dead_band_keys() {
+  return keys::of(keys::optional(
+      "dead_band", &dead_bands::bands, pairs_of<real>{{0}},
       {"it samples every period, but sends only when one of these values differs by at least this "
        "much from the one last sent; 0: when it has changed",
-       "every sample is sent", "`{ temperature = 0.5 }`, some of the quantities, in their units"});
+       "every sample is sent", "`{ temperature = 0.5 }`, some of the quantities, in their units"}));
+}
+
+auto silence_keys() {
+  return keys::of(keys::optional(
+      "silence_max", &sampler_app::silence_max, apps::report_period,
+      {"with `dead_band`: longest time between two messages, so that a steady value can be "
+       "distinguished from an absent mote",
+       "ten times `every`", "time from `every`"}));
+}
+
+/// dead_band and silence_max of a sampler whose other keys are read.
+void read_dead_band(table_reader& in, sampler_app& app, placed_app& out) {
+  dead_bands given;
+  in.all(given, dead_band_keys());
+  const auto& bands = given.bands;
   app.silence_max = 10 * app.every;
-  in.optional("silence_max", apps::report_period, app.silence_max,
-              {"with `dead_band`: longest time between two messages, so that a steady value can be "
-               "distinguished from an absent mote",
-               "ten times `every`", "time from `every`"});
+  in.all(app, silence_keys());
   if (in.has("silence_max") && !in.has("dead_band"))
     in.problems().add(in.at("silence_max"), "`silence_max` has no effect without a `dead_band`");
   if (app.silence_max < app.every)
     in.problems().add(in.at("silence_max"), "`silence_max` must not be shorter than `every`, which "
                                             "is " +
                                                 to_text(app.every));
-  if (!found || !in.sound()) {
+  if (!in.is_good("dead_band") || !in.sound()) {
     app.silence_max = 0s;
     return;
   }
@@ -56,28 +92,23 @@ void read_dead_band(table_reader& in, sampler_app& app, placed_app& out) {
 placed_app read_sampler(table_reader& in) {
   sampler_app app;
   placed_app out;
-  std::vector<located<device::quantity>> found;
-  in.required("transducers", list_of<quantity_name>{{true}, 1, 8}, found,
-              {"each is a transducer of the mote, or `\"signal\"`: signal strength at which the "
-               "mote receives its parent, the next mote or sink on the route to the gateway, in "
-               "dBm; 127 before the first frame",
-               "", "array of 1 to 8 quantities"});
+  sampled_quantities sampled;
+  in.all(sampled, sampled_quantity_keys());
+  auto& found = sampled.transducers;
   in.all(app);
   check_channel(in, "channel", app.channel);
   app.every_min = std::min(app.every_min, app.every);
-  if (in.optional("every_min", apps::report_period, app.every_min,
-                  {"shortest [period](gateway.md#of-a-gateway) that subscribers may request",
-                   "`\"100ms\"`, or `every` if that is shorter", "time from 10 ms to `every`"}) &&
-      app.every_min > app.every)
+  in.all(app, period_min_keys());
+  if (in.is_good("every_min") && app.every_min > app.every)
     in.problems().add(in.at("every_min"), "`every_min` must not be longer than `every`, which is " +
                                               to_text(app.every));
   if (in.sound() && app.jitter > app.every)
     in.problems().add(in.at("jitter"),
                       "`jitter` must not be longer than `every`, which is " + to_text(app.every));
-  claims<device::quantity> listed;
+  uniqueness<device::quantity> listed;
   for (const auto& each : found) {
-    listed.claim(each.value, "transducer `" + in.shared().quantities.word_of(each.value) + '`',
-                 each.at, in.problems(), "is already listed");
+    listed.add(each.value, "transducer `" + in.shared().quantities.word_of(each.value) + '`',
+               each.at, in.problems(), "is already listed");
     out.needs_at.push_back(each.at);
   }
   app.transducers = values_of(std::move(found));
@@ -112,12 +143,18 @@ placed_app read_listener(table_reader& in) {
   return {app, {}, {}, {}};
 }
 
+/// Where packets of a flow go.
+struct flow_target {
+  flow_end end;
+};
+
 void read_end(table_reader& in, std::string_view key, const flow_end_name& kind, bool required,
               placed_app& out, const about& what) {
-  flow_end end;
-  const bool found =
-      required ? in.required(key, kind, end, what) : in.optional(key, kind, end, what);
-  out.ends.push_back({found ? std::optional(end) : std::nullopt, in.at(key)});
+  auto one = keys::optional(key, &flow_target::end, kind, what);
+  one.is_required = required;
+  flow_target target;
+  in.all(target, keys::of(one));
+  out.ends.push_back({in.is_good(key) ? std::optional(target.end) : std::nullopt, in.at(key)});
 }
 
 /// A key that means nothing with this pattern.
@@ -188,14 +225,23 @@ placed_app read_counter(table_reader& in, tinyos::program_kind kind) {
 /// Whether the actor that a program is in is its mote's or its own.
 enum class program_place : std::uint8_t { mote, actor };
 
+struct placed_actor {
+  program_place where = program_place::mote;
+};
+
+auto program_place_keys() {
+  return keys::of(keys::optional(
+      "place", &placed_actor::where,
+      word<program_place>{{{"mote", program_place::mote}, {"actor", program_place::actor}}},
+      "[where the program runs](#place-of-a-program); on a mote only"));
+}
+
 placed_app read_program(table_reader& in, const program_kind& kind) {
   auto found = kind.second(in);
-  auto where = program_place::mote;
-  in.optional("place",
-              word<program_place>{{{"mote", program_place::mote}, {"actor", program_place::actor}}},
-              where, "[where the program runs](#place-of-a-program); on a mote only");
+  placed_actor place;
+  in.all(place, program_place_keys());
   placed_app out{std::move(found.app), {}, std::move(found.needs_at), {}};
-  if (where == program_place::actor)
+  if (place.where == program_place::actor)
     out.app = separate_app{std::get<apps::app_config>(std::move(out.app))};
   return out;
 }

@@ -20,13 +20,13 @@ constexpr std::size_t streams_max = 32;
 std::vector<apps::synapse> read_synapses(table_reader& in, std::string_view key,
                                          const about& what) {
   std::vector<apps::synapse> out;
-  claims<mote_address> listed;
+  uniqueness<mote_address> listed;
   in.tables(key, "synapses", what, [&](table_reader& x) {
     apps::synapse end;
     x.all(end);
     if (end.other != mote_address{})
-      listed.claim(end.other, "the channel with " + to_string(end.other), x.at("node"),
-                   x.problems(), "is already listed");
+      listed.add(end.other, "the channel with " + to_string(end.other), x.at("node"), x.problems(),
+                 "is already listed");
     out.push_back(end);
   });
   if (out.size() > synapses_max)
@@ -47,14 +47,25 @@ placed_program read_stream_reader(table_reader& in) {
   return {app, {}};
 }
 
+/// Transducers of a reservoir, with the places that checks need.
+struct sensed_quantities {
+  std::vector<located<device::quantity>> transducers;
+};
+
+auto sensed_quantity_keys() {
+  return keys::of(keys::optional("transducers", &sensed_quantities::transducers,
+                                 list_of<quantity_name>{{}, 0, 8},
+                                 {"on a mote only; each is scaled by its range so far", "none",
+                                  "array of up to 8 quantities"}));
+}
+
 placed_program read_reservoir(table_reader& in, bool senses) {
   apps::reservoir_config app;
   placed_program out;
   if (senses) {
-    std::vector<located<device::quantity>> found;
-    in.optional("transducers", list_of<quantity_name>{{}, 0, 8}, found,
-                {"on a mote only; each is scaled by its range so far", "none",
-                 "array of up to 8 quantities"});
+    sensed_quantities sensed;
+    in.all(sensed, sensed_quantity_keys());
+    auto& found = sensed.transducers;
     for (const auto& each : found)
       out.needs_at.push_back(each.at);
     app.transducers = values_of(std::move(found));
@@ -77,23 +88,40 @@ placed_program read_readout(table_reader& in) {
   return {std::move(app), {}};
 }
 
+/// Streams that end at a program, with the places that checks need.
+struct stream_list {
+  std::vector<located<std::uint16_t>> streams;
+};
+
+auto stream_list_keys() {
+  return keys::of(keys::required("streams", &stream_list::streams,
+                                 list_of<whole<std::uint16_t>>{{}, 1, streams_max},
+                                 {"symbolic names of the streams that end here", "",
+                                  "array of 1 to 32 numbers from 0 to 65535"}));
+}
+
 std::vector<std::uint16_t> read_streams(table_reader& in) {
-  std::vector<located<std::uint16_t>> found;
-  in.required("streams", list_of<whole<std::uint16_t>>{{}, 1, streams_max}, found,
-              {"symbolic names of the streams that end here", "",
-               "array of 1 to 32 numbers from 0 to 65535"});
-  claims<std::uint16_t> listed;
+  stream_list list;
+  in.all(list, stream_list_keys());
+  auto& found = list.streams;
+  uniqueness<std::uint16_t> listed;
   for (const auto& each : found)
-    listed.claim(each.value, "stream " + std::to_string(each.value), each.at, in.problems(),
-                 "is already listed");
+    listed.add(each.value, "stream " + std::to_string(each.value), each.at, in.problems(),
+               "is already listed");
   return values_of(std::move(found));
+}
+
+auto record_file_keys() {
+  return keys::of(
+      keys::required("file", &apps::recorder_config::file, text{},
+                     "relative to the working directory of the run; no other recorder writes it"));
 }
 
 placed_program read_average(table_reader& in) {
   apps::average_config app;
   app.streams = read_streams(in);
   in.all(app);
-  claims<std::uint16_t> listed;
+  uniqueness<std::uint16_t> listed;
   in.tables(
       "outputs", "outputs of an average", "receivers of the mean",
       [&](table_reader& x) {
@@ -102,8 +130,8 @@ placed_program read_average(table_reader& in) {
         if (std::ranges::find(app.streams, to.stream) != app.streams.end())
           x.problems().add(x.at("stream"),
                            "stream " + std::to_string(to.stream) + " is read by this average");
-        listed.claim(to.stream, "stream " + std::to_string(to.stream), x.at("stream"), x.problems(),
-                     "is already listed");
+        listed.add(to.stream, "stream " + std::to_string(to.stream), x.at("stream"), x.problems(),
+                   "is already listed");
         app.outputs.push_back(to);
       },
       1);
@@ -118,14 +146,14 @@ placed_program read_stream_switch(table_reader& in) {
   return {app, {}};
 }
 
-placed_program read_recorder(table_reader& in, claims<std::string>& files) {
+placed_program read_recorder(table_reader& in, uniqueness<std::string>& files) {
   apps::recorder_config app;
   app.streams = read_streams(in);
   in.all(app);
-  if (in.required("file", text{}, app.file,
-                  "relative to the working directory of the run; no other recorder writes it"))
-    files.claim(app.file, "file `" + app.file + '`', in.at("file"), in.problems(),
-                "is already written by the recorder");
+  in.all(app, record_file_keys());
+  if (in.is_good("file"))
+    files.add(app.file, "file `" + app.file + '`', in.at("file"), in.problems(),
+              "is already written by the recorder");
   return {std::move(app), {}};
 }
 
@@ -145,9 +173,14 @@ struct setting_reader {
 
   template <class Kind, class Value>
   std::optional<apps::setting> take(const Kind& kind, Value value) const {
-    const bool found = key.required ? in.required(key.name, kind, value, key.meaning.c_str())
-                                    : in.optional(key.name, kind, value, key.meaning.c_str());
-    return found ? std::optional<apps::setting>(value) : std::nullopt;
+    struct holder {
+      Value value;
+    };
+    auto one = keys::optional(key.name, &holder::value, kind, key.meaning.c_str());
+    one.is_required = key.required;
+    holder x{std::move(value)};
+    in.all(x, keys::of(one));
+    return in.is_good(key.name) ? std::optional<apps::setting>(x.value) : std::nullopt;
   }
 };
 
@@ -179,7 +212,7 @@ std::vector<program_kind> mote_programs(const table_reader& in) {
                      in);
 }
 
-std::vector<program_kind> pc_programs(const table_reader& in, claims<std::string>& files) {
+std::vector<program_kind> pc_programs(const table_reader& in, uniqueness<std::string>& files) {
   return with_custom({{"stream_reader", read_stream_reader},
                       {"reservoir", [&](table_reader& x) { return read_reservoir(x, false); }},
                       {"readout", [&](table_reader& x) { return read_readout(x); }},
@@ -191,9 +224,9 @@ std::vector<program_kind> pc_programs(const table_reader& in, claims<std::string
 
 std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_view key,
                                                const std::string& title,
-                                               claims<std::string>& files) {
+                                               uniqueness<std::string>& files) {
   std::vector<apps::app_config> out;
-  end_claims ends;
+  end_uniqueness ends;
   in.tables(key, title,
             {"programs of its PC; they are notified of each mote that joins the island; only if it "
              "is the island's only gateway",
@@ -203,7 +236,7 @@ std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_vie
               for (const auto& [word, read] : pc_programs(in, files))
                 choices.emplace_back(word, [&, read = read](table_reader& y) {
                   out.push_back(read(y).app);
-                  ends.claim(out.back(), y.at("app"), y.problems());
+                  ends.add(out.back(), y.at("app"), y.problems());
                 });
               x.one_of("app", "which program", choices);
             });

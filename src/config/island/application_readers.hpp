@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "apps/app_config.hpp"
-#include "config/plan/claims.hpp"
 #include "config/plan/references.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "config/toml/table_reader.hpp"
 
 namespace rubicon::config {
@@ -29,12 +29,12 @@ using program_kind = std::pair<std::string_view, std::function<placed_program(ta
 
 /// Programs for PCs. @param files those that recorders write so far; outlives what is returned
 [[nodiscard]] std::vector<program_kind> pc_programs(const table_reader& in,
-                                                    claims<std::string>& files);
+                                                    uniqueness<std::string>& files);
 
 /// All programs of a PC. @param key of their array
 [[nodiscard]] std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_view key,
                                                              const std::string& title,
-                                                             claims<std::string>& files);
+                                                             uniqueness<std::string>& files);
 
 /// The transducers that a program needs, in the order of needs_at.
 [[nodiscard]] std::vector<device::quantity> needs(const apps::app_config& x);

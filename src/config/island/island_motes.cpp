@@ -4,10 +4,11 @@
 #include <cmath>
 #include <utility>
 
-#include "config/checks/reach.hpp"
+#include "config/checks/connectivity.hpp"
 #include "config/checks/slot_check.hpp"
 #include "config/island/layouts.hpp"
 #include "config/island/model_readers.hpp"
+#include "config/island/mote_keys.hpp"
 #include "config/island/size_check.hpp"
 #include "radio/medium/tossim_files.hpp"
 #include "serial/cable/backbone_keys.hpp"
@@ -16,46 +17,11 @@ namespace rubicon::config {
 
 namespace {
 
-constexpr std::size_t prefix_length_max = 26; // with a dash and five digits it is still a name
-
-/// The `type` of a mote: a number, or the name of a mote type.
-struct mote_kind {
-  struct type {
-    std::uint32_t number = 0;
-    std::string name;
-  };
-
-  [[nodiscard]] static std::optional<type> read(const node& x, const asker& who) {
-    if (x.as<std::string>() == nullptr) {
-      const auto number = config::read(whole<std::uint32_t>{1}, x, who);
-      return number ? std::optional(type{*number, {}}) : std::nullopt;
-    }
-    const auto name = mote_type_name::read(x, who);
-    return name ? std::optional(type{0, *name}) : std::nullopt;
-  }
-  [[nodiscard]] static form takes() {
-    return types_form("name of a mote type, or a number", {"integer", "string"});
-  }
-};
-
-/// How the names of a group's motes begin.
-struct prefix_text {
-  using type = std::string;
-
-  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
-    const auto* found = x.as<std::string>();
-    if (found == nullptr || !is_name(*found) || found->size() > prefix_length_max)
-      return who.refuse(x, "1 to 26 letters, digits, - and _");
-    return *found;
-  }
-  [[nodiscard]] static form takes() { return string_form("1 to 26 letters, digits, `-` and `_`"); }
-};
-
 std::string metres_text(double x) {
   return shown(std::ceil(x * 100) / 100) + " m"; // upwards: 30.001 m is more than 30 m
 }
 
-/// The first of the lowest `count` ids in a row from 1 on that nobody has.
+/// The first of the lowest `count` ids in a row from 1 on that are free.
 std::uint32_t lowest_free(const std::set<std::uint32_t>& taken, std::uint32_t count) {
   std::uint32_t first = 1;
   for (const auto id : taken) {
@@ -100,11 +66,10 @@ void island_motes::add_sink(table_reader& island, std::vector<placed_app> apps, 
 
 /// What a mote and a group have in common; starts from what the mote's type says.
 mote_profile island_motes::read_profile_of(table_reader& in) {
-  mote_kind::type kind;
-  const bool known =
-      in.required_if(joins() && !island_.outside.has_sink(), "type", mote_kind{}, kind,
-                     {"its mote type, or the number that it reports at join; required except with "
-                      "`stack = \"mac\"`, a base station or a real sink"});
+  mote_type_choice choice;
+  in.all(choice, mote_kind_keys(joins() && !island_.outside.has_sink()));
+  const auto& kind = choice.kind;
+  const bool known = in.is_good("type");
   mote_profile profile;
   profile.like.type = kind.number;
   if (const auto* given = in.value("type"); !known && given != nullptr)
@@ -202,31 +167,25 @@ void island_motes::read_backbone(table_reader& in, mote_description& out) {
 }
 
 void island_motes::read_mote(table_reader& in) {
-  mote_id id;
   const std::uint16_t least = island_.outside.has_sink() ? 0 : 1; // plain motes may have any
-  const bool has_id = in.required("id", whole<std::uint16_t>{least, mote_id_max}, id,
-                                  "TinyOS id, unique within the island");
+  mote_description identity;
+  in.all(identity, mote_id_keys(least));
+  const auto id = identity.id;
+  const bool has_id = in.is_good("id");
   const auto profile = read_profile_of(in);
   auto out = profile.mote();
   out.id = id;
   out.name = default_mote_name(out.type_name, out.id);
-  if (in.optional("name", name_text{}, out.name,
-                  {"unique within the island",
-                   "the mote type's, or `mote`, followed by the id: `climate-7`",
-                   "name, but not `sink`"}) &&
-      is_sink_name(out.name))
+  in.all(out, mote_name_keys());
+  if (in.is_good("name") && is_sink_name(out.name))
     in.problems().add(in.at("name"), "`" + out.name + "` stands for the sink of an island");
   const bool may_lack_place = !positions_matter_ || in.has("path") || island_.outside.has_sink();
-  const bool has_place =
-      in.required_if(!may_lack_place, "position_m", place{}, out.place,
-                     "position; required except with `path`, `model = \"gains\"` or a real sink");
+  in.all(out, mote_place_keys(!may_lack_place));
+  const bool has_place = in.is_good("position_m");
   if (in.has("path") && with_.radio_is_known && !positions_matter_)
     in.problems().add(in.at("path"), "`path` has no effect with model = \"gains\"");
   read_path(in, has_place, out.place, out.path);
-  in.optional("step", time_span{10ms, 1h}, out.step,
-              "how often its position is updated while it moves");
-  in.optional("stays_when_flat", flag{}, out.stays_when_flat,
-              "when its battery is flat, it stays at its current position; else it is carried on");
+  in.all(out, movement_keys());
   if (in.has("stays_when_flat") && !in.has("path"))
     in.problems().add(in.at("stays_when_flat"), "`stays_when_flat` has no effect without a `path`");
   if (in.has("step") && !in.has("path"))
@@ -234,9 +193,9 @@ void island_motes::read_mote(table_reader& in) {
   read_backbone(in, out);
   if (has_id) {
     static_cast<void>(settle_traces(out.transducers, out.id, in.at("id"), in.shared()));
-    const bool id_is_free = claim_id(out.id, in.at("id"), in.problems());
+    const bool id_is_free = add_id(out.id, in.at("id"), in.problems());
     if (id_is_free || in.has("name")) // a default name is taken together with its id
-      names_.claim(out.name, "mote name", in.at("name"), in.problems());
+      names_.add(out.name, "mote name", in.at("name"), in.problems());
     static_cast<void>(check_node(out.id, out.name, in.at("id"), in.problems()));
   }
   if (has_place)
@@ -249,17 +208,11 @@ void island_motes::read_mote(table_reader& in) {
 }
 
 void island_motes::read_group(table_reader& in) {
-  std::uint32_t count = 0;
-  std::string prefix;
-  in.required("count", whole<std::uint32_t>{1, mote_id_max}, count, "number of motes");
-  auto first = lowest_free(taken_, count);
-  in.optional("first", whole<std::uint32_t>{1, mote_id_max}, first,
-              {"id of the first; the others follow",
-               "the lowest one that begins a sufficiently long row of free ids: not of the sink, "
-               "of `real`, of an `[[island.mote]]` or of an earlier group"});
-  const bool has_prefix =
-      in.optional("prefix", prefix_text{}, prefix,
-                  {"first part of their names: `node-7`", "the mote type's name, or `mote`"});
+  mote_group group;
+  in.all(group, group_size_keys());
+  group.first = lowest_free(taken_, group.count);
+  in.all(group, group_name_keys());
+  auto& [count, first, prefix] = group;
   if (first + count - 1 > mote_id_max) {
     in.problems().add(in.at("count"), "mote ids from " + std::to_string(first) + " to " +
                                           std::to_string(first + count - 1) + " are more than " +
@@ -273,7 +226,7 @@ void island_motes::read_group(table_reader& in) {
   with_.group_motes += count;
   const auto profile = read_profile_of(in);
   const auto like = profile.mote();
-  if (!has_prefix) {
+  if (!in.is_good("prefix")) {
     prefix = default_mote_name(like.type_name, mote_id{});
     prefix.resize(prefix.rfind('-'));
     if (prefix.size() > prefix_length_max) {
@@ -322,9 +275,9 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
       mote.place = places[i];
     // The first mistake of each kind will do.
     const auto id_at = in.at(in.has("first") ? "first" : "count");
-    ids_are_free = claim_id(mote.id, id_at, in.problems()) &&
-                   names_.claim(mote.name, "mote name",
-                                in.at(in.has("prefix") ? "prefix" : "count"), in.problems());
+    ids_are_free = add_id(mote.id, id_at, in.problems()) &&
+                   names_.add(mote.name, "mote name", in.at(in.has("prefix") ? "prefix" : "count"),
+                              in.problems());
     has_node = has_node && check_node(mote.id, mote.name, id_at, in.problems());
     has_traces = has_traces && settle_traces(mote.transducers, mote.id, id_at, in.shared());
     if (i < places.size())
@@ -335,7 +288,7 @@ void island_motes::add_group(table_reader& in, std::uint32_t first, std::uint32_
   }
 }
 
-bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
+bool island_motes::add_id(mote_id id, mark at, complaints& problems) {
   taken_.insert(id.value);
   const bool is_real = island_.real.is_there() && island_.real.motes.has(id);
   if (id == island_.sink.id)
@@ -343,17 +296,17 @@ bool island_motes::claim_id(mote_id id, mark at, complaints& problems) {
   else if (is_real)
     problems.add(at, "mote id " + to_string(id) +
                          " is in the range of `real`, whose motes are not simulated");
-  return ids_.claim(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id &&
+  return ids_.add(id.value, "mote id " + to_string(id), at, problems) && id != island_.sink.id &&
          !is_real;
 }
 
 /// Each mote that stands still must have a route to the sink, over others if need be.
-void island_motes::check_reach(complaints& problems) const {
+void island_motes::check_connectivity(complaints& problems) const {
   if (!range_m_ || !joins() || island_.outside.has_sink())
     return;
   std::vector<position> sinks{island_.sink.place};
   std::vector<position> places;
-  std::vector<std::size_t> motes; // of those on another channel radio_doubts warns
+  std::vector<std::size_t> motes; // of those on another channel radio_warnings.cpp warns
   for (std::size_t i = 0; i < island_.motes.size(); ++i) {
     if (channel_of(island_, island_.motes[i]) != island_.channel)
       continue;
@@ -362,11 +315,11 @@ void island_motes::check_reach(complaints& problems) const {
     if (island_.motes[i].backbone)
       sinks.push_back(island_.motes[i].place);
   }
-  std::set<mark> told; // one mote of a group will do
-  for (const auto i : out_of_reach_of(sinks, places, *range_m_)) {
+  std::set<mark> reported; // one mote of a group will do
+  for (const auto i : disconnected_from_any(sinks, places, *range_m_)) {
     const auto& mote = island_.motes[motes[i]];
     const auto at = placed_at_.find(mote.id);
-    if (mote.path.empty() && at != placed_at_.end() && told.insert(at->second).second)
+    if (mote.path.empty() && at != placed_at_.end() && reported.insert(at->second).second)
       problems.add(at->second, "mote `" + mote.name +
                                    "` is unreachable: no chain of motes at most " +
                                    metres_text(*range_m_) + " apart leads to its sink");
@@ -432,7 +385,7 @@ void island_motes::finish(complaints& problems) {
   constexpr unsigned hops_max = 1024;
   std::sort(island_.motes.begin(), island_.motes.end(),
             [](const auto& a, const auto& b) { return a.id < b.id; });
-  check_reach(problems);
+  check_connectivity(problems);
   check_tick(traffic_, island_.serial, with_.tick, vectors_at_, problems);
   // Where radios sleep there are no slots: channels have schedules, or receivers no certain time.
   if (!programs_at_.empty() && !island_.duty.enabled && !island_.listening.enabled())

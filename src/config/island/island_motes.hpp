@@ -27,8 +27,8 @@ public:
 
   /// Puts the motes in order, checks that flows have both ends and that radios connect the island.
   /// A real mote of the island has this name.
-  void claim_name(const std::string& name, mark at, complaints& problems) {
-    names_.claim(name, "mote name", at, problems);
+  void add_name(const std::string& name, mark at, complaints& problems) {
+    names_.add(name, "mote name", at, problems);
   }
 
   void finish(complaints& problems);
@@ -52,8 +52,8 @@ private:
   void read_layout_of(table_reader& in, std::uint32_t first, std::vector<mote_description>& motes);
   void add_group(table_reader& in, std::uint32_t first, std::uint32_t count,
                  const mote_description& like, const std::string& prefix);
-  [[nodiscard]] bool claim_id(mote_id id, mark at, complaints& problems);
-  void check_reach(complaints& problems) const;
+  [[nodiscard]] bool add_id(mote_id id, mark at, complaints& problems);
+  void check_connectivity(complaints& problems) const;
   [[nodiscard]] bool check_node(mote_id id, const std::string& name, mark at,
                                 complaints& problems) const;
   void note_flows(mote_id from, const std::vector<placed_app>& apps, complaints& problems);
@@ -63,9 +63,9 @@ private:
 
   surroundings& with_;
   island_description& island_;
-  claims<std::uint16_t> ids_;
+  uniqueness<std::uint16_t> ids_;
   std::set<std::uint32_t> taken_; ///< of them and the sink's, in order
-  name_claims names_;
+  name_uniqueness names_;
   std::optional<double> range_m_;     ///< of all radios, if a disk
   std::map<mote_id, mark> placed_at_; ///< where the file says where each mote stands
   bool positions_matter_ = true;

@@ -17,32 +17,109 @@ namespace rubicon::config {
 
 namespace {
 
+auto sink_role_keys() {
+  return keys::of(keys::optional(
+      "role", &island_description::stack,
+      word<stack>{{{"root", stack::full}, {"base_station", stack::plain}}},
+      {"`\"root\"`: its motes join it. `\"base_station\"`: it is a BaseStation of TinyOS, "
+       "which forwards the frames that it receives, and its motes run plain programs",
+       "`\"root\"`"}));
+}
+
+auto sink_keys() {
+  using x = sink_description;
+  return keys::of(
+      keys::optional("id", &x::id, whole<std::uint16_t>{1, mote_id_max},
+                     "its mote id; no other mote of the island has it"),
+      keys::optional("platform", &x::platform, platform_name(), "as of a mote"),
+      keys::optional("position_m", &x::place, place{},
+                     "in a unit disk, every mote of an island with the full stack must be within "
+                     "`range` of it"),
+      keys::optional(
+          "power", &x::transmit_dbm, power_level{-100, 30},
+          {"transmit power, as of a mote", "the platform's maximum", "power, as of a mote"}),
+      keys::optional("promiscuous", &x::promiscuous, flag{},
+                     "it also accepts frames of other islands and frames addressed to other "
+                     "motes, as a base station always does"));
+}
+
+auto gateway_name_keys() {
+  return keys::of(
+      keys::optional("name", &island_description::gateway_name, name_text{},
+                     {"its PEIS name, unique among peers", "the island's followed by `-gateway`"}));
+}
+
+auto gateway_wire_keys() {
+  return keys::of(keys::optional(
+      "wire", &island_description::gateway_wire,
+      word<wire_form>{{{"segment", wire_form::segment}, {"strict54", wire_form::strict54}}},
+      "what follows the header of D1.1 5.4 in packages between gateways: the sender of the "
+      "message and whether it is to be acknowledged, or the payload alone. The strict form "
+      "is always used with a gateway whose announcement on port 20 differs from ours; it "
+      "cannot express reliable messages, streams and synaptic channels"));
+}
+
+auto alias_keys() {
+  using x = alias_description;
+  return keys::of(
+      keys::required(
+          "id", &x::id, whole<std::int32_t>{1, island_id_max},
+          "its PEIS id, which also addresses the island; unique among peers, islands and gateways"),
+      keys::optional("name", &x::name, name_text{},
+                     {"its PEIS name, unique among peers",
+                      "the island's followed by `-gateway-2`, `-3` or `-4`"}));
+}
+
+auto island_keys() {
+  using x = island_description;
+  return keys::of(
+      keys::required("id", &x::id, whole<std::uint32_t>{1, island_id_max},
+                     "address of the island and PEIS id of its gateway; unique among peers"),
+      keys::required("name", &x::name, name_text{}, "first part of the names of its motes"),
+      keys::optional("host", &x::host, host_name{},
+                     {"host on which the island runs", "host on which the run is started"}),
+      keys::optional("stack", &x::stack, word<stack>{{{"full", stack::full}, {"mac", stack::mac}}},
+                     "`\"mac\"`: radios and medium access only, see below"),
+      keys::optional(
+          "channel", &x::channel, radio_channel,
+          "channel of the radios of its sink and motes, unless they have their own; in a radio "
+          "medium only radios of the same channel receive and disturb each other"));
+}
+
+auto keep_alive_keys() {
+  return keys::of(keys::optional(
+      "keep_alive", &island_description::keep_alive, time_span{1s, 24h},
+      "a mote that is silent for this time is removed; motes that report less often get "
+      "three of their periods; with sleeping radios the minimum is three periods of the "
+      "windows, or sixty intervals of low-power listening"));
+}
+
+auto crystal_keys() {
+  using x = island_description;
+  return keys::of(
+      keys::optional(
+          "crystal_ppm", &x::crystal_ppm, real{0, 100},
+          "each mote's crystal, and the sink's, runs too fast or too slow by up to this many "
+          "parts per million, drawn from the seed. Each life of a mote begins with another time "
+          "on its clock"),
+      keys::optional("crystal_wander_ppm", &x::crystal_wander_ppm, real{0, 20},
+                     "in addition, its rate varies by up to this much with temperature,"),
+      keys::optional("crystal_wander_period", &x::crystal_wander_period,
+                     time_span{10min, 365 * 24h}, "with this period, each with another phase"));
+}
+
 /// @returns the sink's programs
 std::vector<placed_app> read_sink(table_reader& in, const surroundings& with,
                                   island_description& island) {
   auto& out = island.sink;
   const bool is_mac = island.stack == stack::mac;
-  in.optional("role", word<stack>{{{"root", stack::full}, {"base_station", stack::plain}}},
-              island.stack,
-              {"`\"root\"`: its motes join it. `\"base_station\"`: it is a BaseStation of TinyOS, "
-               "which forwards the frames that it receives, and its motes run plain programs",
-               "`\"root\"`"});
+  in.all(island, sink_role_keys());
   if (is_mac && in.has("role")) {
     in.problems().add(in.at("role"), "`role` has no effect in an island with stack = \"mac\"");
     island.stack = stack::mac;
   }
-  in.optional("id", whole<std::uint16_t>{1, mote_id_max}, out.id,
-              "its mote id; no other mote of the island has it");
-  in.optional("platform", platform_name(), out.platform, "as of a mote");
-  in.optional(
-      "position_m", place{}, out.place,
-      "in a unit disk, every mote of an island with the full stack must be within `range` of it");
-  in.optional("power", power_level{-100, 30}, out.transmit_dbm,
-              {"transmit power, as of a mote", "the platform's maximum", "power, as of a mote"});
+  in.all(out, sink_keys());
   check_power(*out.platform, out.transmit_dbm, in.at("power"), in.problems());
-  in.optional("promiscuous", flag{}, out.promiscuous,
-              "it also accepts frames of other islands and frames addressed to other motes, as a "
-              "base station always does");
   mark access_at;
   read_access(in, out.access, access_at);
   check_access(out.access, access_at, in.problems());
@@ -118,18 +195,18 @@ void warn_of_keep_alive(table_reader& in, const island_description& x) {
   const bool says_so = in.has("keep_alive");
   if (says_so ? x.keep_alive >= least : x.keep_alive > x.duty.period || !x.duty.enabled)
     return;
-  in.problems().doubt(in.at(says_so ? "keep_alive" : "duty_cycle"),
-                      "`keep_alive` is " + to_text(x.keep_alive) +
-                          ", but motes whose radios sleep are received once in a period of " +
-                          to_text(x.duty.period) + ": they are removed after three of these, " +
-                          to_text(least));
+  in.problems().warn(in.at(says_so ? "keep_alive" : "duty_cycle"),
+                     "`keep_alive` is " + to_text(x.keep_alive) +
+                         ", but motes whose radios sleep are received once in a period of " +
+                         to_text(x.duty.period) + ": they are removed after three of these, " +
+                         to_text(least));
 }
 
 /// Keep-alives of motes whose radios listen at low power occupy the air.
 void warn_of_slow_signs(table_reader& in, const island_description& x) {
   const auto least = x.listening.silence_min();
   if (in.has("keep_alive") && x.keep_alive < least)
-    in.problems().doubt(
+    in.problems().warn(
         in.at("keep_alive"),
         "`keep_alive` is " + to_text(x.keep_alive) +
             ", but a mote is removed after sixty intervals of low-power listening, " +
@@ -138,18 +215,11 @@ void warn_of_slow_signs(table_reader& in, const island_description& x) {
 }
 
 void read_gateway(table_reader& in, surroundings& with, island_description& out) {
-  in.optional("name", name_text{}, out.gateway_name,
-              {"its PEIS name, unique among peers", "the island's followed by `-gateway`"});
+  in.all(out, gateway_name_keys());
   out.gateway_links = read_links(
       in, {out.gateway_name},
       "peers that it connects to; a link works in both directions, and rings are allowed");
-  in.optional("wire",
-              word<wire_form>{{{"segment", wire_form::segment}, {"strict54", wire_form::strict54}}},
-              out.gateway_wire,
-              "what follows the header of D1.1 5.4 in packages between gateways: the sender of the "
-              "message and whether it is to be acknowledged, or the payload alone. The strict form "
-              "is always used with a gateway whose announcement on port 20 differs from ours; it "
-              "cannot express reliable messages, streams and synaptic channels");
+  in.all(out, gateway_wire_keys());
   out.gateway_apps = read_pc_programs(in, "apps", "apps of a gateway", with.files);
 }
 
@@ -160,19 +230,14 @@ alias_description read_alias(table_reader& in, surroundings& with, const island_
   if (of.aliases.size() == aliases_max)
     in.problems().add(in.at("id"),
                       "an island has at most " + std::to_string(aliases_max + 1) + " gateways");
-  const bool has_id = in.required(
-      "id", whole<std::int32_t>{1, island_id_max}, out.id,
-      "its PEIS id, which also addresses the island; unique among peers, islands and gateways");
-  if (has_id &&
-      with.end_ids.claim(out.id.value, "PEIS id " + to_string(out.id), in.at("id"), in.problems()))
-    with.island_ids.claim(static_cast<std::uint32_t>(out.id.value),
-                          "island id " + to_string(out.id), in.at("id"), in.problems());
-  in.optional(
-      "name", name_text{}, out.name,
-      {"its PEIS name, unique among peers", "the island's followed by `-gateway-2`, `-3` or `-4`"});
+  in.all(out, alias_keys());
+  if (in.is_good("id") &&
+      with.end_ids.add(out.id.value, "PEIS id " + to_string(out.id), in.at("id"), in.problems()))
+    with.island_ids.add(static_cast<std::uint32_t>(out.id.value), "island id " + to_string(out.id),
+                        in.at("id"), in.problems());
   if (!of.name.empty() || in.has("name"))
-    with.end_names.claim(out.name, "peer or gateway name", in.at(in.has("name") ? "name" : "id"),
-                         in.problems());
+    with.end_names.add(out.name, "peer or gateway name", in.at(in.has("name") ? "name" : "id"),
+                       in.problems());
   out.links = read_links(in, {out.name}, "peers that it connects to");
   in.table("serial", "[island.alias.serial]", "its cable",
            [&out](table_reader& x) { x.all(out.serial); });
@@ -211,17 +276,17 @@ real_names read_parts(table_reader& in, surroundings& with, bool name_is_free,
   auto names = read_real(in, with, out);
   read_plain(in, out);
   mark name_at = in.at("name");
-  bool claims_name = name_is_free; // a default name is taken together with the island's
+  bool adds_name = name_is_free; // a default name is taken together with the island's
   in.table("gateway", "[island.gateway]", "connection of the island to the PEIS network",
            [&](table_reader& x) {
              read_gateway(x, with, out);
              if (x.has("name")) {
                name_at = x.at("name");
-               claims_name = true;
+               adds_name = true;
              }
            });
-  if (claims_name)
-    with.end_names.claim(out.gateway_name, "peer or gateway name", name_at, in.problems());
+  if (adds_name)
+    with.end_names.add(out.gateway_name, "peer or gateway name", name_at, in.problems());
   in.tables("alias", "[[island.alias]]", {"further gateways, at most 3", "none"},
             [&](table_reader& x) { out.aliases.push_back(read_alias(x, with, out)); });
   check_aliases(in, out);
@@ -250,31 +315,21 @@ void refuse_membership(table_reader& in) {
 }
 
 /// The id of an island with a gateway is a PEIS id too (ADR-02).
-void claim_island_id(const table_reader& in, surroundings& with, const island_description& x) {
+void add_island_id(const table_reader& in, surroundings& with, const island_description& x) {
   const bool is_free =
       x.stack == stack::mac ||
-      with.end_ids.claim(x.id.value, "PEIS id " + to_string(x.id), in.at("id"), in.problems());
+      with.end_ids.add(x.id.value, "PEIS id " + to_string(x.id), in.at("id"), in.problems());
   if (is_free)
-    with.island_ids.claim(x.id.value, "island id " + to_string(x.id), in.at("id"), in.problems());
+    with.island_ids.add(x.id.value, "island id " + to_string(x.id), in.at("id"), in.problems());
 }
 
-island_description read_island(table_reader& in, surroundings& with, name_claims& names) {
+island_description read_island(table_reader& in, surroundings& with, name_uniqueness& names) {
   island_description out;
-  const bool has_id =
-      in.required("id", whole<std::uint32_t>{1, island_id_max}, out.id,
-                  "address of the island and PEIS id of its gateway; unique among peers");
+  in.all(out, island_keys());
   const bool name_is_free =
-      in.required("name", name_text{}, out.name, "first part of the names of its motes") &&
-      names.claim(out.name, "island name", in.at("name"), in.problems());
-  in.optional("host", host_name{}, out.host,
-              {"host on which the island runs", "host on which the run is started"});
-  in.optional("stack", word<stack>{{{"full", stack::full}, {"mac", stack::mac}}}, out.stack,
-              "`\"mac\"`: radios and medium access only, see below");
-  if (has_id)
-    claim_island_id(in, with, out);
-  in.optional("channel", radio_channel, out.channel,
-              "channel of the radios of its sink and motes, unless they have their own; in a radio "
-              "medium only radios of the same channel receive and disturb each other");
+      in.is_good("name") && names.add(out.name, "island name", in.at("name"), in.problems());
+  if (in.is_good("id"))
+    add_island_id(in, with, out);
   const auto before_sink = in.problems().size();
   out.sink.platform = radio::find_platform("micaz");
   std::vector<placed_app> sink_apps;
@@ -287,10 +342,7 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
   if (out.stack == stack::mac) {
     refuse_parts(in);
   } else {
-    in.optional("keep_alive", time_span{1s, 24h}, out.keep_alive,
-                "a mote that is silent for this time is removed; motes that report less often get "
-                "three of their periods; with sleeping radios the minimum is three periods of the "
-                "windows, or sixty intervals of low-power listening");
+    in.all(out, keep_alive_keys());
     window_at = read_duty_cycle(in, out.duty);
     warn_of_keep_alive(in, out);
     warn_of_slow_signs(in, out);
@@ -300,18 +352,11 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
     if (out.stack == stack::plain && out.outside.has_sink())
       in.problems().add(in.at("sink"), "`role` has no effect with a real sink");
   }
-  in.optional(
-      "crystal_ppm", real{0, 100}, out.crystal_ppm,
-      "each mote's crystal, and the sink's, runs too fast or too slow by up to this many parts per "
-      "million, drawn from the seed. Each life of a mote begins with another time on its clock");
-  in.optional("crystal_wander_ppm", real{0, 20}, out.crystal_wander_ppm,
-              "in addition, its rate varies by up to this much with temperature,");
-  in.optional("crystal_wander_period", time_span{10min, 365 * 24h}, out.crystal_wander_period,
-              "with this period, each with another phase");
+  in.all(out, crystal_keys());
   const auto before_motes = in.problems().size();
   island_motes motes(with, out, sink_is_good);
   for (const auto& [at, name] : names_of_real)
-    motes.claim_name(name, at, in.problems());
+    motes.add_name(name, at, in.problems());
   motes.add_sink(in, std::move(sink_apps), in.at("sink"));
   in.tables("mote", "[[island.mote]]", {"also as `mote = [{ ... }, { ... }]`", "none"},
             [&](table_reader& x) { motes.read_mote(x); });
@@ -322,12 +367,12 @@ island_description read_island(table_reader& in, surroundings& with, name_claims
   if (!in.walks() && out.listening.enabled() && with.radio_is_known)
     check_listening(out, with.radio, with.tick, interval_at, in.problems());
   if (!in.walks() && in.problems().empty() && with.radio_is_known) {
-    const auto short_window = doubt_of_window(out, with.radio);
+    const auto short_window = warning_of_window(out, with.radio);
     if (!short_window.empty())
-      in.problems().doubt(window_at, short_window);
-    const auto traffic = doubt_of_traffic(out);
+      in.problems().warn(window_at, short_window);
+    const auto traffic = warning_of_traffic(out);
     if (!traffic.empty())
-      in.problems().doubt(in.at("id"), traffic);
+      in.problems().warn(in.at("id"), traffic);
   }
   return out;
 }
@@ -347,7 +392,7 @@ surroundings::surroundings(reading& all, const radio::channel_config& channel,
 
 std::vector<island_description> read_islands(table_reader& root, surroundings& with) {
   std::vector<island_description> out;
-  name_claims names;
+  name_uniqueness names;
   root.tables("island", "[[island]]",
               "motes around one sink; a file has at least an island or a peer",
               [&](table_reader& x) { out.push_back(read_island(x, with, names)); });

@@ -31,54 +31,75 @@ std::size_t square_side(std::size_t x) {
   return side;
 }
 
-void read_grid(table_reader& in, std::vector<position>& out) {
-  auto columns = square_side(out.size());
+/// What a layout may say; each has some of it.
+struct layout_form {
+  std::size_t columns = 0;
   double spacing_m = 1;
-  position origin;
-  in.optional("columns", whole<std::size_t>{1, mote_id_max}, columns,
-              {"motes along x; further rows follow along y", "as square as possible"});
-  in.required("spacing", spacing_kind, spacing_m, "between neighbours");
-  in.optional("origin", place{}, origin, "of the first mote");
+  double radius_m = 0;
+  position origin = {}; ///< or centre
+  position step = {1, 0, 0};
+};
+
+auto layout_grid_keys() {
+  using x = layout_form;
+  return keys::of(
+      keys::optional("columns", &x::columns, whole<std::size_t>{1, mote_id_max},
+                     {"motes along x; further rows follow along y", "as square as possible"}),
+      keys::required("spacing", &x::spacing_m, spacing_kind, "between neighbours"),
+      keys::optional("origin", &x::origin, place{}, "of the first mote"));
+}
+
+auto layout_line_keys() {
+  using x = layout_form;
+  return keys::of(keys::required("spacing", &x::spacing_m, spacing_kind, "between neighbours"),
+                  keys::optional("origin", &x::origin, place{}, "of the first mote"),
+                  keys::optional("direction", &x::step,
+                                 word<position>{{{"x", position{1, 0, 0}},
+                                                 {"y", position{0, 1, 0}},
+                                                 {"z", position{0, 0, 1}}}},
+                                 "along which axis"));
+}
+
+/// @param meaning the sentence of `centre`
+auto layout_circle_keys(const char* meaning) {
+  using x = layout_form;
+  return keys::of(keys::required("radius", &x::radius_m, radius_kind, "from the centre"),
+                  keys::optional("centre", &x::origin, place{}, meaning));
+}
+
+void read_grid(table_reader& in, std::vector<position>& out) {
+  layout_form form{.columns = square_side(out.size())};
+  in.all(form, layout_grid_keys());
   for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = moved(origin, spacing_m * static_cast<double>(i % columns),
-                   spacing_m * static_cast<double>(i / columns));
+    out[i] = moved(form.origin, form.spacing_m * static_cast<double>(i % form.columns),
+                   form.spacing_m * static_cast<double>(i / form.columns));
 }
 
 void read_line(table_reader& in, std::vector<position>& out) {
-  double spacing_m = 1;
-  position origin;
-  position step{1, 0, 0};
-  in.required("spacing", spacing_kind, spacing_m, "between neighbours");
-  in.optional("origin", place{}, origin, "of the first mote");
-  in.optional("direction",
-              word<position>{
-                  {{"x", position{1, 0, 0}}, {"y", position{0, 1, 0}}, {"z", position{0, 0, 1}}}},
-              step, "along which axis");
+  layout_form form;
+  in.all(form, layout_line_keys());
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const auto way_m = spacing_m * static_cast<double>(i);
-    out[i] = moved(origin, step.x_m * way_m, step.y_m * way_m, step.z_m * way_m);
+    const auto way_m = form.spacing_m * static_cast<double>(i);
+    out[i] =
+        moved(form.origin, form.step.x_m * way_m, form.step.y_m * way_m, form.step.z_m * way_m);
   }
 }
 
 void read_ring(table_reader& in, std::vector<position>& out) {
-  double radius_m = 0;
-  position centre;
-  in.required("radius", radius_kind, radius_m, "from the centre");
-  in.optional("centre", place{}, centre,
-              "position of the first mote, in the direction of x from here");
+  layout_form form;
+  in.all(form, layout_circle_keys("position of the first mote, in the direction of x from here"));
   for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = around(centre, radius_m, static_cast<double>(i) / static_cast<double>(out.size()));
+    out[i] = around(form.origin, form.radius_m,
+                    static_cast<double>(i) / static_cast<double>(out.size()));
 }
 
 void read_disk(table_reader& in, std::vector<position>& out, const layout_rng& rng) {
-  double radius_m = 0;
-  position centre;
-  in.required("radius", radius_kind, radius_m, "from the centre");
-  in.optional("centre", place{}, centre, "its middle");
+  layout_form form;
+  in.all(form, layout_circle_keys("its middle"));
   random_stream stream(rng.seed, rng.path);
   for (auto& each : out) {
     const auto share = std::sqrt(stream.unit()); // as many within half the radius as its area holds
-    each = around(centre, radius_m * share, stream.unit());
+    each = around(form.origin, form.radius_m * share, stream.unit());
   }
 }
 

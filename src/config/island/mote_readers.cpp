@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "config/island/application_readers.hpp"
+#include "config/island/mote_keys.hpp"
 #include "config/island/size_check.hpp"
 #include "radio/mac_rules.hpp"
 #include "radio/parameter_keys.hpp"
@@ -59,15 +60,15 @@ std::string listing(const std::vector<std::string>& names) {
 struct app_check {
   const mote_profile& on;
   const placed_app& app;
-  claims<std::uint16_t>& inputs;  ///< channels and AM types received
-  claims<std::uint16_t>& outputs; ///< channels sent
-  claims<std::string>& singles;   ///< what a mote has once
+  uniqueness<std::uint16_t>& inputs;  ///< channels and AM types received
+  uniqueness<std::uint16_t>& outputs; ///< channels sent
+  uniqueness<std::string>& singles;   ///< what a mote has once
   reading& shared;
   complaints& problems = shared.problems;
 
   void operator()(const sampler_app& x) const {
     check_transducers(x.transducers);
-    claim(outputs, "output", x.channel);
+    add(outputs, "output", x.channel);
   }
 
   void operator()(const apps::app_config& x) const { check_transducers(needs(x)); }
@@ -82,13 +83,13 @@ struct app_check {
         std::find(present.begin(), present.end(), x.actuator) == present.end())
       problems.add(app.needs_at[0],
                    "the mote has no actuator `" + x.actuator + "`; it has: " + listing(present));
-    claim(outputs, "output", x.channel);
-    claim(inputs, "input", x.channel);
+    add(outputs, "output", x.channel);
+    add(inputs, "input", x.channel);
   }
 
   void operator()(const messenger_app&) const {}
 
-  void operator()(const listener_app& x) const { claim(inputs, "input", x.am_type); }
+  void operator()(const listener_app& x) const { add(inputs, "input", x.am_type); }
 
   void operator()(const member_app& x) const {
     std::vector<device::quantity> wanted;
@@ -125,13 +126,13 @@ private:
     }
   }
 
-  void claim(claims<std::uint16_t>& among, std::string_view kind, std::uint16_t channel) const {
-    among.claim(channel, std::string(kind) + " channel " + std::to_string(channel) + " of the mote",
-                app.channel_at, problems);
+  void add(uniqueness<std::uint16_t>& among, std::string_view kind, std::uint16_t channel) const {
+    among.add(channel, std::string(kind) + " channel " + std::to_string(channel) + " of the mote",
+              app.channel_at, problems);
   }
 
   void claim_single(const std::string& kind) const {
-    singles.claim(kind, "the " + kind + " of the mote", app.channel_at, problems);
+    singles.add(kind, "the " + kind + " of the mote", app.channel_at, problems);
   }
 };
 
@@ -178,18 +179,9 @@ mote_description mote_profile::mote() const {
 }
 
 void read_profile(table_reader& in, mote_profile& out) {
-  in.optional("platform", platform_name(), out.like.platform,
-              {"currents, receive slots and speed; a mote's is that of its type, if it has one",
-               "`\"micaz\"`"});
-  in.optional("battery", charge{}, out.like.battery_mah,
-              {"charge of the battery at the start", "the mote type's, or the platform's"});
-  if (in.optional("power", power_level{-100, 30}, out.like.transmit_dbm,
-                  {"transmit power: -25 to 0 dBm on a MicaZ or a TelosB, -17 to 3 dBm on an IRIS",
-                   "the mote type's, or the platform's maximum", "power, as the platform has it"}))
+  in.all(out.like, profile_keys());
+  if (in.is_good("power"))
     out.transmit_at = in.at("power");
-  in.optional("channel", radio_channel, out.like.channel,
-              {"channel of its radio, which exchanges frames only with radios of the same channel",
-               "the mote type's, or the island's"});
   read_access(in, out.like.access, out.access_at);
   read_transducers(in, out.like.transducers.edit());
   read_actuators(in, out.like.actuators.edit());
@@ -197,9 +189,9 @@ void read_profile(table_reader& in, mote_profile& out) {
 }
 
 void check_profile(const mote_profile& x, reading& shared) {
-  claims<std::uint16_t> inputs;
-  claims<std::uint16_t> outputs;
-  claims<std::string> singles;
+  uniqueness<std::uint16_t> inputs;
+  uniqueness<std::uint16_t> outputs;
+  uniqueness<std::string> singles;
   for (const auto& app : x.apps)
     std::visit(app_check{x, app, inputs, outputs, singles, shared}, app.app);
   constexpr std::ptrdiff_t groups_max = 4; // smepp::group_config::groups_max
@@ -209,10 +201,10 @@ void check_profile(const mote_profile& x, reading& shared) {
   if (std::ranges::count_if(x.apps, is_member) > groups_max)
     shared.problems.add(std::ranges::find_if(x.apps, is_member)->channel_at,
                         "a mote may be a member of 4 groups at most");
-  end_claims ends;
+  end_uniqueness ends;
   for (const auto& app : x.apps) {
     for (const auto& program : programs_of({app}))
-      ends.claim(program, app.channel_at, shared.problems);
+      ends.add(program, app.channel_at, shared.problems);
   }
   check_power(*x.like.platform, x.like.transmit_dbm, x.transmit_at, shared.problems);
   check_access(x.like.access, x.access_at, shared.problems);
@@ -291,19 +283,18 @@ bool is_flow_app(const mote_app& x) {
 
 mote_types read_mote_types(table_reader& root) {
   mote_types out;
-  root.named_tables(
-      "mote_type", "[mote_type.NAME]", "kinds of mote",
-      [&](const located<std::string>& name, table_reader& in) {
-        if (!is_name(name.value))
-          in.problems().add(name.at, "mote type " + in_quotes(name.value) +
+  root.named_tables("mote_type", "[mote_type.NAME]", "kinds of mote",
+                    [&](const located<std::string>& name, table_reader& in) {
+                      if (!is_name(name.value))
+                        in.problems().add(
+                            name.at, "mote type " + in_quotes(name.value) +
                                          " must have a name of 1 to 32 letters, digits, - and _");
-        mote_profile profile;
-        in.required("type", whole<std::uint32_t>{1}, profile.like.type,
-                    "the signature that the mote reports at join, which selects its proxy");
-        read_profile(in, profile);
-        profile.like.type_name = name.value;
-        out.emplace(name.value, std::move(profile));
-      });
+                      mote_profile profile;
+                      in.all(profile.like, mote_type_keys());
+                      read_profile(in, profile);
+                      profile.like.type_name = name.value;
+                      out.emplace(name.value, std::move(profile));
+                    });
   return out;
 }
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "config/plan/claims.hpp"
 #include "config/plan/ecology.hpp"
 #include "config/plan/references.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "config/toml/table_reader.hpp"
 #include "core/shared_list.hpp"
 

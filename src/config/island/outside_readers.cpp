@@ -86,6 +86,28 @@ void read_outside(table_reader& in, const surroundings& with, const std::string&
   check_outside(in, with, island, out);
 }
 
+namespace {
+
+auto export_network_keys() {
+  return keys::of(keys::optional(
+      "networks", &serial::export_config::networks, list_of<network_text>{{}, 0, networks_max},
+      {"networks that programs may connect from; others are closed at once", "anywhere"}));
+}
+
+/// Name of a mote behind a real line.
+struct real_mote {
+  mote_id id;
+  std::string name;
+};
+
+auto real_mote_keys() {
+  return keys::of(
+      keys::required("id", &real_mote::id, whole<std::uint16_t>{0, mote_id_max}, "its address"),
+      keys::required("name", &real_mote::name, name_text{}, "unique within the island"));
+}
+
+} // namespace
+
 void read_export(table_reader& island, const surroundings& with, island_description& out) {
   island.table(
       "export", "[island.export]", {"TinyOS's programs also reach the sink here", "they do not"},
@@ -98,14 +120,12 @@ void read_export(table_reader& island, const surroundings& with, island_descript
           in.problems().add(in.at("forwarder"),
                             "expected ADDRESS:PORT with an IPv4 address of this computer, "
                             "as in \"127.0.0.1:9002\"");
-        in.optional(
-            "networks", list_of<network_text>{{}, 0, networks_max}, out.exported.networks,
-            {"networks that programs may connect from; others are closed at once", "anywhere"});
+        in.all(out.exported, export_network_keys());
         const auto address = found ? parse_ipv4_address(found->host) : errc::bad_value;
         if (address && address->at(0) != 127 && out.exported.networks.empty())
-          in.problems().doubt(in.at("forwarder"),
-                              where + " is reachable from other computers: anyone who can connect "
-                                      "controls the motes; restrict it with `networks`");
+          in.problems().warn(in.at("forwarder"),
+                             where + " is reachable from other computers: anyone who can connect "
+                                     "controls the motes; restrict it with `networks`");
       });
 }
 
@@ -159,10 +179,9 @@ real_names read_real(table_reader& island, const surroundings& with, island_desc
                                             ", which is the simulated sink");
     in.tables("mote", "[[island.real.mote]]", {"names for motes behind it", "their addresses"},
               [&](table_reader& mote) {
-                mote_id id;
-                std::string name;
-                mote.required("id", whole<std::uint16_t>{0, mote_id_max}, id, "its address");
-                mote.required("name", name_text{}, name, "unique within the island");
+                real_mote found;
+                mote.all(found, real_mote_keys());
+                const auto& [id, name] = found;
                 if (mote.sound() && !real.motes.has(id))
                   mote.problems().add(mote.at("id"),
                                       "mote " + to_string(id) + " is not in the range of `real`");

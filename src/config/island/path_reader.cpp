@@ -3,14 +3,30 @@
 
 namespace rubicon::config {
 
+namespace {
+
+/// Waypoints as the file has them.
+struct path_points {
+  way::type points;
+};
+
+auto path_keys() {
+  return keys::of(keys::optional(
+      "path", &path_points::points, way{},
+      {"times since the start, in increasing order, and positions; in between it "
+       "moves in straight lines, after the last one it stays. It begins at `\"0s\"`, "
+       "or at `position_m` if given",
+       "it does not move"}));
+}
+
+} // namespace
+
 void read_path(table_reader& in, bool has_place, position& place,
                std::vector<device::waypoint>& out) {
-  way::type points;
-  if (!in.optional("path", way{}, points,
-                   {"times since the start, in increasing order, and positions; in between it "
-                    "moves in straight lines, after the last one it stays. It begins at `\"0s\"`, "
-                    "or at `position_m` if given",
-                    "it does not move"}))
+  path_points given;
+  in.all(given, path_keys());
+  const auto& points = given.points;
+  if (!in.is_good("path"))
     return;
   if (has_place && points.front().first == 0s)
     in.problems().add(in.at("path"),

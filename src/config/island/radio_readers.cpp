@@ -21,12 +21,55 @@ struct file_choice {
   const char* meaning;
 };
 
+/// Name of another file.
+struct other_file {
+  std::string name;
+};
+
+auto other_file_keys(const file_choice& x) {
+  return keys::of(
+      keys::optional(x.key, &other_file::name, text{path_octets_max}, {x.meaning, {}, "file"}));
+}
+
+auto gain_keys() {
+  return keys::of(keys::optional(
+      "first_mote", &radio::gain_matrix::first_mote, whole<std::uint16_t>{0, mote_id_max},
+      "id of the mote that node 0 is; node 1 is the next one, and so on"));
+}
+
+auto range_keys() {
+  return keys::of(keys::optional("range", &radio::unit_disk::range_m, range_kind,
+                                 "short for `range` of a unit disk"));
+}
+
+/// Medium access of a platform.
+struct platform_mac {
+  std::string name;
+};
+
+auto platform_mac_keys(std::string_view platform) {
+  return keys::of(keys::optional(platform, &platform_mac::name, mac_name(),
+                                 {"of this platform", "`\"standard\"`"}));
+}
+
+auto radio_link_keys() {
+  using x = radio::link_override;
+  return keys::of(
+      keys::required("from", &x::from, radio_name{}, "sender"),
+      keys::required("to", &x::to, radio_name{}, "receiver"),
+      keys::optional("loss", &x::loss, ratio{},
+                     {"probability that a copy is lost on this link", "as in `[radio]`"}),
+      keys::optional("gain", &x::gain_db, decibels{-200, 20},
+                     {"received dBm at 0 dBm sent", "the model's"}));
+}
+
 /// The file's path and text; complains if it is not named or cannot be read.
 std::optional<std::pair<std::string, std::string>>
 named_text(table_reader& in, const file_choice& x, const named_files& files) {
-  std::string name;
-  const bool good =
-      in.optional(x.key, text{path_octets_max}, name, {x.meaning, {}, "file"}) || !in.has(x.key);
+  other_file found_name;
+  in.all(found_name, other_file_keys(x));
+  const auto& name = found_name.name;
+  const bool good = in.is_good(x.key) || !in.has(x.key);
   if (in.walks() || !good)
     return std::nullopt;
   if (name.empty() && x.instead.empty()) {
@@ -47,14 +90,13 @@ named_text(table_reader& in, const file_choice& x, const named_files& files) {
   return std::nullopt;
 }
 
-void tell(complaints& problems, const std::string& path, const radio::file_problem& x) {
+void add_problem(complaints& problems, const std::string& path, const radio::file_problem& x) {
   problems.add(problem{path, static_cast<unsigned>(x.line), 0, x.message});
 }
 
 radio::gain_matrix read_gains(table_reader& in, const named_files& files) {
   radio::gain_matrix out;
-  in.optional("first_mote", whole<std::uint16_t>{0, mote_id_max}, out.first_mote,
-              "id of the mote that node 0 is; node 1 is the next one, and so on");
+  in.all(out, gain_keys());
   const auto file =
       named_text(in,
                  {"topology", "--topology", files.instead.topology,
@@ -64,7 +106,7 @@ radio::gain_matrix read_gains(table_reader& in, const named_files& files) {
     return out;
   auto read = radio::read_topology(file->second);
   if (const auto* wrong = std::get_if<radio::file_problem>(&read))
-    tell(in.problems(), file->first, *wrong);
+    add_problem(in.problems(), file->first, *wrong);
   else
     out.table =
         std::make_shared<const radio::gain_table>(std::move(std::get<radio::gain_table>(read)));
@@ -82,7 +124,7 @@ radio::noise_model read_trace(table_reader& in, const named_files& files) {
     return out;
   auto read = radio::read_noise_trace(file->second);
   if (const auto* wrong = std::get_if<radio::file_problem>(&read))
-    tell(in.problems(), file->first, *wrong);
+    add_problem(in.problems(), file->first, *wrong);
   else
     out.trace = std::get<std::shared_ptr<const radio::noise_trace>>(std::move(read));
   return out;
@@ -129,8 +171,9 @@ void read_noise(table_reader& in, const named_files& files, radio::noise_model& 
 /// `range` of [radio] is short for the table of a unit disk.
 void read_range(table_reader& in, radio::channel_config& out) {
   auto* disk = std::get_if<radio::unit_disk>(&out.propagation);
-  double range_m = radio::unit_disk{}.range_m;
-  if (!in.optional("range", range_kind, range_m, "short for `range` of a unit disk"))
+  radio::unit_disk found;
+  in.all(found, range_keys());
+  if (!in.is_good("range"))
     return;
   if (disk == nullptr)
     in.problems().add(in.at("range"), "`range` belongs to model = \"unit_disk\": "
@@ -139,7 +182,7 @@ void read_range(table_reader& in, radio::channel_config& out) {
     in.problems().add(in.at("range"), "`range` is in [radio.propagation] already " +
                                           place_text(in.value("propagation")->find("range")->at));
   else
-    disk->range_m = range_m;
+    disk->range_m = found.range_m;
 }
 
 void read_reception(table_reader& in, radio::channel_config& out) {
@@ -151,33 +194,28 @@ void read_reception(table_reader& in, radio::channel_config& out) {
 void read_macs(table_reader& in, radio::channel_config& out) {
   in.table("mac", "[radio.mac]", "rules of medium access", [&out](table_reader& x) {
     for (const auto& platform : radio::platforms()) {
-      std::string name;
-      if (x.optional(platform.name, mac_name(), name, {"of this platform", "`\"standard\"`"}))
-        out.macs.emplace_back(platform.name, std::move(name));
+      platform_mac found;
+      x.all(found, platform_mac_keys(platform.name));
+      if (x.is_good(platform.name))
+        out.macs.emplace_back(platform.name, std::move(found.name));
     }
   });
 }
 
 void read_radio_links(table_reader& in, radio::channel_config& out, std::vector<mark>& places) {
-  claims<std::pair<mote_address, mote_address>> pairs;
+  uniqueness<std::pair<mote_address, mote_address>> pairs;
   in.tables("link", "[[radio.link]]", {"links with their own loss or gain", "none"},
             [&](table_reader& x) {
               radio::link_override link;
-              const bool ends =
-                  static_cast<int>(x.required("from", radio_name{}, link.from, "sender")) +
-                      static_cast<int>(x.required("to", radio_name{}, link.to, "receiver")) ==
-                  2;
-              x.optional("loss", ratio{}, link.loss,
-                         {"probability that a copy is lost on this link", "as in `[radio]`"});
-              x.optional("gain", decibels{-200, 20}, link.gain_db,
-                         {"received dBm at 0 dBm sent", "the model's"});
+              x.all(link, radio_link_keys());
+              const bool ends = x.is_good("from") && x.is_good("to");
               if (!x.has("loss") && !x.has("gain"))
                 x.problems().add(x.at(), "a link needs `loss`, `gain` or both");
               if (ends && link.from == link.to)
                 x.problems().add(x.at("to"), "a link leads from one mote to another");
               else if (ends)
-                pairs.claim({link.from, link.to}, "the link", x.at("to"), x.problems(),
-                            "is already listed");
+                pairs.add({link.from, link.to}, "the link", x.at("to"), x.problems(),
+                          "is already listed");
               places.push_back(x.at());
               out.links.push_back(link);
             });

@@ -47,38 +47,38 @@ std::vector<std::uint16_t> streams_read(const apps::app_config& x) {
   return {};
 }
 
-void end_claims::claim(const apps::app_config& x, mark at, complaints& problems) {
+void end_uniqueness::add(const apps::app_config& x, mark at, complaints& problems) {
   for (const auto name : streams_read(x))
-    claim_stream(false, name, at, problems);
+    add_stream(false, name, at, problems);
   if (const auto* writer = std::get_if<apps::stream_writer_config>(&x)) {
-    claim_stream(true, writer->stream, at, problems);
+    add_stream(true, writer->stream, at, problems);
   } else if (const auto* average = std::get_if<apps::average_config>(&x)) {
     for (const auto& to : average->outputs)
-      claim_stream(true, to.stream, at, problems);
+      add_stream(true, to.stream, at, problems);
   } else if (const auto* units = std::get_if<apps::reservoir_config>(&x)) {
-    claim_synapses(false, units->from, at, problems);
-    claim_synapses(true, units->to, at, problems);
+    add_synapses(false, units->from, at, problems);
+    add_synapses(true, units->to, at, problems);
   } else if (const auto* readout = std::get_if<apps::readout_config>(&x)) {
-    claim_synapses(false, readout->from, at, problems);
+    add_synapses(false, readout->from, at, problems);
   }
 }
 
-void end_claims::claim_stream(bool writes, std::uint16_t name, mark at, complaints& problems) {
-  streams_.claim({writes, name},
-                 std::string("the ") + (writes ? "write" : "read") + " end of stream " +
-                     std::to_string(name) + " at this node",
-                 at, problems);
+void end_uniqueness::add_stream(bool writes, std::uint16_t name, mark at, complaints& problems) {
+  streams_.add({writes, name},
+               std::string("the ") + (writes ? "write" : "read") + " end of stream " +
+                   std::to_string(name) + " at this node",
+               at, problems);
 }
 
-void end_claims::claim_synapses(bool is_out, const std::vector<apps::synapse>& ends, mark at,
-                                complaints& problems) {
+void end_uniqueness::add_synapses(bool is_out, const std::vector<apps::synapse>& ends, mark at,
+                                  complaints& problems) {
   for (const auto& x : ends) {
     if (x.other == mote_address{})
-      continue; // there is no such node: that was told
-    synapses_.claim({is_out, x.other},
-                    std::string("the channel ") + (is_out ? "to " : "from ") + to_string(x.other) +
-                        " of this node",
-                    at, problems);
+      continue; // there is no such node, which is reported already
+    synapses_.add({is_out, x.other},
+                  std::string("the channel ") + (is_out ? "to " : "from ") + to_string(x.other) +
+                      " of this node",
+                  at, problems);
   }
 }
 

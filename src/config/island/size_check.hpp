@@ -8,7 +8,7 @@
 
 #include "apps/traffic.hpp"
 #include "config/island/mote_readers.hpp"
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "config/toml/problem.hpp"
 #include "serial/cable/line_config.hpp"
 
@@ -16,18 +16,18 @@ namespace rubicon::config {
 
 /// The ends of streams and synaptic channels that a node's programs have: each of them is known to
 /// the node by its name alone, so that two of one name would be refused for ever.
-class end_claims {
+class end_uniqueness {
 public:
   /// Complains about what an earlier program has.
-  void claim(const apps::app_config& x, mark at, complaints& problems);
+  void add(const apps::app_config& x, mark at, complaints& problems);
 
 private:
-  void claim_stream(bool writes, std::uint16_t name, mark at, complaints& problems);
-  void claim_synapses(bool is_out, const std::vector<apps::synapse>& ends, mark at,
-                      complaints& problems);
+  void add_stream(bool writes, std::uint16_t name, mark at, complaints& problems);
+  void add_synapses(bool is_out, const std::vector<apps::synapse>& ends, mark at,
+                    complaints& problems);
 
-  claims<std::pair<bool, std::uint16_t>> streams_;
-  claims<std::pair<bool, mote_address>> synapses_;
+  uniqueness<std::pair<bool, std::uint16_t>> streams_;
+  uniqueness<std::pair<bool, mote_address>> synapses_;
 };
 
 /// Streams whose read ends a program has.

@@ -27,7 +27,7 @@ public:
 private:
   const named_files& files_;
   std::map<std::pair<std::string, device::trace_format>, std::shared_ptr<const device::dated_trace>>
-      tables_; ///< nullptr: has mistakes, which are told
+      tables_; ///< nullptr: has mistakes, which are reported
 };
 
 } // namespace rubicon::config

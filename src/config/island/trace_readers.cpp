@@ -26,6 +26,23 @@ struct start_text {
   }
 };
 
+/// File of a trace.
+struct trace_name {
+  std::string file;
+};
+
+auto trace_name_keys() {
+  return keys::of(keys::required("file", &trace_name::file, text{path_octets_max},
+                                 {"relative to the folder of the TOML file", "", "file"}));
+}
+
+/// @param times as in the file
+auto trace_start_keys(const device::time_form& times) {
+  return keys::of(keys::optional(
+      "start", &device::trace_format::start, start_text{times},
+      {"time in the trace at which the run starts", "`\"0\"`, or the earliest date in the file"}));
+}
+
 /// Whether the trace has what the mote named in the TOML file replays; complains if not.
 bool has_mote(const table_reader& in, const device::trace_model& x) {
   const bool found = !x.mote || x.table->of_mote.contains(*x.mote);
@@ -40,9 +57,9 @@ bool has_mote(const table_reader& in, const device::trace_model& x) {
 device::trace_model read_trace(table_reader& in, device::quantity kind) {
   device::trace_model out;
   device::trace_format format;
-  std::string file;
-  in.required("file", text{path_octets_max}, file,
-              {"relative to the folder of the TOML file", "", "file"});
+  trace_name named;
+  in.all(named, trace_name_keys());
+  const auto& file = named.file;
   in.all(format);
   in.all(format.times);
   const auto& word = in.shared().quantities.word_of(kind);
@@ -52,9 +69,7 @@ device::trace_model read_trace(table_reader& in, device::quantity kind) {
     format.name = word;
   if (format.value_column.empty())
     format.value_column = format.name_column.empty() ? word : "value";
-  in.optional(
-      "start", start_text{format.times}, format.start,
-      {"time in the trace at which the run starts", "`\"0\"`, or the earliest date in the file"});
+  in.all(format, trace_start_keys(format.times));
   in.all(out);
   if (in.shared().traces == nullptr || !in.sound())
     return out;

@@ -64,7 +64,7 @@ struct extreme {
   }
 };
 
-/// Whether there is a model: a trace whose mistakes another mote has told of already is none.
+/// Whether there is a model: a trace whose mistakes were reported for another mote is none.
 bool has_model(const device::transducer_model& x) {
   const auto* trace = std::get_if<device::trace_model>(&x);
   return trace == nullptr || trace->table != nullptr;
@@ -105,7 +105,7 @@ void read_transducers(table_reader& in, std::vector<device::transducer_config>& 
           device::transducer_config config;
           config.kind = static_cast<device::quantity>(i);
           if (config.kind == device::quantity::signal)
-            continue; // nobody describes it
+            continue; // it is not described
           const auto read = [&config](table_reader& x) { read_transducer(x, config); };
           if (!all.table(known[i].name, "transducers.QUANTITY", known[i].meaning.c_str(), read))
             continue;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "config/file_readers.hpp"
+#include "config/peer/peer_keys.hpp"
 #include "peis/bluetooth/bluetooth.hpp"
 #include "peis/wire/link_url.hpp"
 
@@ -52,30 +53,54 @@ void need_bluetooth(const table_reader& in, std::string_view key) {
                                   "build it with -DRUBICON_BLUETOOTH=ON");
 }
 
+auto real_adapter_keys() {
+  return keys::of(
+      keys::required("adapter", &peer_description::adapter, adapter_name{},
+                     "real Bluetooth adapter of its computer that it uses; needs `mode = "
+                     "\"wall\"`"));
+}
+
 constexpr about bluetooth_meaning = {
     "adapters of its computer that it uses, in simulation; peers of one host share them, and the "
     "first to start announces all of them. A table: a real adapter",
     "none"};
 
+/// Simulated adapters, with the places that checks need.
+struct adapter_list {
+  std::vector<located<std::string>> names;
+};
+
+constexpr list_of<adapter_name> adapter_names{{}, 1, adapters_max};
+
+auto keys_of(const adapter_list*) {
+  return keys::of(
+      keys::optional("bluetooth", &adapter_list::names, adapter_names, bluetooth_meaning));
+}
+
+auto device_keys() {
+  return keys::of(
+      keys::required("name", &bluetooth_device::name, name_text{}, "no other device has it"),
+      keys::required("address", &bluetooth_device::address, device_address{},
+                     "no other device has it"),
+      keys::required("position_m", &bluetooth_device::place, place{}, "where it is"));
+}
+
 /// bluetooth = ["hci0"], or bluetooth = { adapter = "hci0" }
 void read_adapter_names(table_reader& in, peer_description& out) {
-  const list_of<adapter_name> names{{}, 1, adapters_max};
   const auto* given = in.value("bluetooth");
   if (given == nullptr || given->as<node_table>() != nullptr) {
-    in.table("bluetooth", "[peer.bluetooth]", bluetooth_meaning, [&out](table_reader& x) {
-      x.required("adapter", adapter_name{}, out.adapter,
-                 "real Bluetooth adapter of its computer that it uses; needs `mode = \"wall\"`");
-    });
-    in.instead_of_table("bluetooth", names);
+    in.table("bluetooth", "[peer.bluetooth]", bluetooth_meaning,
+             [&out](table_reader& x) { x.all(out, real_adapter_keys()); });
+    in.instead_of_table("bluetooth", adapter_names);
     return;
   }
-  std::vector<located<std::string>> adapters;
-  in.optional("bluetooth", names, adapters, bluetooth_meaning);
-  claims<std::string> named;
-  for (const auto& each : adapters)
-    named.claim(each.value, "the adapter `" + each.value + '`', each.at, in.problems(),
-                "is already listed");
-  out.bluetooth = values_of(std::move(adapters));
+  adapter_list adapters;
+  in.all(adapters);
+  uniqueness<std::string> named;
+  for (const auto& each : adapters.names)
+    named.add(each.value, "the adapter `" + each.value + '`', each.at, in.problems(),
+              "is already listed");
+  out.bluetooth = values_of(std::move(adapters.names));
 }
 
 /// A real adapter is there in wall time only, and `bt://` addresses need one.
@@ -114,37 +139,25 @@ void check_place(const table_reader& in, const peer_description& x) {
 
 void read_bluetooth(table_reader& in, bluetooth_description& out) {
   need_bluetooth(in, "bluetooth");
-  in.table(
-      "bluetooth", "[peis.bluetooth]",
-      {"simulated Bluetooth between the adapters of peers", "see there"}, [&out](table_reader& x) {
-        x.optional("range", metres{0.1, 1000}, out.range_m,
-                   "devices farther away are not seen, and links longer than this are dropped");
-        x.optional("rate", bit_rate{}, out.rate_bps, "of each link, per direction; 0 for no limit");
-        x.optional("scan_period", time_span{1s, 30s}, out.scan_period,
-                   "between two scans of an adapter");
-        x.optional("rssi_threshold", power_level{}, out.threshold_dbm,
-                   "no link is opened to devices received more weakly; by default beyond 7.9 m");
-        x.optional(
-            "takeover", flag{}, out.takeover,
-            "when the peer that announces on a shared adapter ends, the next one takes over; "
-            "`false`: no peer does, and the peers behind that adapter are no longer found");
-      });
+  in.table("bluetooth", "[peis.bluetooth]",
+           {"simulated Bluetooth between the adapters of peers", "see there"},
+           [&out](table_reader& x) { x.all(out); });
 }
 
 std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root) {
   need_bluetooth(root, "bluetooth_device");
   std::vector<bluetooth_device> out;
-  name_claims names;
-  claims<peis::bluetooth_address> addresses;
+  name_uniqueness names;
+  uniqueness<peis::bluetooth_address> addresses;
   root.tables("bluetooth_device", "[[bluetooth_device]]",
               "devices with Bluetooth that are not peers", [&](table_reader& in) {
                 bluetooth_device x;
-                if (in.required("name", name_text{}, x.name, "no other device has it"))
-                  names.claim(x.name, "device name", in.at("name"), in.problems());
-                if (in.required("address", device_address{}, x.address, "no other device has it"))
-                  addresses.claim(x.address, "Bluetooth address " + to_string(x.address),
-                                  in.at("address"), in.problems());
-                in.required("position_m", place{}, x.place, "where it is");
+                in.all(x, device_keys());
+                if (in.is_good("name"))
+                  names.add(x.name, "device name", in.at("name"), in.problems());
+                if (in.is_good("address"))
+                  addresses.add(x.address, "Bluetooth address " + to_string(x.address),
+                                in.at("address"), in.problems());
                 out.push_back(std::move(x));
               });
   return out;
@@ -153,14 +166,7 @@ std::vector<bluetooth_device> read_bluetooth_devices(table_reader& root) {
 void read_adapters(table_reader& in, run_mode mode, machine_places& places, peer_description& out) {
   need_bluetooth(in, "bluetooth");
   read_adapter_names(in, out);
-  const bool placed = in.optional(
-      "position_m", place{}, out.place,
-      {"position of its computer; needed by simulated `bluetooth`, and the same for all peers of "
-       "a host",
-       "none"});
-  in.optional("wired", flag{}, out.wired,
-              "it is on the simulated network between hosts; `false`: it has links over Bluetooth "
-              "only, or over the real network");
+  in.all(out, peer_place_keys());
   check_place(in, out);
   check_real_adapter(in, mode, out);
   const bool meets_others = in.has("bluetooth") || !out.connect.empty() || out.tcp || out.lan;
@@ -169,7 +175,7 @@ void read_adapters(table_reader& in, run_mode mode, machine_places& places, peer
   if (!out.wired && !out.links.empty())
     in.problems().add(in.at("links"), "`links` need `wired = true`");
   out.discovery = out.discovery && out.wired;
-  if (!placed || out.host.empty())
+  if (!in.is_good("position_m") || out.host.empty())
     return;
   const auto [known, is_new] = places.emplace(out.host, out.place);
   if (!is_new && known->second != out.place)

@@ -62,19 +62,43 @@ struct component_peer {
   [[nodiscard]] static form takes() { return string_form("name of a peer"); }
 };
 
+/// @param own PEIS id of the init's peer
+auto component_keys(peer_id own) {
+  using peisinit::component;
+  return keys::of(
+      keys::required("name", &component::name, name_text{},
+                     "no other component of the init has it"),
+      keys::optional("peer", &component::peer, component_peer{},
+                     "the component is this peer, with all its apps; it is on the host of its "
+                     "init, and no component of another"),
+      keys::optional(
+          "command", &component::command, text{4000},
+          "the component is a process that `/bin/sh` runs; needs `mode = \"wall\"`. It finds the "
+          "options of its kernel, and the extra arguments, in the environment variable "
+          "`PEISINIT`"),
+      keys::optional("id", &component::id, component_id{own},
+                     "PEIS id of a command, or its offset from the init's; it is unique"));
+}
+
+auto init_folder_keys() {
+  return keys::of(keys::optional(
+      "folder", &placed_init::folder, text{path_octets_max},
+      {"each of its files `*.toml` describes one component with the keys below; an invalid "
+       "one is reported and skipped",
+       "none", "folder"}));
+}
+
+auto init_keys() {
+  return keys::of(keys::optional(
+      "lock", &init_app::lock, text{path_octets_max},
+      {"in wall time the init locks this file; a second init with the same file does not start",
+       "one per host and user, in `$XDG_RUNTIME_DIR` or `/tmp`", "file"}));
+}
+
 placed_component read_component(table_reader& in, run_mode mode, peer_id own) {
   placed_component out;
   auto& x = out.what;
-  in.required("name", name_text{}, x.name, "no other component of the init has it");
-  in.optional("peer", component_peer{}, x.peer,
-              "the component is this peer, with all its apps; it is on the host of its init, and "
-              "no component of another");
-  in.optional(
-      "command", text{4000}, x.command,
-      "the component is a process that `/bin/sh` runs; needs `mode = \"wall\"`. It finds the "
-      "options of its kernel, and the extra arguments, in the environment variable `PEISINIT`");
-  in.optional("id", component_id{own}, x.id,
-              "PEIS id of a command, or its offset from the init's; it is unique");
+  in.all(x, component_keys(own));
   in.all(x);
   if (in.has("peer") == in.has("command"))
     in.problems().add(in.at(), "a component is either a `peer` or a `command`");
@@ -111,7 +135,7 @@ public:
     const auto host = !peer.host.empty() ? "host `" + peer.host + '`'
                       : here             ? std::string("this computer")
                                          : "peer `" + peer.name + '`';
-    return hosts_.claim(host, host, x.at, with_.shared.problems, "already has an init");
+    return hosts_.add(host, host, x.at, with_.shared.problems, "already has an init");
   }
 
   /// @returns whether the component is good
@@ -179,7 +203,7 @@ private:
 
   std::vector<peer_description>& peers_;
   surroundings& with_;
-  claims<std::string> hosts_;
+  uniqueness<std::string> hosts_;
   std::set<peer_id> ids_;
   std::map<peer_id, std::set<std::string>> names_; ///< of each init's components
 };
@@ -200,12 +224,12 @@ void take_folder(const placed_init& init, settlement& all, surroundings& with) {
     auto& problems = with.shared.problems;
     const auto file = files.read(path, component_file_octets_max);
     if (!file.text) {
-      problems.warn({path, 0, 0, file.reason});
+      problems.skip({path, 0, 0, file.reason});
       continue;
     }
     const auto parsed = parse(*file.text, path);
     if (const auto* wrong = std::get_if<problem>(&parsed)) {
-      problems.warn(*wrong);
+      problems.skip(*wrong);
       continue;
     }
     reading own;
@@ -217,7 +241,7 @@ void take_folder(const placed_init& init, settlement& all, surroundings& with) {
       all.take(init, found,
                [&own](mark at, std::string message) { own.problems.add(at, std::move(message)); });
     for (auto& each : own.problems.of_file(path))
-      problems.warn(std::move(each));
+      problems.skip(std::move(each));
   }
 }
 
@@ -235,15 +259,9 @@ init_app read_init(table_reader& in, surroundings& with, peer_id own,
         if (y.sound())
           x.components.push_back(std::move(found));
       });
-  in.optional("folder", text{path_octets_max}, x.folder,
-              {"each of its files `*.toml` describes one component with the keys below; an invalid "
-               "one is reported and skipped",
-               "none", "folder"});
-  if (in.optional(
-          "lock", text{path_octets_max}, out.lock,
-          {"in wall time the init locks this file; a second init with the same file does not start",
-           "one per host and user, in `$XDG_RUNTIME_DIR` or `/tmp`", "file"}) &&
-      with.shared.files != nullptr)
+  in.all(x, init_folder_keys());
+  in.all(out, init_keys());
+  if (in.is_good("lock") && with.shared.files != nullptr)
     out.lock = (std::filesystem::path(with.shared.files->toml).parent_path() / out.lock).string();
   if (!in.has("components") && !in.has("folder"))
     in.problems().add(in.at(), "an init needs `components`, a `folder` of them, or both");
@@ -256,7 +274,7 @@ void settle_inits(std::vector<placed_init> inits, std::vector<peer_description>&
   const auto same_id = [](const auto& a, const auto& b) { return a.id == b.id; };
   if (peers.empty() || peers.front().id.value < 1 ||
       std::adjacent_find(peers.begin(), peers.end(), same_id) != peers.end())
-    return; // who they are is not sure, which is told already
+    return; // their ids are not valid, which is reported already
   settlement all(peers, with);
   const complain wrong = [&with](mark at, std::string message) {
     with.shared.problems.add(at, std::move(message));

@@ -26,6 +26,13 @@ struct gradient {
   }
 };
 
+auto field_model_keys() {
+  return keys::of(keys::required("base", &device::field_model::base, real{},
+                                 "value far from all sources, at the origin"),
+                  keys::optional("gradient", &device::field_model::gradient_per_m, gradient{},
+                                 {"change per metre", "`[0, 0]`"}));
+}
+
 device::field_source read_source(table_reader& in) {
   using device::falloff;
   device::field_source out;
@@ -43,8 +50,7 @@ device::field_source read_source(table_reader& in) {
 
 device::field_model read_field(table_reader& in) {
   device::field_model out;
-  in.required("base", real{}, out.base, "value far from all sources, at the origin");
-  in.optional("gradient", gradient{}, out.gradient_per_m, {"change per metre", "`[0, 0]`"});
+  in.all(out, field_model_keys());
   in.tables("sources", "sources", {"heaters, lamps, people", "none"},
             [&out](table_reader& x) { out.sources.push_back(read_source(x)); });
   return out;

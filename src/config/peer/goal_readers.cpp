@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "config/file_readers.hpp"
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "core/text/decimal.hpp"
 #include "goal/pursuer_keys.hpp"
 #include "peis/tuples/meta_tuple.hpp"
@@ -17,8 +17,8 @@ constexpr duration shortest = 1ms;
 constexpr duration goal_timeout_max = 24h * 10;
 constexpr std::size_t goal_octets_max = 64;
 
-/// What an output tells: a text, or a number.
-struct told_value {
+/// Value of an output: a text or a number.
+struct initial_value {
   using type = std::string;
 
   [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
@@ -35,18 +35,77 @@ struct told_value {
   }
 };
 
+auto goal_input_keys() {
+  return keys::of(
+      keys::required("name", &goal::input_config::name, name_text{},
+                     {"the input is the tuple that the meta tuple `NAME.mi-INPUT` points at", "",
+                      "name of up to 29 characters"}),
+      keys::optional("from", &goal::input_config::reference, tuple_reference{},
+                     {"initial target of that meta tuple", "its own tuple `NAME.INPUT`"}));
+}
+
+auto output_start_keys() {
+  return keys::of(
+      keys::required("name", &goal::output_config::name, name_text{}, "last part of the key"),
+      keys::required("value", &goal::output_config::value, initial_value{}, "initial value"));
+}
+
+auto condition_keys() {
+  return keys::of(
+      keys::optional(
+          "input", &goal::condition::input, name_text{},
+          {"condition for entering the state; until then it waits", "", "name of an input"}),
+      keys::optional("equals", &goal::condition::equals, list_of<text>{{}, 1},
+                     "the input is one of these"),
+      keys::optional("above", &goal::condition::above, real{}, "or a number, this or more"),
+      keys::optional("below", &goal::condition::below, real{},
+                     {"and less than this", "", "number, more than `above`"}));
+}
+
+/// Values of outputs, before they are checked.
+struct output_values {
+  named_values<std::string> sets;
+};
+
+auto keys_of(const output_values*) {
+  return keys::of(keys::optional("sets", &output_values::sets, pairs_of<initial_value>{},
+                                 {"outputs, and their values when the state is over", "none"}));
+}
+
+auto state_name_keys() {
+  return keys::of(keys::required(
+      "state", &goal::state_config::name, name_text{},
+      "published as `NAME.state`; not `idle` or `waiting`, which it publishes in between"));
+}
+
+auto goal_keys() {
+  return keys::of(
+      keys::required("goal", &goal::goal_config::text, text{goal_octets_max},
+                     {"text that others write, letter by letter", "",
+                      "text of 1 to 64 octets, but not `none`"}),
+      keys::optional("timeout", &goal::goal_config::timeout, time_span{shortest, goal_timeout_max},
+                     "it has failed after this time; if its last state ends at that moment, it has "
+                     "succeeded"));
+}
+
+auto pursuer_name_keys() {
+  return keys::of(
+      keys::optional("name", &goal::pursuer_config::name, name_text{},
+                     {"first part of its keys; no two have the same", "that of the peer"}));
+}
+
 /// The names below that of one pursuer.
 class pursuer_names {
 public:
-  void claim(const table_reader& in, const std::string& name) {
+  void add(const table_reader& in, const std::string& name) {
     constexpr std::array<std::string_view, 3> set_by_all{"goal", "state", "outcome"};
     if (std::ranges::find(set_by_all, folded(name)) != set_by_all.end())
       in.problems().add(in.at("name"), '`' + name + "` is a tuple of its own");
-    names_.claim(name, "name", in.at("name"), in.problems());
+    names_.add(name, "name", in.at("name"), in.problems());
   }
 
 private:
-  name_claims names_;
+  name_uniqueness names_;
 };
 
 /// The key of what an input points at first; empty: its own tuple, or nothing.
@@ -57,18 +116,15 @@ std::string target_of(std::string_view reference) {
 
 void read_input(table_reader& in, pursuer_names& own, goal::pursuer_config& out) {
   goal::input_config found;
-  if (in.required("name", name_text{}, found.name,
-                  {"the input is the tuple that the meta tuple `NAME.mi-INPUT` points at", "",
-                   "name of up to 29 characters"})) {
-    own.claim(in, found.name);
+  in.all(found, goal_input_keys());
+  if (in.is_good("name")) {
+    own.add(in, found.name);
     if (is_name("mi-" + found.name))
-      own.claim(in, "mi-" + found.name);
+      own.add(in, "mi-" + found.name);
     else
       in.problems().add(in.at("name"),
                         "`mi-" + found.name + "` would be longer than 32 characters");
   }
-  in.optional("from", tuple_reference{}, found.reference,
-              {"initial target of that meta tuple", "its own tuple `NAME.INPUT`"});
   if (const auto target = target_of(found.reference); !target.empty())
     in.shared().seen.uses.push_back(
         {"an input of " + in.shared().seen.peer + " reads", target, in.at("from")});
@@ -77,9 +133,10 @@ void read_input(table_reader& in, pursuer_names& own, goal::pursuer_config& out)
 
 void read_output(table_reader& in, pursuer_names& own, goal::pursuer_config& out) {
   goal::output_config found;
-  if (in.required("name", name_text{}, found.name, "last part of the key"))
-    own.claim(in, found.name);
-  const bool has_value = in.required("value", told_value{}, found.value, "initial value");
+  in.all(found, output_start_keys());
+  if (in.is_good("name"))
+    own.add(in, found.name);
+  const bool has_value = in.is_good("value");
   in.all(found);
   if (has_value && in.has("step") && !number_in(found.value))
     in.problems().add(in.at("step"),
@@ -106,13 +163,8 @@ void note(const table_reader& in, const goal::pursuer_config& own, const goal::c
 /// input, equals, above and below of a state.
 void read_needs(table_reader& in, const goal::pursuer_config& own, goal::state_config& out) {
   goal::condition found;
-  const bool has_input = in.optional(
-      "input", name_text{}, found.input,
-      {"condition for entering the state; until then it waits", "", "name of an input"});
-  in.optional("equals", list_of<text>{{}, 1}, found.equals, "the input is one of these");
-  in.optional("above", real{}, found.above, "or a number, this or more");
-  in.optional("below", real{}, found.below,
-              {"and less than this", "", "number, more than `above`"});
+  in.all(found, condition_keys());
+  const bool has_input = in.is_good("input");
   const bool has_range = in.has("above") || in.has("below");
   const bool known =
       std::ranges::any_of(own.inputs, [&](const auto& x) { return x.name == found.input; });
@@ -132,10 +184,9 @@ void read_needs(table_reader& in, const goal::pursuer_config& own, goal::state_c
 }
 
 void read_sets(table_reader& in, const goal::pursuer_config& own, goal::state_config& out) {
-  named_values<std::string> found;
-  in.optional("sets", pairs_of<told_value>{}, found,
-              {"outputs, and their values when the state is over", "none"});
-  for (auto& [name, value] : found) {
+  output_values found;
+  in.all(found);
+  for (auto& [name, value] : found.sets) {
     const auto output = std::ranges::find(own.outputs, name.value, &goal::output_config::name);
     if (output == own.outputs.end())
       in.problems().add(name.at, "the app has no output `" + name.value + '`');
@@ -148,10 +199,8 @@ void read_sets(table_reader& in, const goal::pursuer_config& own, goal::state_co
 
 void read_state(table_reader& in, const goal::pursuer_config& own, goal::goal_config& out) {
   goal::state_config found;
-  if (in.required(
-          "state", name_text{}, found.name,
-          "published as `NAME.state`; not `idle` or `waiting`, which it publishes in between") &&
-      (found.name == "idle" || found.name == "waiting"))
+  in.all(found, state_name_keys());
+  if (in.is_good("state") && (found.name == "idle" || found.name == "waiting"))
     in.problems().add(in.at("state"), '`' + found.name + "` is its value in between");
   in.all(found);
   read_needs(in, own, found);
@@ -159,18 +208,14 @@ void read_state(table_reader& in, const goal::pursuer_config& own, goal::goal_co
   out.states.push_back(std::move(found));
 }
 
-void read_goal(table_reader& in, claims<std::string>& goals, goal::pursuer_config& out) {
+void read_goal(table_reader& in, uniqueness<std::string>& goals, goal::pursuer_config& out) {
   goal::goal_config found;
-  if (in.required("goal", text{goal_octets_max}, found.text,
-                  {"text that others write, letter by letter", "",
-                   "text of 1 to 64 octets, but not `none`"})) {
+  in.all(found, goal_keys());
+  if (in.is_good("goal")) {
     if (found.text == "none")
       in.problems().add(in.at("goal"), "`none` stands for no goal");
-    goals.claim(found.text, "goal `" + found.text + '`', in.at("goal"), in.problems());
+    goals.add(found.text, "goal `" + found.text + '`', in.at("goal"), in.problems());
   }
-  in.optional(
-      "timeout", time_span{shortest, goal_timeout_max}, found.timeout,
-      "it has failed after this time; if its last state ends at that moment, it has succeeded");
   in.tables(
       "states", "states", "one after the other, see below",
       [&](table_reader& x) { read_state(x, out, found); }, 1);
@@ -182,9 +227,8 @@ void read_goal(table_reader& in, claims<std::string>& goals, goal::pursuer_confi
 goal::pursuer_config read_pursuer(table_reader& in) {
   goal::pursuer_config out;
   pursuer_names own;
-  claims<std::string> goals;
-  in.optional("name", name_text{}, out.name,
-              {"first part of its keys; no two have the same", "that of the peer"});
+  uniqueness<std::string> goals;
+  in.all(out, pursuer_name_keys());
   in.tables("inputs", "inputs of a goal app",
             {"see below; also as `[[peer.apps.inputs]]`, as the next two", "none"},
             [&](table_reader& x) { read_input(x, own, out); });

@@ -5,54 +5,50 @@
 #include "config/island/application_readers.hpp"
 #include "config/island/size_check.hpp"
 #include "config/peer/component_readers.hpp"
+#include "config/peer/peer_keys.hpp"
 #include "core/tuples/device_keys.hpp"
 
 namespace rubicon::config {
 
 namespace {
 
-constexpr std::size_t links_max = 16;
-
 /// What all peers have in common.
 struct peer_surroundings {
   const std::vector<island_description>& islands;
-  claims<island_id> managed; ///< proxies map one-to-one to motes, so managers to islands (PXY-15)
-  claims<std::string> object_managers{}; ///< "objects": a tagged object has one proxy as well
-  name_claims readers{};
-  name_claims pursuers{};
-  claims<std::pair<std::string, std::uint32_t>> ports{}; ///< by host
+  uniqueness<island_id>
+      managed; ///< proxies map one-to-one to motes, so managers to islands (PXY-15)
+  uniqueness<std::string> object_managers{}; ///< "objects": a tagged object has one proxy as well
+  name_uniqueness readers{};
+  name_uniqueness pursuers{};
+  uniqueness<std::pair<std::string, std::uint32_t>> ports{}; ///< by host
   machine_places places{};
   std::vector<placed_init> inits{};
 };
 
 proxy_manager_app read_manager(table_reader& in, peer_surroundings& with) {
   proxy_manager_app out;
-  std::vector<located<island_id>> found;
-  if (in.optional("objects", flag{}, out.objects,
-                  "it also starts the proxies of [tagged objects](#tag), whichever reader "
-                  "perceives them; at most one manager of a file") &&
-      out.objects)
-    with.object_managers.claim("objects", "the proxy manager of tagged objects", in.at("objects"),
-                               in.problems());
-  in.optional("islands", list_of<island_name>{{}, out.objects || in.walks() ? 0U : 1U}, found,
-              {"islands whose gateways it listens to; an island has one proxy manager",
-               "all islands with the full stack"});
+  managed_islands found;
+  in.all(out, object_manager_keys());
+  if (out.objects)
+    with.object_managers.add("objects", "the proxy manager of tagged objects", in.at("objects"),
+                             in.problems());
+  in.all(found, managed_island_keys(out.objects || in.walks() ? 0 : 1));
   if (!in.has("islands")) {
     for (const auto& each : with.islands)
       if (has_line(each.stack))
-        found.push_back({each.id, in.at("islands")});
+        found.islands.push_back({each.id, in.at("islands")});
   }
-  for (const auto& each : found) {
+  for (const auto& each : found.islands) {
     const auto island = std::find_if(with.islands.begin(), with.islands.end(),
                                      [&each](const auto& x) { return x.id == each.value; });
     if (island != with.islands.end() && island->stack == stack::mac)
       in.problems().add(each.at,
                         "island `" + island->name + "` has no gateway, since its stack is \"mac\"");
     else if (island != with.islands.end() && each.value.value != 0)
-      with.managed.claim(each.value, "island `" + island->name + '`', each.at, in.problems(),
-                         "already has a proxy manager");
+      with.managed.add(each.value, "island `" + island->name + '`', each.at, in.problems(),
+                       "already has a proxy manager");
   }
-  out.islands = values_of(std::move(found));
+  out.islands = values_of(std::move(found.islands));
   return out;
 }
 
@@ -63,13 +59,8 @@ bool names_output_channel(const std::string& key) {
 
 collector_app read_collector(table_reader& in) {
   collector_app app;
-  in.required("keys", list_of<tuple_key>{{true}, 1}, app.keys,
-              "a part may be `*`, which stands for any one part");
-  const bool asks = in.optional("every", time_span{10ms, 24h * 10}, app.every,
-                                {"requested period of the messages of those motes whose output "
-                                 "channels the keys name (`devices.*.output.1`)",
-                                 "the motes' own periods"});
-  if (asks && std::ranges::none_of(app.keys, names_output_channel))
+  in.all(app);
+  if (in.is_good("every") && std::ranges::none_of(app.keys, names_output_channel))
     in.problems().add(in.at("every"), "`every` needs a key that names an output channel of motes, "
                                       "such as `devices.*.output.1`");
   auto& seen = in.shared().seen;
@@ -94,15 +85,13 @@ struct peer_table {
 
 /// id, name and count: who they are. Of a table that is not good no more than one peer is left.
 void read_identity(table_reader& in, surroundings& with, peer_table& out) {
-  const bool has_id =
-      in.required("id", whole<std::int32_t>{1, peer_id_max}, out.like.id,
-                  "PEIS id, unique among peers and islands. Motes can address ids up to 254");
-  const bool has_name =
-      in.required("name", name_text{}, out.like.name, "unique among peers and gateways");
-  out.counted = in.optional("count", whole<std::uint32_t>{1, peer_count_max}, out.count,
-                            {"number of peers, with the ids from `id` on and the names `NAME-1`, "
-                             "`NAME-2`, ...; all else is the same",
-                             "one peer"});
+  peer_count number;
+  in.all(out.like, peer_identity_keys());
+  in.all(number);
+  const bool has_id = in.is_good("id");
+  const bool has_name = in.is_good("name");
+  out.counted = in.is_good("count");
+  out.count = number.count;
   if (out.id(out.count - 1).value > peer_id_max) {
     in.problems().add(in.at("count"), "PEIS ids from " + to_string(out.like.id) + " to " +
                                           to_string(out.id(out.count - 1)) + " are more than " +
@@ -116,10 +105,10 @@ void read_identity(table_reader& in, surroundings& with, peer_table& out) {
   }
   bool free = true;
   for (std::uint32_t i = 0; i < out.count && free; ++i) { // the first mistake will do
-    free = !has_id || with.end_ids.claim(out.id(i).value, "PEIS id " + to_string(out.id(i)),
-                                         in.at("id"), in.problems());
-    free = (!has_name || with.end_names.claim(out.name(i), "peer or gateway name", in.at("name"),
-                                              in.problems())) &&
+    free = !has_id || with.end_ids.add(out.id(i).value, "PEIS id " + to_string(out.id(i)),
+                                       in.at("id"), in.problems());
+    free = (!has_name || with.end_names.add(out.name(i), "peer or gateway name", in.at("name"),
+                                            in.problems())) &&
            free;
   }
 }
@@ -143,16 +132,12 @@ void read_tcp(table_reader& in, const peer_table& peers, peer_surroundings& all,
        "or `lan` sets another; needs `mode = \"wall\"`",
        "`false`"},
       [&](table_reader& x) {
-        std::uint16_t port = 0;
-        out.emplace();
-        x.optional("address", interface_address{}, out->address,
-                   {"address of this computer; `\"0.0.0.0\"`: all", "loopback, with `lan` all"});
-        x.optional("networks", list_of<network_text>{{}, 0, networks_max}, out->networks,
-                   {"networks that links may come from; others are closed at once", "anywhere"});
-        if (!x.optional("port", whole<std::uint16_t>{1, 65535}, port,
-                        {"with `count`, the first peer's; the others have the next ones",
-                         "the first free one from 8000 on"}))
+        first_port first;
+        x.all(out.emplace(), listener_keys());
+        x.all(first);
+        if (!x.is_good("port"))
           return;
+        const auto port = first.port;
         out->port = port;
         if (port + peers.count - 1 > 65535) {
           x.problems().add(x.at("port"), "ports from " + std::to_string(port) +
@@ -162,9 +147,8 @@ void read_tcp(table_reader& in, const peer_table& peers, peer_surroundings& all,
         }
         bool free = true;
         for (std::uint32_t i = 0; i < peers.count && free; ++i)
-          free =
-              all.ports.claim({peers.like.host, port + i}, "TCP port " + std::to_string(port + i),
-                              x.at("port"), x.problems());
+          free = all.ports.add({peers.like.host, port + i}, "TCP port " + std::to_string(port + i),
+                               x.at("port"), x.problems());
       });
   in.instead_of_table("tcp", flag{});
 }
@@ -195,19 +179,9 @@ void read_connections(table_reader& in, surroundings& with, const peer_table& pe
     own.push_back(peers.name(i));
   out.links =
       read_links(in, own, "peers to which it always keeps a link, over the simulated network");
-  in.optional(
-      "connect", list_of<peer_url>{{}, 0, links_max}, out.connect,
-      {"addresses to which it always keeps a link, over the real network; needs `mode = \"wall\"`",
-       "none"});
+  in.all(out, peer_address_keys());
   read_tcp(in, peers, all, out.tcp);
-  in.optional("lan", flag{}, out.lan,
-              "connects to the peers of the real local network: it listens at all addresses of "
-              "this computer, and announces itself to the multicast group 227.1.3.5, port 10001; "
-              "needs `mode = \"wall\"`");
-  in.optional("udp", flag{}, out.udp,
-              "also has links over UDP, with peers that have this as well, on a port of the same "
-              "number as that of `tcp` if it is free; for networks that lose more than TCP "
-              "tolerates; needs `mode = \"wall\"`");
+  in.all(out, peer_network_keys());
   if (with.mode == run_mode::virtual_time) {
     refuse_in_virtual_time(in, "udp", out.udp);
     refuse_in_virtual_time(in, "connect", !out.connect.empty());
@@ -216,29 +190,9 @@ void read_connections(table_reader& in, surroundings& with, const peer_table& pe
   } else {
     check_udp(in, out);
   }
-  in.optional("leaf", flag{}, out.leaf,
-              "its only links are those to `links`, to `connect`, and within its host");
-  in.optional("manager", flag{}, out.manager,
-              "it opens and closes links according to traffic and distances; `false`: only "
-              "configured links");
+  in.all(out, peer_link_keys());
   out.discovery = out.links.empty() && out.connect.empty();
-  in.optional(
-      "discovery", flag{}, out.discovery,
-      {"it takes part in the announcements of the simulated network, by which peers find each "
-       "other",
-       "`true` if neither `links` nor `connect` is given, else `false`"});
-  in.optional("time_master", flag{}, out.time_master,
-              "all clocks follow its clock, forwards and backwards; without a master, clocks "
-              "follow the one that is ahead");
-  in.optional("clock_offset", time_step{}, out.clock_offset,
-              {"offset of its own clock from the true time; peers agree on one time within seconds",
-               "none"});
-  in.optional("clock_ppm", real{-200, 200}, out.clock_ppm,
-              "its own clock runs too fast by this many parts per million");
-  in.optional("managers", list_of<whole<std::int32_t>>{{1, peer_id_max}}, out.managers,
-              {"peers that may stop it by writing its tuple `kernel.do-quit`, in addition to those "
-               "of its host",
-               "none", "array of PEIS ids"});
+  in.all(out, peer_clock_keys());
 }
 
 /// Readers have names of their own, by default that of their peer.
@@ -247,18 +201,18 @@ rfid::reader_config read_reader(table_reader& in, const peer_table& peers, peer_
   if (peers.count > 1)
     in.problems().add(in.at("app"), "a place has one reader, not " + std::to_string(peers.count));
   else if (!out.name.empty())
-    all.readers.claim(out.name, "reader", in.has("name") ? in.at("name") : in.at("app"),
-                      in.problems());
+    all.readers.add(out.name, "reader", in.has("name") ? in.at("name") : in.at("app"),
+                    in.problems());
   return out;
 }
 
 /// A pursuer without a name has that of its peer, so peers with a `count` have one each.
-void claim_pursuer(const table_reader& in, const peer_table& peers, peer_surroundings& all,
-                   const std::string& name) {
+void add_pursuer(const table_reader& in, const peer_table& peers, peer_surroundings& all,
+                 const std::string& name) {
   const auto at = in.has("name") ? in.at("name") : in.at("app");
   for (std::uint32_t i = 0; i < peers.count; ++i) { // the first mistake will do
     const auto& own = name.empty() ? peers.name(i) : name;
-    if (!own.empty() && !all.pursuers.claim(own, "pursuer", at, in.problems()))
+    if (!own.empty() && !all.pursuers.add(own, "pursuer", at, in.problems()))
       return;
   }
 }
@@ -268,13 +222,10 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
   peer_table peers;
   read_identity(in, with, peers);
   auto& like = peers.like;
-  in.optional("host", host_name{}, like.host,
-              {"computer of the peer; links between peers of one host cost nothing; without it, "
-               "each peer has a computer of its own",
-               "host on which the run is started"});
+  in.all(like, peer_host_keys());
   read_connections(in, with, peers, apps, like);
   read_adapters(in, with.mode, apps.places, like);
-  end_claims ends;
+  end_uniqueness ends;
   in.shared().seen.peer = like.name;
   in.tables("apps", "apps of a peer", {"its programs", "none"}, [&](table_reader& x) {
     const auto add = [&like](peer_app app) { like.apps.push_back(std::move(app)); };
@@ -293,7 +244,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
         {"goal",
          [&](table_reader& y) {
            auto app = read_pursuer(y);
-           claim_pursuer(y, peers, apps, app.name);
+           add_pursuer(y, peers, apps, app.name);
            add(std::move(app));
          }},
         {"init", [&](table_reader& y) {
@@ -311,7 +262,7 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
           y.problems().add(y.at("app"),
                            "a file has one recorder, not " + std::to_string(peers.count));
         auto program = read(y).app;
-        ends.claim(program, y.at("app"), y.problems());
+        ends.add(program, y.at("app"), y.problems());
         add(std::move(program));
       });
     x.one_of("app", "which program", choices);
@@ -336,27 +287,22 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
 
 std::vector<std::string> read_links(table_reader& in, const std::vector<std::string>& own_names,
                                     const char* whom) {
-  std::vector<located<std::string>> found;
-  in.optional("links", list_of<link_end>{{}, 0, links_max}, found, {whom, "none"});
-  claims<std::string> listed;
-  for (const auto& each : found) {
+  link_list found;
+  in.all(found, peer_links_keys(whom));
+  uniqueness<std::string> listed;
+  for (const auto& each : found.links) {
     if (std::find(own_names.begin(), own_names.end(), each.value) != own_names.end())
       in.problems().add(each.at, "`" + each.value + "` cannot have a link to itself");
-    listed.claim(each.value, "the link to `" + each.value + '`', each.at, in.problems(),
-                 "is already listed");
+    listed.add(each.value, "the link to `" + each.value + '`', each.at, in.problems(),
+               "is already listed");
   }
-  return values_of(std::move(found));
+  return values_of(std::move(found.links));
 }
 
 peis_description read_peis(table_reader& root) {
   peis_description out;
   root.table("peis", "[peis]", "the network between the hosts of peers", [&out](table_reader& in) {
-    in.optional("delay", time_span{0s, 10s}, out.delay, "delay of each package, per direction");
-    in.optional("loss", ratio{}, out.loss,
-                "probability that a package, or an announcement at one of its receivers, is lost; "
-                "the first octets of a link, which identify the peers, are never lost");
-    in.optional("bandwidth", bit_rate{}, out.bandwidth_bps,
-                "of each link, per direction; no limit by default");
+    in.all(out);
     read_bluetooth(in, out.bluetooth);
   });
   return out;

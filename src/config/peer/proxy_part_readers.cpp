@@ -63,6 +63,44 @@ struct template_text {
   [[nodiscard]] static form takes() { return string_form("text of 1 to 200 octets"); }
 };
 
+auto template_keys() {
+  using proxy::tuple_template;
+  return keys::of(
+      keys::required(
+          "key", &tuple_template::key, template_key{},
+          "the whole key. In braces: `{island}`, `{id}`, `{name}` as in `prefix`; `{class}`; "
+          "`{room}`, the property of that name, else the island's name; any property of the "
+          "class. With `ids` `{channel}` instead of `{island}` and `{room}`"),
+      keys::optional(
+          "value", &tuple_template::text, template_text{},
+          {"the same names; properties of [objects](#proxyobject), empty if an object lacks "
+           "them; fields, and their units as `{FIELD.unit}`; `{{` and `}}` are braces",
+           "either this"}),
+      keys::optional(
+          "json", &tuple_template::json, list_of<name_text>{{}, 1, json_fields_max},
+          {"one JSON object: the `time` of the message in seconds of the ecology, and for each "
+           "field its `value`, a number unless the field has words, and its `unit`, if it has one",
+           "or this", "array of 1 to 32 names of fields"}));
+}
+
+auto class_program_keys() {
+  return keys::of(keys::optional("program", &proxy::proxy_class::program, name_text{},
+                                 {"of motes: code that completes the table; a file is rejected if "
+                                  "the binary lacks the program. There is `occupancy`, see below; "
+                                  "[others](architecture.md#proxies-with-code) are written in C++",
+                                  "none"}));
+}
+
+/// Settings of a program, with the places that checks need.
+struct program_numbers {
+  named_values<double> settings;
+};
+
+auto keys_of(const program_numbers*) {
+  return keys::of(keys::optional("settings", &program_numbers::settings, pairs_of<real>{},
+                                 {"of the `program`", "none"}));
+}
+
 /// Names that keys and texts of the class may have: those known from the start.
 std::vector<std::string> prior_names(const proxy::proxy_class& of) {
   auto names = of.ids.empty() ? proxy::mote_template_names() : proxy::object_template_names();
@@ -141,29 +179,17 @@ std::optional<sent_count> count_of(const mote_description& mote, std::uint16_t c
 
 } // namespace
 
-void tuple_names::claim(const std::string& name, mark at, complaints& problems) {
+void tuple_names::add(const std::string& name, mark at, complaints& problems) {
   constexpr std::array<std::string_view, 6> set_by_all{"status", "class",     "id",
                                                        "island", "interface", "position"};
   if (std::ranges::find(set_by_all, name) != set_by_all.end())
     problems.add(at, "`" + name + "` is a tuple that proxies set by themselves");
-  names_.claim(name, "name", at, problems);
+  names_.add(name, "name", at, problems);
 }
 
 placed_template read_tuple_template(table_reader& in) {
   placed_template out;
-  in.required("key", template_key{}, out.what.key,
-              "the whole key. In braces: `{island}`, `{id}`, `{name}` as in `prefix`; `{class}`; "
-              "`{room}`, the property of that name, else the island's name; any property of the "
-              "class. With `ids` `{channel}` instead of `{island}` and `{room}`");
-  in.optional("value", template_text{}, out.what.text,
-              {"the same names; properties of [objects](#proxyobject), empty if an object lacks "
-               "them; fields, and their units as `{FIELD.unit}`; `{{` and `}}` are braces",
-               "either this"});
-  in.optional(
-      "json", list_of<name_text>{{}, 1, json_fields_max}, out.what.json,
-      {"one JSON object: the `time` of the message in seconds of the ecology, and for each field "
-       "its `value`, a number unless the field has words, and its `unit`, if it has one",
-       "or this", "array of 1 to 32 names of fields"});
+  in.all(out.what, template_keys());
   out.key_at = in.at("key");
   out.text_at = in.at(in.has("json") ? "json" : "value");
   if (in.has("value") == in.has("json"))
@@ -212,13 +238,12 @@ void check_tuple_template(const placed_template& x, const proxy::proxy_class& of
 
 void read_program(table_reader& in, const proxy::program_registry& programs, tuple_names& names,
                   proxy::proxy_class& out) {
-  named_values<double> found;
-  const bool named = in.optional("program", name_text{}, out.program,
-                                 {"of motes: code that completes the table; a file is rejected if "
-                                  "the binary lacks the program. There is `occupancy`, see below; "
-                                  "[others](architecture.md#proxies-with-code) are written in C++",
-                                  "none"});
-  const bool set = in.optional("settings", pairs_of<real>{}, found, {"of the `program`", "none"});
+  program_numbers numbers;
+  in.all(out, class_program_keys());
+  in.all(numbers);
+  const auto& found = numbers.settings;
+  const bool named = in.is_good("program");
+  const bool set = in.is_good("settings");
   if (set && !in.has("program"))
     in.problems().add(in.at("settings"), "`settings` are those of a `program`");
   const auto* const make = named ? programs.find(out.program) : nullptr;
@@ -241,7 +266,7 @@ void read_program(table_reader& in, const proxy::program_registry& programs, tup
   }
   out.make_program = std::get<proxy::program_factory>(std::move(made));
   for (const auto& name : out.make_program()->names())
-    names.claim(name, in.at("program"), in.problems());
+    names.add(name, in.at("program"), in.problems());
 }
 
 void check_streams(const std::vector<placed_stream>& all,

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "config/plan/claims.hpp"
 #include "config/plan/ecology.hpp"
 #include "config/plan/references.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "config/toml/table_reader.hpp"
 #include "proxy/classes/program.hpp"
 
@@ -16,10 +16,10 @@ namespace rubicon::config {
 /// The names below one proxy's prefix.
 class tuple_names {
 public:
-  void claim(const std::string& name, mark at, complaints& problems);
+  void add(const std::string& name, mark at, complaints& problems);
 
 private:
-  name_claims names_;
+  name_uniqueness names_;
 };
 
 /// A template whose names are checked when all fields and properties are known.

@@ -6,13 +6,64 @@
 #include <vector>
 
 #include "config/file_readers.hpp"
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "peis/tuples/meta_tuple.hpp"
 #include "proxy/rules/rules_keys.hpp"
 
 namespace rubicon::config {
 
 namespace {
+
+using proxy::rule_write;
+
+auto rule_point_keys() {
+  return keys::of(keys::optional("point", &rule_write::key, tuple_key{},
+                                 "instead of `write`: the [meta tuple](peis.md#meta-tuples) that "
+                                 "is pointed at another tuple"));
+}
+
+auto rule_write_keys() {
+  return keys::of(
+      keys::required_if(true, "write", &rule_write::key, tuple_key{}, "the tuple that is written"));
+}
+
+/// @param kind a text, or with `point` a reference
+template <class Kind>
+auto rule_word_keys(const Kind& kind) {
+  return keys::of(keys::optional("then", &rule_write::then, kind,
+                                 {"when the condition holds; with `point` a tuple, as in "
+                                  "`\"robot:robot.state\"`, or `\"nowhere\"`",
+                                  "nothing is written"}),
+                  keys::optional("otherwise", &rule_write::otherwise, kind,
+                                 {"the same when it has ended", "nothing is written"}));
+}
+
+auto rule_source_keys() {
+  return keys::of(keys::optional(
+      "from", &rule_write::from, tuple_key{},
+      {"with `write`, instead of `then`: the value of this tuple, of any owner, at that "
+       "moment is written; nothing if no peer has it",
+       "none"}));
+}
+
+auto rule_when_keys(bool is_required) {
+  return keys::of(
+      keys::required_if(is_required, "when", &proxy::rule::when, tuple_key{},
+                        "the tuple that is watched, of any owner; required without `at`"));
+}
+
+/// Time of day of a rule.
+struct daily_time {
+  duration at{};
+};
+
+auto keys_of(const daily_time*) {
+  return keys::of(keys::optional(
+      "at", &daily_time::at, time_of_day{},
+      {"every day at this time of day (see `start` of [`[ecology]`](#ecology)) `then` is "
+       "written; with `when` only if its condition holds at that time, else `otherwise`",
+       "whenever the condition becomes true or false"}));
+}
 
 /// Complains about what means nothing in a table that has, or lacks, another key.
 void refuse(const table_reader& in, std::initializer_list<const char*> keys, const char* why) {
@@ -62,33 +113,21 @@ void note(const table_reader& in, const proxy::rule& x) {
   seen.tests.push_back(std::move(test));
 }
 
-/// What a rule writes: a word, what another tuple tells, or where a meta tuple is to point.
+/// What a rule writes: a word, the value of another tuple, or the target of a meta tuple.
 proxy::rule_write read_rule_write(table_reader& in) {
   proxy::rule_write out;
   out.meta = in.has("point");
-  in.optional(
-      "point", tuple_key{}, out.key,
-      "instead of `write`: the [meta tuple](peis.md#meta-tuples) that is pointed at another tuple");
+  in.all(out, rule_point_keys());
   if (!out.meta)
-    in.required_if(true, "write", tuple_key{}, out.key, "the tuple that is written");
+    in.all(out, rule_write_keys());
   else if (in.has("write"))
     in.problems().add(in.at("write"), "a rule has either `write` or `point`");
   in.expect("write");
-  const about what{"when the condition holds; with `point` a tuple, as in `\"robot:robot.state\"`, "
-                   "or `\"nowhere\"`",
-                   "nothing is written"};
-  const about or_else{"the same when it has ended", "nothing is written"};
-  if (out.meta) {
-    in.optional("then", tuple_reference{}, out.then, what);
-    in.optional("otherwise", tuple_reference{}, out.otherwise, or_else);
-  } else {
-    in.optional("then", text{}, out.then, what);
-    in.optional("otherwise", text{}, out.otherwise, or_else);
-  }
-  in.optional("from", tuple_key{}, out.from,
-              {"with `write`, instead of `then`: the value of this tuple, of any owner, at that "
-               "moment is written; nothing if no peer has it",
-               "none"});
+  if (out.meta)
+    in.all(out, rule_word_keys(tuple_reference{}));
+  else
+    in.all(out, rule_word_keys(text{}));
+  in.all(out, rule_source_keys());
   if (in.has("from"))
     refuse(in, {"then", "point"}, "with `from`");
   if (!in.has("then") && !in.has("otherwise") && !in.has("from"))
@@ -99,13 +138,10 @@ proxy::rule_write read_rule_write(table_reader& in) {
 
 /// at, and what then means nothing. `day_begins` is the time of day at the start of the run.
 void read_time(table_reader& in, duration day_begins, proxy::rule& out) {
-  duration at{};
-  if (in.optional(
-          "at", time_of_day{}, at,
-          {"every day at this time of day (see `start` of [`[ecology]`](#ecology)) `then` is "
-           "written; with `when` only if its condition holds at that time, else `otherwise`",
-           "whenever the condition becomes true or false"}))
-    out.daily = (at - day_begins + 24h) % 24h;
+  daily_time found;
+  in.all(found);
+  if (in.is_good("at"))
+    out.daily = (found.at - day_begins + 24h) % 24h;
   if (!in.has("at"))
     return;
   refuse(in, {"lasting", "otherwise_lasting"}, "with `at`");
@@ -115,8 +151,7 @@ void read_time(table_reader& in, duration day_begins, proxy::rule& out) {
 
 proxy::rule read_rule(table_reader& in, const surroundings& with) {
   proxy::rule out;
-  in.required_if(!in.has("at"), "when", tuple_key{}, out.when,
-                 "the tuple that is watched, of any owner; required without `at`");
+  in.all(out, rule_when_keys(!in.has("at")));
   read_time(in, with.day_begins, out);
   in.all(out);
   in.tables(

@@ -6,6 +6,21 @@
 
 namespace rubicon::config {
 
+namespace {
+
+auto tag_keys() {
+  return keys::of(keys::required("id", &tag_description::id, name_text{}, "unique among tags"),
+                  keys::optional("memory", &tag_description::memory, hex_octets{},
+                                 {"its user memory, which readers read", "none"}));
+}
+
+auto tag_place_keys(bool is_required) {
+  return keys::of(keys::required_if(is_required, "position_m", &tag_description::place, place{},
+                                    {"position", "the first of `path`"}));
+}
+
+} // namespace
+
 rfid::reader_config read_rfid_reader(table_reader& in, std::string_view peer_name) {
   rfid::reader_config out;
   out.name = peer_name;
@@ -15,17 +30,15 @@ rfid::reader_config read_rfid_reader(table_reader& in, std::string_view peer_nam
 
 std::vector<tag_description> read_tags(table_reader& root) {
   std::vector<tag_description> out;
-  name_claims ids;
+  name_uniqueness ids;
   root.tables("tag", "[[tag]]", "tagged objects, which readers perceive", [&](table_reader& in) {
     tag_description found;
-    if (in.required("id", name_text{}, found.id, "unique among tags"))
-      ids.claim(found.id, "tag", in.at("id"), in.problems());
+    in.all(found, tag_keys());
+    if (in.is_good("id"))
+      ids.add(found.id, "tag", in.at("id"), in.problems());
     found.id = folded(found.id);
-    in.optional("memory", hex_octets{}, found.memory,
-                {"its user memory, which readers read", "none"});
-    const bool has_place = in.required_if(!in.has("path"), "position_m", place{}, found.place,
-                                          {"position", "the first of `path`"});
-    read_path(in, has_place, found.place, found.path);
+    in.all(found, tag_place_keys(!in.has("path")));
+    read_path(in, in.is_good("position_m"), found.place, found.path);
     out.push_back(std::move(found));
   });
   return out;

@@ -48,20 +48,29 @@ struct arithmetic {
   [[nodiscard]] static form takes() { return string_form("text of up to 200 octets"); }
 };
 
-translate::translation read_translation(table_reader& in) {
-  translate::translation out;
-  translate::expression value;
-  in.required("from", tuple_key{true}, out.from,
-              "of any owner; a part may be `*`, which stands for any one part");
-  in.optional("to", target_key{translate::stars_in(out.from)}, out.to,
-              {"the published tuple; `{1}` is the part that the first `*` stands for", "none"});
-  if (in.optional(
-          "value", arithmetic{}, value,
+auto translation_from_keys() {
+  return keys::of(keys::required("from", &translate::translation::from, tuple_key{true},
+                                 "of any owner; a part may be `*`, which stands for any one part"));
+}
+
+/// @param stars parts of `from` that are `*`
+auto translation_target_keys(std::size_t stars) {
+  return keys::of(
+      keys::optional(
+          "to", &translate::translation::to, target_key{stars},
+          {"the published tuple; `{1}` is the part that the first `*` stands for", "none"}),
+      keys::optional(
+          "value", &translate::translation::value, arithmetic{},
           {"arithmetic on the number `x` in the tuple: `+`, `-`, `*`, `/`, parentheses, `abs(a)`, "
            "`floor(a)`, `ceil(a)`, `round(a)`, `sqrt(a)`, `min(a, b)`, `max(a, b)`. Values that "
            "are not numbers are dropped and counted, as are results that are not finite",
-           "the text, unchanged"}))
-    out.value = std::move(value);
+           "the text, unchanged"}));
+}
+
+translate::translation read_translation(table_reader& in) {
+  translate::translation out;
+  in.all(out, translation_from_keys());
+  in.all(out, translation_target_keys(translate::stars_in(out.from)));
   in.all(out);
   if (!in.has("to") && !in.has("history"))
     in.problems().add(in.at(), "a translation needs `to`, `history` or both");

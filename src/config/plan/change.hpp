@@ -19,7 +19,7 @@ namespace rubicon::config {
 
 /// From now on the debug log has messages of these only (NFR-02).
 struct debug_change {
-  std::vector<std::string> of; ///< patterns of debug_selection; empty: nobody's
+  std::vector<std::string> of; ///< patterns of debug_selection; empty: no actor's
 };
 
 /// A sampler or a messenger of a mote has another period, in all lives that the mote has as a mote

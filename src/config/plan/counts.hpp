@@ -14,8 +14,8 @@ namespace rubicon::config {
 
 using count_range = std::pair<std::int64_t, std::int64_t>;
 
-/// The least and the greatest count that the mote's programs send for the field; nothing: nobody
-/// knows. Noise of a transducer counts with six of its deviations.
+/// The least and the greatest count that the mote's programs send for the field; nothing: no
+/// program knows. Noise of a transducer counts with six of its deviations.
 [[nodiscard]] std::optional<count_range> counts_of(const mote_description& mote,
                                                    const proxy::field& field);
 

@@ -18,7 +18,7 @@ class debug_selection {
 public:
   /// Of everybody.
   debug_selection() = default;
-  /// @param patterns empty: of nobody
+  /// @param patterns empty: of no actor
   explicit debug_selection(std::vector<std::string> patterns) : patterns_(std::move(patterns)) {}
 
   [[nodiscard]] bool has(std::string_view path) const;
@@ -44,7 +44,7 @@ public:
   /// @param name `kitchen/stove`
   void add_mote(const std::string& name);
 
-  /// Why the pattern means nobody, with a suggestion; empty: it may mean somebody.
+  /// Why the pattern matches no actor, with a suggestion; empty: it may match one.
   [[nodiscard]] std::string problem(std::string_view pattern) const;
 
   /// The first problem among them; empty: there is none.

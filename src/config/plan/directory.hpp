@@ -37,7 +37,7 @@ inline constexpr std::uint32_t peer_count_max = 1000;
 inline constexpr std::uint32_t group_motes_max = 100'000;
 
 /// Names as the readers of their tables give them. What has no usable name is left out, an unusable
-/// id is 0: the reader complains, and nobody else needs to.
+/// id is 0: the reader reports it, and no other code needs to.
 struct directory {
   struct island {
     island_id id;

@@ -194,7 +194,7 @@ bool is_judged_here(const ecology_description& part, const expectation& x) {
                     x);
 }
 
-/// PEIS ids of the hosts' own peers: the highest that nobody has, in the order of the file.
+/// PEIS ids of the hosts' own peers: the highest free ones, in the order of the file.
 std::vector<peer_id> host_peer_ids(const ecology_description& all, const places& where) {
   std::vector<peer_id> ids;
   for (auto id = peer_id_max; ids.size() < all.hosts.size(); --id)
@@ -341,7 +341,7 @@ const peer_description* host_peer(const ecology_description& part) {
   return found == part.peers.end() ? nullptr : &*found;
 }
 
-/// Times of day are told since the start.
+/// Times of day count from the start of the run.
 void begin_later(proxy::rules_config& x, duration elapsed) {
   for (auto& rule : x.rules)
     if (rule.daily)

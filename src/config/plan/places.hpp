@@ -1,5 +1,5 @@
 // What a file says of others by their names, and where. Whether it can work is known when all of
-// the file is read: doubts.hpp.
+// the file is read: warnings.hpp.
 #pragma once
 
 #include <map>
@@ -21,7 +21,7 @@ struct tuple_use {
   mark at;
 };
 
-/// What a tuple is to tell.
+/// A value that a tuple is compared with.
 struct tuple_test {
   std::string who; ///< `a rule of pc`
   std::string key;

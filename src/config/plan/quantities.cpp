@@ -1,7 +1,7 @@
 #include "config/plan/quantities.hpp"
 
 #include "config/file_readers.hpp"
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 
 namespace rubicon::config {
 
@@ -28,23 +28,38 @@ const std::string& quantities::unit_of(device::quantity x) const {
   return all_.at(static_cast<std::size_t>(x)).unit;
 }
 
+namespace {
+
+/// [[quantity]]
+struct own_quantity {
+  std::string name;
+  std::string unit;
+};
+
+auto quantity_keys() {
+  return keys::of(
+      keys::required(
+          "name", &own_quantity::name, name_text{},
+          "name, used like the predefined ones in `transducers` and wherever they are named"),
+      keys::optional("unit", &own_quantity::unit, text{16},
+                     {"unit of its values, of models and of bounds; fields that name the quantity "
+                      "as their `transducer` publish it",
+                      "none"}));
+}
+
+} // namespace
+
 void read_quantities(table_reader& root) {
   auto& out = root.shared().quantities;
-  name_claims names;
+  name_uniqueness names;
   for (const auto& each : out.all())
-    static_cast<void>(names.claim(each.name, "quantity", {}, root.problems()));
+    static_cast<void>(names.add(each.name, "quantity", {}, root.problems()));
   root.tables(
       "quantity", "[[quantity]]", "further quantities that motes measure", [&](table_reader& in) {
-        std::string name;
-        std::string unit;
-        const bool named = in.required(
-            "name", name_text{}, name,
-            "name, used like the predefined ones in `transducers` and wherever they are named");
-        in.optional("unit", text{16}, unit,
-                    {"unit of its values, of models and of bounds; fields that name the quantity "
-                     "as their `transducer` publish it",
-                     "none"});
-        if (!named || !names.claim(name, "quantity", in.at("name"), in.problems()))
+        own_quantity found;
+        in.all(found, quantity_keys());
+        auto& [name, unit] = found;
+        if (!in.is_good("name") || !names.add(name, "quantity", in.at("name"), in.problems()))
           return;
         if (out.all().size() == device::quantities_max)
           in.problems().add(in.at(), "a file has at most " + std::to_string(quantities::own_max) +

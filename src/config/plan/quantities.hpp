@@ -19,7 +19,7 @@ public:
   struct entry {
     std::string name;
     std::string meaning; ///< what it is measured in
-    std::string unit;    ///< as tuples tell it; empty: none
+    std::string unit;    ///< as tuples publish it; empty: none
   };
 
   quantities();

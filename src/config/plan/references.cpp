@@ -4,7 +4,7 @@
 #include <charconv>
 #include <utility>
 
-#include "config/plan/claims.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "core/text/spelling.hpp"
 #include "peis/tuples/meta_tuple.hpp"
 
@@ -168,13 +168,13 @@ std::optional<peer_groups::type> peer_groups::read(const node& x, const asker& w
   if (!found)
     return std::nullopt;
   type out;
-  claims<peer_id> placed;
+  uniqueness<peer_id> placed;
   for (const auto& group : *found) {
     auto& peers = out.emplace_back();
     for (const auto& each : group.value)
       for (const auto id : each.value) {
-        placed.claim(id, "the peer with the id " + to_string(id), each.at, who.in.problems,
-                     "is already in a group");
+        placed.add(id, "the peer with the id " + to_string(id), each.at, who.in.problems,
+                   "is already in a group");
         peers.push_back(id);
       }
   }
@@ -277,7 +277,7 @@ std::optional<std::string> tuple_reference::read(const node& x, const asker& who
     return who.refuse(x,
                       "a tuple of a peer or gateway, as in \"robot:robot.state\", or \"nowhere\"");
   const auto name = text->substr(0, colon);
-  const auto id = peer_id_of(name); // unless somebody is called so
+  const auto id = peer_id_of(name); // unless it is a name
   const auto owner = id && !who.in.names->ends.contains(name) ? id : end_of(x, who, name);
   if (!owner)
     return std::nullopt;

@@ -74,6 +74,10 @@ constexpr std::array fixed_kinds{
     fixed_kind{"expect", "is judged from the start"},
 };
 
+auto change_time_keys() {
+  return of(required("at", &fault_description::at, time_of_run{}, "time from which it applies"));
+}
+
 /// All keys of a class_change but those that say of what.
 auto class_keys() {
   using proxy::class_change;
@@ -197,7 +201,7 @@ private:
     if (mote == nullptr) {
       if (const auto* of = in.names().find(x.mote.island); of != nullptr && !of->is_simulated)
         refuse(in, "mote", "that island has a real sink: nothing of its motes is simulated");
-      return; // or somebody else complains
+      return; // which is reported elsewhere
     }
     std::vector<const mote_app*> fitting;
     for (const auto& each : mote->apps)
@@ -341,7 +345,7 @@ std::vector<fault_description> read_changes(table_reader& root, const surroundin
               [&](table_reader& in) {
                 fault_description x;
                 change what;
-                in.required("at", time_of_run{}, x.at, "time from which it applies");
+                in.all(x, change_time_keys());
                 change_reader(all, what).read(in);
                 x.what = std::move(what);
                 out.push_back(std::move(x));

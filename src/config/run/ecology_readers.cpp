@@ -27,6 +27,59 @@ struct day_start {
   }
 };
 
+auto run_keys() {
+  using x = ecology_description;
+  return keys::of(
+      keys::required("name", &x::name, name_text{}, "name of the ecology, in reports"),
+      keys::optional("seed", &x::seed, whole<std::uint64_t>{0, INT64_MAX},
+                     "of all random numbers; the same file and seed give the same virtual run"),
+      keys::optional(
+          "mode", &x::mode,
+          word<run_mode>{{{"virtual", run_mode::virtual_time}, {"wall", run_mode::wall}}},
+          "as fast as the computer can, or in real time"),
+      keys::optional("duration", &x::length, time_span{1ms}, "of ecology time"),
+      keys::optional("until", &x::until,
+                     word<run_end>{{{"duration", run_end::duration},
+                                    {"first_flat_battery", run_end::first_flat_battery}}},
+                     "what the run ends with: its `duration`, or the [first flat "
+                     "battery](#first-flat-battery) of a mote, but at the latest its `duration`"),
+      keys::optional("start", &x::day_begins, day_start{},
+                     {"time of day at the start of the run, for [rules](#rules) with `at`; in wall "
+                      "time also `\"now\"`: that of the computer's clock and time zone, including "
+                      "daylight saving: a time that a clock change skips occurs at the change, one "
+                      "that it repeats occurs once",
+                      "`\"00:00\"`"}),
+      keys::optional(
+          "date", &x::date, calendar_day{},
+          {"day on which a run in virtual time starts, at `start`: the [network "
+           "time](gateway.md#time) continues from there. In wall time it is the computer's",
+           "`\"2001-09-09\"` at 01:46:40"}),
+      keys::optional("network", &x::network, text{network_octets_max},
+                     "PEIS network string: peers with another one never connect"));
+}
+
+/// Period of the RUBICON clock, before it is known to be whole milliseconds.
+struct clock_period {
+  duration tick{};
+};
+
+auto keys_of(const clock_period*) {
+  return keys::of(
+      keys::optional("tick", &clock_period::tick, time_span{10ms, tick_max},
+                     {"period of the RUBICON clock, on all motes and PCs: it ticks at its "
+                      "multiples in the time that peers share",
+                      "", "time from 10 ms to 8191 ms, whole milliseconds"}));
+}
+
+auto plan_keys() {
+  return keys::of(
+      keys::required("picture", &floor_plan::picture, text{4096},
+                     "its file, a PNG, JPEG, WebP or SVG; not needed for a run"),
+      keys::optional("position_m", &floor_plan::corner, place{}, "of its lower left corner"),
+      keys::required("width", &floor_plan::width_m, metres{0.1, 100'000},
+                     "from its left edge to its right one"));
+}
+
 /// What the clock shows is another time in each run, and it may change.
 void take_clock(table_reader& in, const ecology_description& x) {
   const auto* given = in.value("start");
@@ -47,54 +100,20 @@ void take_clock(table_reader& in, const ecology_description& x) {
 void read_ecology(table_reader& root, ecology_description& out) {
   const bool found =
       root.table("ecology", "[ecology]", "the run as a whole", [&out](table_reader& in) {
-        in.required("name", name_text{}, out.name, "name of the ecology, in reports");
-        in.optional("seed", whole<std::uint64_t>{0, INT64_MAX}, out.seed,
-                    "of all random numbers; the same file and seed give the same virtual run");
-        in.optional("mode",
-                    word<run_mode>{{{"virtual", run_mode::virtual_time}, {"wall", run_mode::wall}}},
-                    out.mode, "as fast as the computer can, or in real time");
-        in.optional("duration", time_span{1ms}, out.length, "of ecology time");
-        in.optional("until",
-                    word<run_end>{{{"duration", run_end::duration},
-                                   {"first_flat_battery", run_end::first_flat_battery}}},
-                    out.until,
-                    "what the run ends with: its `duration`, or the [first flat "
-                    "battery](#first-flat-battery) of a mote, but at the latest its `duration`");
-        in.optional("start", day_start{}, out.day_begins,
-                    {"time of day at the start of the run, for [rules](#rules) with `at`; in wall "
-                     "time also `\"now\"`: that of the computer's clock and time zone, including "
-                     "daylight saving: a time that a clock change skips occurs at the change, one "
-                     "that it repeats occurs once",
-                     "`\"00:00\"`"});
+        clock_period clock{out.tick};
+        in.all(out, run_keys());
+        in.all(clock);
         take_clock(in, out);
-        in.optional(
-            "date", calendar_day{}, out.date,
-            {"day on which a run in virtual time starts, at `start`: the [network "
-             "time](gateway.md#time) continues from there. In wall time it is the computer's",
-             "`\"2001-09-09\"` at 01:46:40"});
-        in.optional("network", text{network_octets_max}, out.network,
-                    "PEIS network string: peers with another one never connect");
-        duration tick = out.tick;
-        if (in.optional("tick", time_span{10ms, tick_max}, tick,
-                        {"period of the RUBICON clock, on all motes and PCs: it ticks at its "
-                         "multiples in the time that peers share",
-                         "", "time from 10 ms to 8191 ms, whole milliseconds"})) {
-          out.tick = std::chrono::duration_cast<std::chrono::milliseconds>(tick);
-          if (out.tick != tick)
+        if (in.is_good("tick")) {
+          out.tick = std::chrono::duration_cast<std::chrono::milliseconds>(clock.tick);
+          if (out.tick != clock.tick)
             in.problems().add(in.at("tick"), "`tick` must be whole milliseconds");
         }
       });
   if (!found && !root.has("ecology"))
     root.problems().add(root.at(), "the file lacks the table [ecology]");
   root.table("plan", "[plan]", "a floor plan, which `--view` shows under the map",
-             [&out](table_reader& in) {
-               auto& plan = out.plan.emplace();
-               in.required("picture", text{4096}, plan.picture,
-                           "its file, a PNG, JPEG, WebP or SVG; not needed for a run");
-               in.optional("position_m", place{}, plan.corner, "of its lower left corner");
-               in.required("width", metres{0.1, 100'000}, plan.width_m,
-                           "from its left edge to its right one");
-             });
+             [&out](table_reader& in) { in.all(out.plan.emplace(), plan_keys()); });
 }
 
 void check_end(table_reader& root, const ecology_description& x) {
@@ -116,34 +135,53 @@ void check_end(table_reader& root, const ecology_description& x) {
 
 namespace {
 
-/// Where a host listens; empty: nobody can tell.
+/// Where a host listens; empty: not known.
 std::string listening_address(const host_description& x) {
   if (parse_ipv4_address(x.address))
     return x.address;
   return x.address == "localhost" ? "127.0.0.1" : "";
 }
 
-host_description read_host(table_reader& in, name_claims& names) {
+auto host_keys() {
+  using x = host_description;
+  return keys::of(keys::required("name", &x::name, name_text{},
+                                 "name that `host` of islands and peers refers to"),
+                  keys::required("address", &x::address, text{253},
+                                 "DNS name or IPv4 address under which other hosts reach it"));
+}
+
+auto host_listen_keys() {
+  using x = host_description;
+  return keys::of(keys::optional("listen", &x::listen, interface_address{},
+                                 {"its address for links from other hosts and for commands; "
+                                  "`\"0.0.0.0\"`: all",
+                                  "`address`, which must be an IPv4 address then"}),
+                  keys::optional("control_port", &x::control_port, whole<std::uint16_t>{1, 65534},
+                                 "TCP port for commands to `rubicon host`"));
+}
+
+auto host_link_keys() {
+  using x = host_description;
+  return keys::of(
+      keys::optional("peis_port", &x::peis_port, whole<std::uint16_t>{1, 65535},
+                     {"TCP port of the PEIS links from other hosts", "`control_port` + 1"}),
+      keys::optional(
+          "networks", &x::networks, list_of<network_text>{{}, 0, networks_max},
+          {"networks that those links may come from; others are closed at once", "anywhere"}));
+}
+
+host_description read_host(table_reader& in, name_uniqueness& names) {
   host_description host;
-  if (in.required("name", name_text{}, host.name,
-                  "name that `host` of islands and peers refers to"))
-    names.claim(host.name, "host name", in.at("name"), in.problems());
-  in.required("address", text{253}, host.address,
-              "DNS name or IPv4 address under which other hosts reach it");
+  in.all(host, host_keys());
+  if (in.is_good("name"))
+    names.add(host.name, "host name", in.at("name"), in.problems());
   if (host.address.find(':') != std::string::npos)
     in.problems().add(in.at("address"), "`address` must be a DNS name or an IPv4 address, as in "
                                         "\"192.168.1.7\": links over IPv6 are not made");
   host.listen = listening_address(host);
-  in.optional("listen", interface_address{}, host.listen,
-              {"its address for links from other hosts and for commands; `\"0.0.0.0\"`: all",
-               "`address`, which must be an IPv4 address then"});
-  in.optional("control_port", whole<std::uint16_t>{1, 65534}, host.control_port,
-              "TCP port for commands to `rubicon host`");
+  in.all(host, host_listen_keys());
   host.peis_port = static_cast<std::uint16_t>(host.control_port + 1);
-  in.optional("peis_port", whole<std::uint16_t>{1, 65535}, host.peis_port,
-              {"TCP port of the PEIS links from other hosts", "`control_port` + 1"});
-  in.optional("networks", list_of<network_text>{{}, 0, networks_max}, host.networks,
-              {"networks that those links may come from; others are closed at once", "anywhere"});
+  in.all(host, host_link_keys());
   return host;
 }
 
@@ -151,7 +189,7 @@ host_description read_host(table_reader& in, name_claims& names) {
 
 std::vector<host_description> read_hosts(table_reader& root) {
   std::vector<host_description> out;
-  name_claims names;
+  name_uniqueness names;
   root.tables("host", "[[host]]", "computers; the first one runs everything that names no host",
               [&](table_reader& in) { out.push_back(read_host(in, names)); });
   return out;

@@ -23,6 +23,13 @@ bool has_separate_app(const std::vector<mote_app>& all) {
                              [](const auto& x) { return std::holds_alternative<separate_app>(x); });
 }
 
+auto unplugged_island_keys() {
+  return of(keys::required_if(
+      true, "island", &unplug_fault::island, island_name{true},
+      {"island whose serial cables are unplugged; `\"*\"`: one cable of any island",
+       "with `gateway` or `further_sink`, none"}));
+}
+
 /// What the keys of one fault have to do with each other and with the islands.
 class fault_reader {
 public:
@@ -175,7 +182,7 @@ private:
     refuse_further_sink(in, x.mote);
   }
 
-  /// Nobody has a second cable, and a cable holds its sink.
+  /// There is one cable, which holds its sink.
   void refuse_further_sink(table_reader& in, const mote_address& x) const {
     if (const auto* mote = find(x); mote != nullptr && mote->backbone)
       in.problems().add(in.at("mote"), "mote `" + mote->name +
@@ -224,9 +231,7 @@ private:
     if (has_gateway)
       in.expect("island");
     else
-      in.required_if(true, "island", island_name{true}, x.island,
-                     {"island whose serial cables are unplugged; `\"*\"`: one cable of any island",
-                      "with `gateway` or `further_sink`, none"});
+      in.all(x, unplugged_island_keys());
     if (has_gateway && in.has("island"))
       in.problems().add(in.at("island"), has_further ? "`island` has no effect with `further_sink`"
                                                      : "`island` has no effect with `gateway`");
@@ -266,7 +271,7 @@ private:
                                     "not simulated, so they cannot fail");
   }
 
-  /// The mote of the description; nullptr if there is none, about which somebody else complains.
+  /// The mote of the description; nullptr if there is none, which is reported elsewhere.
   [[nodiscard]] const mote_description* find(const mote_address& x) const {
     const auto island = std::ranges::find(islands_, x.island, &island_description::id);
     if (island == islands_.end())
@@ -320,6 +325,12 @@ private:
   std::vector<std::pair<std::string_view, table_reader::part_reader>> choices_;
 };
 
+/// @param is_required whether neither `every` nor `random` is given
+auto fault_time_keys(bool is_required) {
+  return of(keys::required_if(is_required, "at", &fault_description::at, time_of_run{},
+                              "time of the fault; required without `every` and `random`"));
+}
+
 /// every or random, from, until
 void read_repetition(table_reader& in, fault_description& out) {
   fault_times x;
@@ -359,9 +370,8 @@ std::vector<fault_description> read_faults(table_reader& root, const surrounding
   root.tables("fault", "[[fault]]", "faults and their times", [&](table_reader& in) {
     fault_description x;
     const bool repeated = in.has("every") || in.has("random");
-    const bool found = in.required_if(!repeated, "at", time_of_run{}, x.at,
-                                      "time of the fault; required without `every` and `random`");
-    if (found && repeated)
+    in.all(x, fault_time_keys(!repeated));
+    if (in.is_good("at") && repeated)
       in.problems().add(in.at("at"), "`at` has no effect with `every` or `random`");
     read_repetition(in, x);
     fault_reader(with, islands, x.what).read(in);

@@ -29,13 +29,13 @@ void complaints::add(problem x) {
   elsewhere_.push_back(std::move(x));
 }
 
-void complaints::warn(problem x) {
+void complaints::skip(problem x) {
   x.message = printable(x.message);
-  warnings_.push_back(std::move(x));
+  skipped_.push_back(std::move(x));
 }
 
-void complaints::doubt(mark at, std::string message) {
-  doubts_.emplace_back(at, printable(message));
+void complaints::warn(mark at, std::string message) {
+  warnings_.emplace_back(at, printable(message));
 }
 
 namespace {
@@ -54,8 +54,8 @@ std::vector<problem> sorted(std::vector<std::pair<mark, std::string>> found,
 
 } // namespace
 
-std::vector<problem> complaints::doubts_of(const std::string& name) const {
-  return sorted(doubts_, name);
+std::vector<problem> complaints::warnings_of(const std::string& name) const {
+  return sorted(warnings_, name);
 }
 
 std::vector<problem> complaints::of_file(const std::string& name) const {

@@ -51,12 +51,12 @@ public:
   void add(problem x);
 
   /// What does no harm to the rest: it is left out.
-  void warn(problem x);
-  [[nodiscard]] const std::vector<problem>& warnings() const { return warnings_; }
+  void skip(problem x);
+  [[nodiscard]] const std::vector<problem>& skipped() const { return skipped_; }
 
   /// What is no mistake, but hardly what is meant.
-  void doubt(mark at, std::string message);
-  [[nodiscard]] std::vector<problem> doubts_of(const std::string& name) const; ///< as of_file()
+  void warn(mark at, std::string message);
+  [[nodiscard]] std::vector<problem> warnings_of(const std::string& name) const; ///< as of_file()
 
   [[nodiscard]] bool empty() const { return size() == 0; }
   [[nodiscard]] std::size_t size() const { return found_.size() + elsewhere_.size(); }
@@ -68,8 +68,8 @@ public:
 private:
   std::vector<std::pair<mark, std::string>> found_;
   std::vector<problem> elsewhere_;
-  std::vector<problem> warnings_;
-  std::vector<std::pair<mark, std::string>> doubts_;
+  std::vector<problem> skipped_;
+  std::vector<std::pair<mark, std::string>> warnings_;
 };
 
 } // namespace rubicon::config

@@ -6,8 +6,6 @@
 
 namespace rubicon::config {
 
-namespace {} // namespace
-
 const node* table_reader::ask(std::string_view key) {
   if (std::find(asked_.begin(), asked_.end(), key) == asked_.end())
     asked_.emplace_back(key);

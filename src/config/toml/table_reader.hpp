@@ -2,6 +2,7 @@
 // unknown.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -29,29 +30,6 @@ public:
   table_reader(const table_reader&) = delete;
   table_reader& operator=(const table_reader&) = delete;
 
-  /// Reads `key` into `out`; complains if it is missing or not of that kind.
-  /// @returns whether `out` was set
-  template <class Kind, class Out>
-  bool required(std::string_view key, const Kind& kind, Out& out, const about& what) {
-    describe({.is_required = true}, key, kind, what);
-    return get(true, key, kind, out);
-  }
-
-  /// The same, but a missing key leaves `out` as it is.
-  template <class Kind, class Out>
-  bool optional(std::string_view key, const Kind& kind, Out& out, const about& what) {
-    describe({.standard = written_of(kind, out)}, key, kind, what);
-    return get(false, key, kind, out);
-  }
-
-  /// One that is required under a condition only.
-  template <class Kind, class Out>
-  bool required_if(bool condition, std::string_view key, const Kind& kind, Out& out,
-                   const about& what) {
-    describe({}, key, kind, what);
-    return get(condition && !walks(), key, kind, out);
-  }
-
   /// What the table at `key` may be instead, and is read elsewhere.
   template <class Kind>
   void instead_of_table(std::string_view key, const Kind& kind) {
@@ -62,7 +40,7 @@ public:
       }
   }
 
-  /// All keys that are listed beside a struct.
+  /// All keys that are listed beside a struct. There is no other way to read a value.
   template <class Struct>
   void all(Struct& out) {
     all(out, keys_of(static_cast<const Struct*>(nullptr)));
@@ -111,11 +89,16 @@ public:
       either({{names_of(lists), [&](table_reader& /*self*/) { one(lists); }}...});
   }
 
-  /// Complains about keys nobody asked for. Called once, by who made this reader.
+  /// Reports keys that were not asked for as unknown. Called once, where the reader was made.
   void finish() const;
 
   /// Whether `key` is in the file.
   [[nodiscard]] bool has(std::string_view key) const { return table_.find(key) != nullptr; }
+
+  /// Whether `key` is in the file, was read, and its value is good.
+  [[nodiscard]] bool is_good(std::string_view key) const {
+    return std::find(good_.begin(), good_.end(), key) != good_.end();
+  }
 
   /// Whether nothing is read and only the keys are wanted.
   [[nodiscard]] bool walks() const { return shared_.walks; }
@@ -144,6 +127,29 @@ public:
   [[nodiscard]] reading& shared() const { return shared_; }
 
 private:
+  /// Reads `key` into `out`; complains if it is missing or not of that kind.
+  /// @returns whether `out` was set
+  template <class Kind, class Out>
+  bool required(std::string_view key, const Kind& kind, Out& out, const about& what) {
+    describe({.is_required = true}, key, kind, what);
+    return get(true, key, kind, out);
+  }
+
+  /// The same, but a missing key leaves `out` as it is.
+  template <class Kind, class Out>
+  bool optional(std::string_view key, const Kind& kind, Out& out, const about& what) {
+    describe({.standard = written_of(kind, out)}, key, kind, what);
+    return get(false, key, kind, out);
+  }
+
+  /// One that is required under a condition only.
+  template <class Kind, class Out>
+  bool required_if(bool condition, std::string_view key, const Kind& kind, Out& out,
+                   const about& what) {
+    describe({}, key, kind, what);
+    return get(condition && !walks(), key, kind, out);
+  }
+
   /// The names of keys, and what reads all of them.
   using alternative = std::pair<std::vector<std::string_view>, part_reader>;
   void either(const std::vector<alternative>& choices);
@@ -197,7 +203,9 @@ private:
 
   template <class Struct, class Member, class Kind>
   void one(const keys::key<Struct, Member, Kind>& key, Struct& out) {
-    if (key.is_required)
+    if (key.is_conditional)
+      required_if(key.is_required, key.name, key.kind, out.*key.member, key.what);
+    else if (key.is_required)
       required(key.name, key.kind, out.*key.member, key.what);
     else
       optional(key.name, key.kind, out.*key.member, key.what);
@@ -211,9 +219,11 @@ private:
     if (x == nullptr)
       return false;
     auto value = read(kind, *x, asker{key, shared_});
-    if (value)
-      set(out, *std::move(value));
-    return value.has_value();
+    if (!value)
+      return false;
+    set(out, *std::move(value));
+    good_.emplace_back(key);
+    return true;
   }
 
   template <class Out, class Value>
@@ -238,8 +248,9 @@ private:
   reading& shared_;
   std::size_t problems_before_ = 0;
   std::vector<std::string> asked_;
-  bool in_choice_ = false; ///< what is read is one of several possibilities
-  bool silent_ = false;    ///< what the table is could not be read, so its keys mean nothing
+  std::vector<std::string> good_; ///< those whose values were read
+  bool in_choice_ = false;        ///< what is read is one of several possibilities
+  bool silent_ = false;           ///< what the table is could not be read, so its keys mean nothing
 };
 
 } // namespace rubicon::config

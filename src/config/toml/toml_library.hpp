@@ -2,8 +2,8 @@
 // Only document.cpp includes this.
 #pragma once
 
-// The parser asserts that a key begins like one, just before it tells that it does not: `[,]` would
-// stop the process. With NDEBUG the compiler might take it for granted.
+// The parser asserts that a key begins like one, just before it reports that it does not: `[,]`
+// would stop the process. With NDEBUG the compiler might take it for granted.
 #undef NDEBUG
 #define TOML_ASSERT(condition) static_assert(true)
 

@@ -1,4 +1,4 @@
-// How the values of keys are read and told, by their kinds (core/describe/keys.hpp).
+// How the values of keys are read and described, by their kinds (core/describe/keys.hpp).
 #pragma once
 
 #include <cstddef>

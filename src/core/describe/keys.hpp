@@ -190,6 +190,7 @@ struct key {
   Kind kind;
   about what;
   bool is_required = false;
+  bool is_conditional = false; ///< other keys decide whether it is required; its sentence says how
 };
 
 /// Without it the member stays as it is.
@@ -203,6 +204,13 @@ template <class Struct, class Member, class Kind>
 constexpr key<Struct, Member, Kind> required(std::string_view name, Member Struct::*member,
                                              Kind kind, about what) {
   return {name, member, std::move(kind), what, true};
+}
+
+/// One that is required under a condition only.
+template <class Struct, class Member, class Kind>
+constexpr key<Struct, Member, Kind> required_if(bool condition, std::string_view name,
+                                                Member Struct::*member, Kind kind, about what) {
+  return {name, member, std::move(kind), what, condition, true};
 }
 
 /// The keys of a struct, in the order in which they are told.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "actors/run/run.hpp"
-#include "config/checks/doubts.hpp"
+#include "config/checks/warnings.hpp"
 #include "core/bytes.hpp"
 #include "ecology/ecology_files.hpp"
 #include "ecology/faults/recorded.hpp"
@@ -294,19 +294,19 @@ TEST_CASE("an event is explained from its producer to the robot", "[smepp][expla
   CHECK(explain::where(all, all.nodes.at(hop)) == "flat/relay → collector");
 }
 
-TEST_CASE("a group that nobody creates is doubted", "[smepp][config]") {
+TEST_CASE("a group that nobody creates has a warning", "[smepp][config]") {
   auto what = describe(flat(""));
-  const auto doubts = [&what] {
-    config::doubt_list out;
-    config::doubt_proxies(what, {}, out);
+  const auto warnings = [&what] {
+    config::warning_list out;
+    config::warn_of_proxies(what, {}, out);
     return out;
   };
-  CHECK(std::ranges::none_of(doubts(), [](const config::doubt& x) {
+  CHECK(std::ranges::none_of(warnings(), [](const config::warning& x) {
     return x.second.find("creates") != std::string::npos;
   }));
   std::get<config::member_app>(what.islands.at(0).motes.at(0).apps.edit().at(0)).creates = false;
-  REQUIRE(doubts().size() == 1);
-  CHECK(doubts().at(0).second == "no member of group `care` in island flat has `creates = true`");
+  REQUIRE(warnings().size() == 1);
+  CHECK(warnings().at(0).second == "no member of group `care` in island flat has `creates = true`");
 }
 
 TEST_CASE("a run with groups is the same on any number of threads", "[smepp][threads]") {

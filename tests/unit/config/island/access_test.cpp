@@ -1,8 +1,8 @@
 // What a file may say about the radios of single motes: medium access and channel.
 #include <string>
 
-#include "config/checks/doubts.hpp"
 #include "config/checks/slot_check.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/run/summary.hpp"
 #include "support/catch.hpp"
 #include "unit/config/sample.hpp"
@@ -13,12 +13,12 @@ using namespace rubicon::test;
 
 namespace {
 
-std::string doubt_messages_in(const std::string& toml) {
+std::string warnings_in(const std::string& toml) {
   const auto x = load_text(toml, "t");
   for (const auto& each : x.problems)
     FAIL_CHECK(to_string(each));
   std::string out;
-  for (const auto& each : doubts_of(x, "t"))
+  for (const auto& each : warnings_of(x, "t"))
     out += each.message + '\n';
   return out;
 }
@@ -98,15 +98,14 @@ TEST_CASE("slots have room for the longest back-off of any mote", "[config][radi
   CHECK(access_of(slow.radio, slow.islands.at(0)).back_off == 127 * 320us);
 }
 
-TEST_CASE("a mote on a channel of its own is doubted", "[config][radio]") {
+TEST_CASE("a mote on a channel of its own has a warning", "[config][radio]") {
   const std::string more = "[[island.mote]]\nid = 3\ntype = \"c\"\nposition_m = [3, 2]\n";
-  CHECK(doubt_messages_in(mote_head + more) ==
-        doubt_messages_in(mote_head + "channel = 26\n" + more));
+  CHECK(warnings_in(mote_head + more) == warnings_in(mote_head + "channel = 26\n" + more));
   CHECK(
-      doubt_messages_in(mote_head + "channel = 15\n" + more)
+      warnings_in(mote_head + "channel = 15\n" + more)
           .find("mote `c-2` cannot reach any radio of its island: no other one is on channel 15") !=
       std::string::npos);
-  const auto two = doubt_messages_in(mote_head + "channel = 15\n" + more + "channel = 15\n");
+  const auto two = warnings_in(mote_head + "channel = 15\n" + more + "channel = 15\n");
   CHECK(two.find("mote `c-2` cannot reach its sink: it is on channel 15, the sink on 26") !=
         std::string::npos);
   CHECK(two.find("mote `c-3` cannot reach its sink") != std::string::npos);

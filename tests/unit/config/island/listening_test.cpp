@@ -1,9 +1,9 @@
 // What a file may say about radios that listen at low power.
 #include <string>
 
-#include "config/checks/doubts.hpp"
 #include "config/checks/listening_check.hpp"
 #include "config/checks/slot_check.hpp"
+#include "config/checks/warnings.hpp"
 #include "support/catch.hpp"
 #include "unit/config/sample.hpp"
 
@@ -29,12 +29,12 @@ std::string line(const std::string& interval, const std::string& every, int mote
   return x;
 }
 
-std::string doubts_in(const std::string& toml) {
+std::string warnings_in(const std::string& toml) {
   const auto x = load_text(toml, "t");
   for (const auto& each : x.problems)
     FAIL_CHECK(to_string(each));
   std::string out;
-  for (const auto& each : x.doubts)
+  for (const auto& each : x.warnings)
     out += to_string(each) + '\n';
   return out;
 }
@@ -97,22 +97,22 @@ TEST_CASE("what an interval takes of the air follows from the rates of the file"
   CHECK(air_need_of(x.islands.at(0), 100, 500ms).hops_per_second == 0); // all are next to the sink
 }
 
-TEST_CASE("an interval that is too long for the rates of a file is doubted",
+TEST_CASE("an interval that is too long for the rates of a file has a warning",
           "[config][radio][NRG-02]") {
-  CHECK(doubts_in(line("512ms", "1min")).empty());
-  CHECK(doubts_in(line("128ms", "4s")).empty());
-  const auto text = doubts_in(line("2s", "4s"));
+  CHECK(warnings_in(line("512ms", "1min")).empty());
+  CHECK(warnings_in(line("128ms", "4s")).empty());
+  const auto text = warnings_in(line("2s", "4s"));
   CHECK(text.find("t:16:36: an interval of 2 s is too long for its motes: 0.75 hops of messages "
                   "and vectors per second to motes whose radios sleep take half of it each, and "
                   "0.03 broadcasts per second take a whole one: 82 % of the channel's time") !=
         std::string::npos);
 }
 
-TEST_CASE("a keep_alive that low-power listening does not keep is doubted",
+TEST_CASE("a keep_alive that low-power listening does not keep has a warning",
           "[config][radio][NRG-02]") {
   const std::string head(island_head);
-  CHECK(doubts_in(head + "keep_alive = '31s'\nlow_power_listening = {}\n").empty());
-  CHECK(doubts_in(head + "keep_alive = '30s'\nlow_power_listening = {}\n")
+  CHECK(warnings_in(head + "keep_alive = '31s'\nlow_power_listening = {}\n").empty());
+  CHECK(warnings_in(head + "keep_alive = '30s'\nlow_power_listening = {}\n")
             .find("`keep_alive` is 30 s, but a mote is removed after sixty intervals") !=
         std::string::npos);
 }

@@ -61,16 +61,17 @@ TEST_CASE("an island may have a real sink, and then no air", "[config][GW-17]") 
   CHECK(behind.islands.at(0).exported.forwarder == "127.0.0.1:9003");
 }
 
-TEST_CASE("an export to other computers is doubted unless it says to which", "[config][security]") {
-  const auto doubts = [](const std::string& more) {
+TEST_CASE("an export to other computers has a warning unless it says to which",
+          "[config][security]") {
+  const auto warnings = [](const std::string& more) {
     const auto x = load_text(
         outside_with("serial.forwarder = \"localhost:9002\"\n[island.export]\n" + more), "t");
     REQUIRE(x.ecology);
-    return x.doubts.size();
+    return x.warnings.size();
   };
-  CHECK(doubts("forwarder = \"127.0.0.1:9003\"\n") == 0);
-  CHECK(doubts("forwarder = \"0.0.0.0:9003\"\n") == 1);
-  CHECK(doubts("forwarder = \"0.0.0.0:9003\"\nnetworks = [\"10.0.0.0/8\"]\n") == 0);
+  CHECK(warnings("forwarder = \"127.0.0.1:9003\"\n") == 0);
+  CHECK(warnings("forwarder = \"0.0.0.0:9003\"\n") == 1);
+  CHECK(warnings("forwarder = \"0.0.0.0:9003\"\nnetworks = [\"10.0.0.0/8\"]\n") == 0);
   const auto listed =
       good(outside_with("serial.forwarder = \"localhost:9002\"\n"
                         "export = { forwarder = \"10.0.0.1:9003\", networks = [\"10.0.0.7\"] }\n"));

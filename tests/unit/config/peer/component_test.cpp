@@ -173,7 +173,7 @@ TEST_CASE("each good file of a folder is a component, and the others are left ou
   CHECK(app.components[0].id == peer_id{309});
   CHECK(app.components[1].name == "rules");
   std::vector<std::string> told;
-  for (const auto& each : x.warnings)
+  for (const auto& each : x.skipped)
     told.push_back(to_string(each));
   REQUIRE(told.size() == 4);
   CHECK(told[0].starts_with("host/parts/bad.toml:3:6: `id` must be a PEIS id"));
@@ -187,8 +187,8 @@ TEST_CASE("in virtual time files with commands are left out", "[config][SVC-02]"
                            {{"host/parts/arm.toml", "name = \"arm\"\ncommand = \"a\"\nid = 9\n"}});
   REQUIRE(x.ecology);
   CHECK(init_of(*x.ecology).components.empty());
-  REQUIRE(x.warnings.size() == 1);
-  CHECK(x.warnings[0].message.find("needs mode = \"wall\"") != std::string::npos);
+  REQUIRE(x.skipped.size() == 1);
+  CHECK(x.skipped[0].message.find("needs mode = \"wall\"") != std::string::npos);
 }
 
 TEST_CASE("a folder that is not there is a mistake", "[config][SVC-02]") {

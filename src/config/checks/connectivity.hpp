@@ -12,12 +12,12 @@ namespace rubicon::config {
 /// @returns indices, ascending, of the places that no chain of places with steps of at most
 /// `range_m` connects with `from`
 [[nodiscard]] std::vector<std::size_t>
-out_of_reach(const position& from, const std::vector<position>& places, double range_m);
+disconnected_from(const position& from, const std::vector<position>& places, double range_m);
 
 /// The same, with any of several places.
-[[nodiscard]] std::vector<std::size_t> out_of_reach_of(const std::vector<position>& from,
-                                                       const std::vector<position>& places,
-                                                       double range_m);
+[[nodiscard]] std::vector<std::size_t> disconnected_from_any(const std::vector<position>& from,
+                                                             const std::vector<position>& places,
+                                                             double range_m);
 
 /// How many steps of at most `range_m` lead from the place of index `from` to each; 0 also where
 /// none do. @param range_m > 0

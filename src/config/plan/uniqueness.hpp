@@ -10,18 +10,18 @@
 
 namespace rubicon::config {
 
-/// Remembers who had something, and complains about the one later in the file.
+/// Values that must differ. Of two equal ones that later in the file is a problem.
 template <class T>
-class claims {
+class uniqueness {
 public:
-  /// @param what the thing as it is shown: island name `kitchen`
-  /// @returns whether nobody had it
-  bool claim(T thing, std::string_view what, mark at, complaints& problems,
-             std::string_view how = "is already taken") {
-    const auto [holder, fresh] = holders_.emplace(std::move(thing), at);
-    if (fresh)
+  /// @param what the value as messages have it: island name `kitchen`
+  /// @returns whether it is the first of its kind
+  bool add(T value, std::string_view what, mark at, complaints& problems,
+           std::string_view how = "is already taken") {
+    const auto [found, is_first] = places_.emplace(std::move(value), at);
+    if (is_first)
       return true;
-    auto& first = holder->second;
+    auto& first = found->second;
     problems.add(std::max(first, at), std::string(what) + ' ' + std::string(how) + ' ' +
                                           place_text(std::min(first, at)));
     first = std::min(first, at);
@@ -29,19 +29,19 @@ public:
   }
 
 private:
-  std::map<T, mark> holders_;
+  std::map<T, mark> places_;
 };
 
 /// A name as keys of tuples are compared: without letter case.
 [[nodiscard]] std::string folded(std::string_view name);
 
 /// Names that differ in letter case alone are one: they become parts of tuple keys (TUP-03).
-class name_claims {
+class name_uniqueness {
 public:
-  bool claim(std::string_view name, std::string_view kind, mark at, complaints& problems);
+  bool add(std::string_view name, std::string_view kind, mark at, complaints& problems);
 
 private:
-  claims<std::string> names_;
+  uniqueness<std::string> names_;
 };
 
 } // namespace rubicon::config

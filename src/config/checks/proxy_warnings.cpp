@@ -5,10 +5,10 @@
 #include <set>
 #include <variant>
 
-#include "config/checks/doubts.hpp"
 #include "config/checks/tuple_keys.hpp"
-#include "config/plan/claims.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/plan/counts.hpp"
+#include "config/plan/uniqueness.hpp"
 #include "proxy/classes/layout.hpp"
 
 namespace rubicon::config {
@@ -31,9 +31,9 @@ std::map<std::uint16_t, std::size_t> messages_of(const mote_description& mote) {
   return found;
 }
 
-class proxy_doubter {
+class proxy_warnings {
 public:
-  proxy_doubter(const ecology_description& x, const file_places& seen, doubt_list& out)
+  proxy_warnings(const ecology_description& x, const file_places& seen, warning_list& out)
       : all_(x), seen_(seen), out_(out), classes_(x) {}
 
   void look() {
@@ -48,12 +48,12 @@ public:
   }
 
 private:
-  void doubt(mark at, std::string what) {
-    if (std::ranges::find(out_, what, &config::doubt::second) == out_.end())
+  void warn(mark at, std::string what) {
+    if (std::ranges::find(out_, what, &config::warning::second) == out_.end())
       out_.emplace_back(at, std::move(what));
   }
 
-  /// Members look for a group until somebody has created it in their island.
+  /// Members look for a group until a member has created it in their island.
   void look_at_groups(const island_description& island) {
     std::map<std::string, bool> created;
     for (const auto& mote : island.motes)
@@ -64,11 +64,11 @@ private:
         }
     for (const auto& [group, is_created] : created)
       if (!is_created)
-        doubt({}, "no member of group `" + group + "` in island " + island.name +
-                      " has `creates = true`");
+        warn({}, "no member of group `" + group + "` in island " + island.name +
+                     " has `creates = true`");
   }
 
-  /// nullptr: nobody starts proxies of its motes.
+  /// nullptr: no proxy manager serves its motes.
   [[nodiscard]] const peer_description* manager_of(island_id island) const {
     const auto manages = [island](const peer_app& app) {
       const auto* manager = std::get_if<proxy_manager_app>(&app);
@@ -146,9 +146,9 @@ private:
     sharers.push_back({&island, &mote, what});
     for (const auto& field : what->fields)
       if (field.stream && !is_written(field.stream->number, manager->id))
-        doubt(place_of(*what, field), named(*what, field) + ": no program writes stream " +
-                                          std::to_string(field.stream->number) + " to " +
-                                          manager->name);
+        warn(place_of(*what, field), named(*what, field) + ": no program writes stream " +
+                                         std::to_string(field.stream->number) + " to " +
+                                         manager->name);
     if (may_send_anything(mote))
       return;
     look_at_fields(island, mote, *what);
@@ -160,8 +160,8 @@ private:
                           ? std::to_string(mote.type)
                           : mote.type_name + " (" + std::to_string(mote.type) + ')';
     if (unclaimed_.insert(kind).second) // one mote of a kind will do
-      doubt(place_of(island, mote), "no [[proxy]] claims motes of type " + kind + ", as " +
-                                        island.name + '/' + mote.name + " is one");
+      warn(place_of(island, mote), "no [[proxy]] claims motes of type " + kind + ", as " +
+                                       island.name + '/' + mote.name + " is one");
   }
 
   static std::string named(const proxy::proxy_class& what, const proxy::field& x) {
@@ -178,13 +178,13 @@ private:
       const auto sent = messages.find(field.channel);
       const auto end = field.offset + proxy::octets_of(field.layout);
       if (sent == messages.end())
-        doubt(place_of(what, field), who + ": no program of " + of_kind(island, mote) +
-                                         " sends on channel " + std::to_string(field.channel));
+        warn(place_of(what, field), who + ": no program of " + of_kind(island, mote) +
+                                        " sends on channel " + std::to_string(field.channel));
       else if (field.layout != proxy::encoding::stamp && end > sent->second)
-        doubt(place_of(what, field), who + " ends at octet " + std::to_string(end) +
-                                         ", but messages of " + of_kind(island, mote) +
-                                         " on channel " + std::to_string(field.channel) + " have " +
-                                         std::to_string(sent->second) + " of counts");
+        warn(place_of(what, field), who + " ends at octet " + std::to_string(end) +
+                                        ", but messages of " + of_kind(island, mote) +
+                                        " on channel " + std::to_string(field.channel) + " have " +
+                                        std::to_string(sent->second) + " of counts");
     }
   }
 
@@ -198,9 +198,9 @@ private:
                (listener != nullptr && listener->am_type == input.channel);
       });
       if (!is_heard)
-        doubt(place_of(what, input), "input `" + input.name + "` of [[proxy]] `" + what.name +
-                                         "`: no program of " + of_kind(island, mote) +
-                                         " listens on channel " + std::to_string(input.channel));
+        warn(place_of(what, input), "input `" + input.name + "` of [[proxy]] `" + what.name +
+                                        "`: no program of " + of_kind(island, mote) +
+                                        " listens on channel " + std::to_string(input.channel));
     }
   }
 
@@ -209,10 +209,10 @@ private:
     const auto found = unmanaged_.find(&what);
     if (found == unmanaged_.end() || managed_.contains(&what))
       return;
-    doubt(place_of(what), "no proxy of [[proxy]] `" + what.name +
-                              "` is ever started: no peer has "
-                              "a \"proxy_manager\" for the island of " +
-                              found->second);
+    warn(place_of(what), "no proxy of [[proxy]] `" + what.name +
+                             "` is ever started: no peer has "
+                             "a \"proxy_manager\" for the island of " +
+                             found->second);
   }
 
   /// Proxies whose tuples have the same keys.
@@ -231,12 +231,12 @@ private:
       const auto& [island, mote, what] = sharers[1];
       const auto at = seen_.classes.find(what->name);
       const auto others = sharers.size() - 2;
-      doubt(at == seen_.classes.end() ? mark() : at->second.prefix,
-            "the proxies of " + sharers[0].name() + " and " + sharers[1].name() +
-                (others > 0 ? " and of " + std::to_string(others) + " more" : "") +
-                " have the same key, `" + prefix_of(*what, *island, *mote) +
-                "`: a write to it reaches all of them, and its value may be from any of them; "
-                "`prefix` can contain {island} and {name}");
+      warn(at == seen_.classes.end() ? mark() : at->second.prefix,
+           "the proxies of " + sharers[0].name() + " and " + sharers[1].name() +
+               (others > 0 ? " and of " + std::to_string(others) + " more" : "") +
+               " have the same key, `" + prefix_of(*what, *island, *mote) +
+               "`: a write to it reaches all of them, and its value may be from any of them; "
+               "`prefix` can contain {island} and {name}");
     }
   }
 
@@ -248,9 +248,9 @@ private:
 
   const ecology_description& all_;
   const file_places& seen_;
-  doubt_list& out_;
+  warning_list& out_;
   mote_classes classes_;
-  std::set<std::string> unclaimed_;                          ///< types told of
+  std::set<std::string> unclaimed_;                          ///< types with a warning
   std::map<const proxy::proxy_class*, std::string> managed_; ///< a mote of each
   std::map<const proxy::proxy_class*, std::string> unmanaged_;
   std::map<std::string, std::vector<sharer>> sharers_;
@@ -258,8 +258,8 @@ private:
 
 } // namespace
 
-void doubt_proxies(const ecology_description& x, const file_places& seen, doubt_list& out) {
-  proxy_doubter(x, seen, out).look();
+void warn_of_proxies(const ecology_description& x, const file_places& seen, warning_list& out) {
+  proxy_warnings(x, seen, out).look();
 }
 
 } // namespace rubicon::config

@@ -1,21 +1,21 @@
 #include <algorithm>
 
-#include "config/checks/reach.hpp"
+#include "config/checks/connectivity.hpp"
 #include "core/numbers/math.hpp"
 #include "core/numbers/random.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
-using config::out_of_reach;
+using config::disconnected_from;
 using indices = std::vector<std::size_t>;
 
 TEST_CASE("chains of places lead as far as each step is within range", "[config][GEN-06]") {
-  CHECK(out_of_reach({0, 0, 0}, {}, 10).empty());
-  CHECK(out_of_reach({0, 0, 0}, {{10, 0, 0}, {0, 10, 0}, {0, 0, -10}}, 10).empty());
-  CHECK(out_of_reach({0, 0, 0}, {{20, 0, 0}, {10, 0, 0}}, 10).empty());
-  CHECK(out_of_reach({0, 0, 0}, {{20.1, 0, 0}, {10, 0, 0}}, 10) == indices{0});
-  CHECK(out_of_reach({0, 0, 0}, {{8, 8, 0}, {0, 9, 9}}, 10) == indices{0, 1});
-  CHECK(out_of_reach({0, 0, 0}, {{50, 0, 0}, {0, 0, 0}, {55, 0, 0}}, 10) == indices{0, 2});
+  CHECK(disconnected_from({0, 0, 0}, {}, 10).empty());
+  CHECK(disconnected_from({0, 0, 0}, {{10, 0, 0}, {0, 10, 0}, {0, 0, -10}}, 10).empty());
+  CHECK(disconnected_from({0, 0, 0}, {{20, 0, 0}, {10, 0, 0}}, 10).empty());
+  CHECK(disconnected_from({0, 0, 0}, {{20.1, 0, 0}, {10, 0, 0}}, 10) == indices{0});
+  CHECK(disconnected_from({0, 0, 0}, {{8, 8, 0}, {0, 9, 9}}, 10) == indices{0, 1});
+  CHECK(disconnected_from({0, 0, 0}, {{50, 0, 0}, {0, 0, 0}, {55, 0, 0}}, 10) == indices{0, 2});
 }
 
 TEST_CASE("which places are out of reach does not depend on the grid they are looked up in",
@@ -46,6 +46,6 @@ TEST_CASE("which places are out of reach does not depend on the grid they are lo
       if (!reached[i])
         expected.push_back(i);
     }
-    CHECK(out_of_reach(from, places, range) == expected);
+    CHECK(disconnected_from(from, places, range) == expected);
   }
 }

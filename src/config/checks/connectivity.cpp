@@ -1,4 +1,4 @@
-#include "config/checks/reach.hpp"
+#include "config/checks/connectivity.hpp"
 
 #include <algorithm>
 #include <array>
@@ -63,13 +63,14 @@ private:
 
 } // namespace
 
-std::vector<std::size_t> out_of_reach(const position& from, const std::vector<position>& places,
-                                      double range_m) {
-  return out_of_reach_of({from}, places, range_m);
+std::vector<std::size_t> disconnected_from(const position& from,
+                                           const std::vector<position>& places, double range_m) {
+  return disconnected_from_any({from}, places, range_m);
 }
 
-std::vector<std::size_t> out_of_reach_of(const std::vector<position>& from,
-                                         const std::vector<position>& places, double range_m) {
+std::vector<std::size_t> disconnected_from_any(const std::vector<position>& from,
+                                               const std::vector<position>& places,
+                                               double range_m) {
   waiting_places waiting(places, range_m);
   std::vector<std::size_t> reached;
   for (const auto& each : from)

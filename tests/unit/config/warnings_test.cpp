@@ -1,7 +1,7 @@
 #include <string>
 
-#include "config/checks/doubts.hpp"
 #include "config/checks/tuple_keys.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/checks/window_room.hpp"
 #include "config/listing.hpp"
 #include "support/catch.hpp"
@@ -28,31 +28,31 @@ std::string home_with(const std::string& field, const std::string& app = "") {
 }
 
 /// All of a file that has no problems, with what it names.
-std::vector<problem> placed_doubts_of(const std::string& toml, const file_reader& files = {}) {
+std::vector<problem> placed_warnings_of(const std::string& toml, const file_reader& files = {}) {
   const auto x = load_text(toml, "t.toml", {}, files);
   for (const auto& each : x.problems)
     FAIL_CHECK(to_string(each));
-  return doubts_of(x, "t.toml");
+  return warnings_of(x, "t.toml");
 }
 
-std::vector<std::string> doubts_of(const std::string& toml) {
+std::vector<std::string> warnings_of(const std::string& toml) {
   std::vector<std::string> out;
-  for (const auto& each : placed_doubts_of(toml))
+  for (const auto& each : placed_warnings_of(toml))
     out.push_back(each.message);
   return out;
 }
 
-/// One of `doubts_of`, or all of them in one text.
-std::string doubt_of(const std::string& toml) {
+/// One of `warnings_of`, or all of them in one text.
+std::string warning_of(const std::string& toml) {
   std::string out;
-  for (const auto& each : placed_doubts_of(toml))
+  for (const auto& each : placed_warnings_of(toml))
     out += (out.empty() ? "" : "\n") + to_string(each);
   return out;
 }
 
 /// What is to be said of an island of `motes` around their sink, with what follows its name.
-std::vector<problem> doubts_of_island(int motes, const std::string& island,
-                                      const std::string& every = "30s") {
+std::vector<problem> warnings_of_island(int motes, const std::string& island,
+                                        const std::string& every = "30s") {
   std::string toml = "[ecology]\nname = 't'\n[radio.propagation]\nmodel = 'log_distance'\n"
                      "[mote_type.c]\ntype = 7\n"
                      "transducers.temperature = { model = 'constant', value = 20 }\n"
@@ -63,19 +63,19 @@ std::vector<problem> doubts_of_island(int motes, const std::string& island,
   const auto x = load_text(toml, "t.toml");
   for (const auto& each : x.problems)
     FAIL_CHECK(to_string(each));
-  return x.doubts;
+  return x.warnings;
 }
 
 } // namespace
 
 TEST_CASE("a mote may be silent for three periods of the windows", "[config][DIS-06][NRG-01]") {
-  const auto doubts = doubts_of_island(
+  const auto warnings = warnings_of_island(
       2, "keep_alive = '29s'\nduty_cycle = { period = '10s', window = '100ms' }\n");
-  REQUIRE(doubts.size() == 1);
-  CHECK(to_string(doubts[0]) ==
+  REQUIRE(warnings.size() == 1);
+  CHECK(to_string(warnings[0]) ==
         "t.toml:12:14: `keep_alive` is 29 s, but motes whose radios sleep are received once in a "
         "period of 10 s: they are removed after three of these, 30 s");
-  const auto count = [](const std::string& island) { return doubts_of_island(2, island).size(); };
+  const auto count = [](const std::string& island) { return warnings_of_island(2, island).size(); };
   CHECK(count("keep_alive = '30s'\nduty_cycle = { period = '10s', window = '100ms' }\n") == 0);
   CHECK(count("duty_cycle = { period = '10s', window = '100ms' }\n") == 1); // 10 s by default
   CHECK(count("duty_cycle = { period = '9s', window = '100ms' }\n") == 0);
@@ -84,9 +84,9 @@ TEST_CASE("a mote may be silent for three periods of the windows", "[config][DIS
 
 TEST_CASE("windows have room for those who share them", "[config][NRG-01]") {
   const auto said = [](int motes, const std::string& window, const std::string& every = "30s") {
-    const auto doubts = doubts_of_island(
+    const auto warnings = warnings_of_island(
         motes, "duty_cycle = { period = '2s', window = '" + window + "' }\n", every);
-    return doubts.empty() ? std::string() : to_string(doubts.at(0));
+    return warnings.empty() ? std::string() : to_string(warnings.at(0));
   };
   CHECK(said(50, "100ms") == "t.toml:12:40: a window of 100 ms has room for 15 beacons, but 51 "
                              "motes in range of each other share it: after a restart of the sink "
@@ -105,13 +105,13 @@ TEST_CASE("windows have room for those who share them", "[config][NRG-01]") {
 }
 
 TEST_CASE("the radio of a sink carries so many messages a second", "[config]") {
-  const auto doubts = doubts_of_island(254, "", "2s");
-  REQUIRE(doubts.size() == 1);
-  CHECK(to_string(doubts[0]) ==
+  const auto warnings = warnings_of_island(254, "", "2s");
+  REQUIRE(warnings.size() == 1);
+  CHECK(to_string(warnings[0]) ==
         "t.toml:11:6: its motes send 127 messages per second, but the radio of a sink carries "
         "about 85: many are lost, and motes are considered lost; periods 2 times as long would do");
-  CHECK(doubts_of_island(170, "", "2s").empty());
-  CHECK(doubts_of_island(171, "", "2s").size() == 1);
+  CHECK(warnings_of_island(170, "", "2s").empty());
+  CHECK(warnings_of_island(171, "", "2s").size() == 1);
 }
 
 TEST_CASE("only those who hear each other share a window", "[config][NRG-01]") {
@@ -120,7 +120,7 @@ TEST_CASE("only those who hear each other share a window", "[config][NRG-01]") {
   for (int i = 1; i <= 60; ++i) // a line, in which each hears one to either side
     toml += "[[island.mote]]\nid = " + std::to_string(i + 1) + "\ntype = 7\nposition_m = [" +
             std::to_string(25 * i) + ", 0]\n";
-  CHECK(load_text(toml, "t.toml").doubts.empty());
+  CHECK(load_text(toml, "t.toml").warnings.empty());
 }
 
 TEST_CASE("a window carries less over many hops, and less with loss", "[config][NRG-01]") {
@@ -153,7 +153,7 @@ TEST_CASE("streams to elsewhere and answers take a part of each window", "[confi
     const auto x = load_text(toml, "t.toml");
     for (const auto& each : x.problems)
       FAIL_CHECK(to_string(each));
-    return x.doubts.empty() ? std::string() : to_string(x.doubts.at(0));
+    return x.warnings.empty() ? std::string() : to_string(x.warnings.at(0));
   };
   const std::string sampler = "{ app = 'sampler', transducers = ['temperature'], every = '60s'";
   const std::string stream = "{ app = 'stream_writer', transducer = 'temperature', stream = 1, "
@@ -174,55 +174,55 @@ TEST_CASE("patterns of keys match without letter case", "[config]") {
   CHECK_FALSE(may_be("a.b.c", "a.b"));
 }
 
-TEST_CASE("a good file leaves nothing to doubt", "[config]") {
-  CHECK(
-      doubts_of(home_with("channel = 1\n",
-                          ", { app = 'collector', keys = ['k.*.temperature', 'devices.*.type'] }"))
-          .empty());
+TEST_CASE("a good file has no warnings", "[config]") {
+  CHECK(warnings_of(
+            home_with("channel = 1\n",
+                      ", { app = 'collector', keys = ['k.*.temperature', 'devices.*.type'] }"))
+            .empty());
 }
 
 TEST_CASE("what reads or writes a tuple that no component publishes cannot work", "[config]") {
-  CHECK(doubts_of(
+  CHECK(warnings_of(
             home_with("channel = 1\n", ", { app = 'collector', keys = ['k.c-2.temprature'] }")) ==
         std::vector<std::string>{"the collector of pc reads `k.c-2.temprature`, a tuple that no "
                                  "component publishes: did you mean `k.c-2.temperature`?"});
-  const auto rule = doubts_of(home_with("channel = 1\n",
-                                        ", { app = 'rules', rules = [{ when = 'k.c-2.temperature', "
-                                        "above = 1, write = 'k.lamp.switch', then = 'on' }] }"));
+  const auto rule = warnings_of(
+      home_with("channel = 1\n", ", { app = 'rules', rules = [{ when = 'k.c-2.temperature', "
+                                 "above = 1, write = 'k.lamp.switch', then = 'on' }] }"));
   REQUIRE(rule.size() == 1);
   CHECK(rule[0].starts_with(
       "a rule of pc writes `k.lamp.switch`, a tuple that no component publishes"));
-  CHECK(doubts_of(home_with("channel = 1\n",
-                            ", { app = 'translate', rules = [{ from = 'x.y', "
-                            "to = 'x.z' }] }, { app = 'collector', keys = ['x.z'] }"))
+  CHECK(warnings_of(home_with("channel = 1\n",
+                              ", { app = 'translate', rules = [{ from = 'x.y', "
+                              "to = 'x.z' }] }, { app = 'collector', keys = ['x.z'] }"))
             .size() == 1);
 }
 
 TEST_CASE("a peer of another process may have any tuple", "[config]") {
   auto toml = home_with("channel = 1\n", ", { app = 'collector', keys = ['x.y'] }");
-  CHECK(doubts_of(toml).size() == 1);
+  CHECK(warnings_of(toml).size() == 1);
   toml.insert(toml.find("name = 't'"), "mode = 'wall'\n");
   toml.insert(toml.find("id = 30"), "tcp = true\n");
-  CHECK(doubts_of(toml).empty());
+  CHECK(warnings_of(toml).empty());
 }
 
 TEST_CASE("a field needs a program that sends it, and enough octets", "[config]") {
-  CHECK(doubts_of(home_with("channel = 3\n")) ==
+  CHECK(warnings_of(home_with("channel = 3\n")) ==
         std::vector<std::string>{"field `temperature` of [[proxy]] `p`: no program of motes of "
                                  "type c sends on channel 3"});
-  CHECK(doubts_of(home_with("channel = 1\noffset = 1\n")) ==
+  CHECK(warnings_of(home_with("channel = 1\noffset = 1\n")) ==
         std::vector<std::string>{"field `temperature` of [[proxy]] `p` ends at octet 3, but "
                                  "messages of motes of type c on channel 1 have 2 of counts"});
   const auto input =
-      doubts_of(home_with("channel = 1\n[[proxy.input]]\nname = 'switch'\nchannel = 2\n"
-                          "words = { on = '01' }\n"));
+      warnings_of(home_with("channel = 1\n[[proxy.input]]\nname = 'switch'\nchannel = 2\n"
+                            "words = { on = '01' }\n"));
   CHECK(input == std::vector<std::string>{"input `switch` of [[proxy]] `p`: no program of motes "
                                           "of type c listens on channel 2"});
 }
 
 TEST_CASE("messages need a program that takes their AM type", "[config][AM-01]") {
   const auto with = [](const std::string& program) {
-    return doubts_of(
+    return warnings_of(
         home_with("channel = 1\n") +
         "[[island]]\nname = 'far'\nid = 2\n[[island.mote]]\nid = 5\nname = 'to'\n"
         "type = 'c'\nposition_m = [1, 2]\napps = [" +
@@ -242,7 +242,7 @@ TEST_CASE("a type that nobody claims is told of once", "[config]") {
   auto toml = home_with("channel = 1\n");
   toml.replace(toml.find("types = [7]"), 11, "types = [8]");
   toml.insert(toml.find("[[peer]]"), "[[island.mote]]\nid = 3\ntype = 'c'\nposition_m = [1, 2]\n");
-  const auto found = doubts_of(toml);
+  const auto found = warnings_of(toml);
   REQUIRE(found.size() == 1);
   CHECK(found[0] == "no [[proxy]] claims motes of type c (7), as k/c-2 is one");
 }
@@ -313,7 +313,7 @@ std::string wanted(const std::string& condition) {
 
 TEST_CASE("a rule writes what somebody takes", "[config][PXY-12]") {
   const auto told = [](const std::string& key, const std::string& word) {
-    const auto found = doubts_of(flat(rule("at = '08:00'", key, word)));
+    const auto found = warnings_of(flat(rule("at = '08:00'", key, word)));
     return found.empty() ? std::string() : found.size() > 1 ? "several" : found[0];
   };
   CHECK(told("k.lamp-2.switch", "on").empty());
@@ -340,7 +340,7 @@ TEST_CASE("a rule writes what somebody takes", "[config][PXY-12]") {
 
 TEST_CASE("what a rule waits for is what its tuple may tell", "[config]") {
   const auto told = [](const std::string& condition) {
-    const auto found = doubts_of(flat(rule(condition)));
+    const auto found = warnings_of(flat(rule(condition)));
     return found.empty() ? std::string() : found.size() > 1 ? "several" : found[0];
   };
   for (const auto* good :
@@ -389,11 +389,12 @@ TEST_CASE("what a rule waits for is what its tuple may tell", "[config]") {
   }
 }
 
-TEST_CASE("a rule that never ends is doubted if it has something to write then", "[config]") {
+TEST_CASE("a rule that never ends has a warning if it has something to write then", "[config]") {
   const auto ends = [](const std::string& otherwise) {
-    return doubts_of(flat("{ when = 'k.lamp-2.temperature', above = 15, write = 'k.lamp-2.switch', "
-                          "then = 'on'" +
-                          otherwise + " }"));
+    return warnings_of(
+        flat("{ when = 'k.lamp-2.temperature', above = 15, write = 'k.lamp-2.switch', "
+             "then = 'on'" +
+             otherwise + " }"));
   };
   CHECK(ends("").empty());
   REQUIRE(ends(", otherwise = 'off'").size() == 1);
@@ -402,63 +403,64 @@ TEST_CASE("a rule that never ends is doubted if it has something to write then",
 }
 
 TEST_CASE("what is expected may come", "[config]") {
-  CHECK(doubts_of(flat("", wanted("key = 'k.lamp-2.state', equals = ['on']"))).empty());
-  CHECK(doubt_of(flat("", wanted("key = 'k.lamp-2.state', equals = ['on', 'an']"))) ==
+  CHECK(warnings_of(flat("", wanted("key = 'k.lamp-2.state', equals = ['on']"))).empty());
+  CHECK(warning_of(flat("", wanted("key = 'k.lamp-2.state', equals = ['on', 'an']"))) ==
         "t.toml:1:69: an expectation waits until `k.lamp-2.state` is `an`, but its values are "
         "\"off\" or \"on\": did you mean `on`?");
-  CHECK(
-      doubts_of(flat("", wanted("key = 'k.lamp-2.temperature', above = 20, below = 21"))).empty());
-  CHECK(doubts_of(flat("", wanted("key = 'k.lamp-2.temperature', above = 26"))).size() == 1);
-  CHECK(doubts_of(flat("", wanted("key = 'k.lamp-2.temperature', below = 15"))).size() == 1);
-  CHECK(doubts_of(flat("", wanted("key = 'k.lamp-2.state', equals = ['on'], when = { key = "
-                                  "'k.lamp-2.switch', equals = ['an'] }")))
+  CHECK(warnings_of(flat("", wanted("key = 'k.lamp-2.temperature', above = 20, below = 21")))
+            .empty());
+  CHECK(warnings_of(flat("", wanted("key = 'k.lamp-2.temperature', above = 26"))).size() == 1);
+  CHECK(warnings_of(flat("", wanted("key = 'k.lamp-2.temperature', below = 15"))).size() == 1);
+  CHECK(warnings_of(flat("", wanted("key = 'k.lamp-2.state', equals = ['on'], when = { key = "
+                                    "'k.lamp-2.switch', equals = ['an'] }")))
             .size() == 1);
 }
 
 TEST_CASE("a tuple that changes as the file says may tell anything", "[config]") {
   const auto warm = flat(rule("when = 'k.lamp-2.temperature', above = 30"));
-  CHECK(doubts_of(warm).size() == 1);
-  CHECK(doubts_of(warm + "[[change]]\nat = '1min'\nkind = 'proxy_class'\nclass = 'lamp'\n"
-                         "field = 'temperature'\nscale = 1\n")
+  CHECK(warnings_of(warm).size() == 1);
+  CHECK(warnings_of(warm + "[[change]]\nat = '1min'\nkind = 'proxy_class'\nclass = 'lamp'\n"
+                           "field = 'temperature'\nscale = 1\n")
             .empty());
 }
 
 TEST_CASE("states wait for what the tuples of their inputs may tell", "[config]") {
   auto toml = flat("");
   const auto at = toml.find("sets = {");
-  CHECK(doubts_of(std::string(toml).insert(at, "input = 'lamp', equals = ['on'], ")).empty());
-  CHECK(doubts_of(std::string(toml).insert(at, "input = 'lamp', equals = ['lit'], ")) ==
+  CHECK(warnings_of(std::string(toml).insert(at, "input = 'lamp', equals = ['on'], ")).empty());
+  CHECK(warnings_of(std::string(toml).insert(at, "input = 'lamp', equals = ['lit'], ")) ==
         std::vector<std::string>{"a state of robot waits until `k.lamp-2.state` is `lit`, but its "
                                  "values are \"off\" or \"on\""});
   toml.replace(toml.find("pc:k.lamp-2.state"), 17, "pc:k.lamp-2.stat");
-  CHECK(doubts_of(toml).at(0).starts_with(
+  CHECK(warnings_of(toml).at(0).starts_with(
       "an input of robot reads `k.lamp-2.stat`, a tuple that no component publishes"));
 }
 
-TEST_CASE("two proxies with one key are doubted, with both motes", "[config][PXY-15]") {
+TEST_CASE("two proxies with one key have a warning, with both motes", "[config][PXY-15]") {
   auto toml = flat("");
   toml.insert(toml.find("[[proxy]]"), "[[island]]\nname = 'l'\nid = 2\nmote = [{ id = 2, type = "
                                       "'lamp', position_m = [1, 0] }]\n");
-  CHECK(doubts_of(toml).empty());
+  CHECK(warnings_of(toml).empty());
   toml.insert(toml.find("properties ="), "prefix = '{name}'\n");
   toml.replace(toml.find("pc:k.lamp-2.state"), 17, "pc:lamp-2.state");
-  CHECK(doubt_of(toml) == "t.toml:23:10: the proxies of k/lamp-2 and l/lamp-2 have the same key, "
-                          "`lamp-2`: a write to it reaches all of them, and its value may be from "
-                          "any of them; `prefix` can contain {island} and {name}");
+  CHECK(warning_of(toml) ==
+        "t.toml:23:10: the proxies of k/lamp-2 and l/lamp-2 have the same key, "
+        "`lamp-2`: a write to it reaches all of them, and its value may be from "
+        "any of them; `prefix` can contain {island} and {name}");
 }
 
-TEST_CASE("a class whose motes have no manager is doubted", "[config][PXY-09]") {
+TEST_CASE("a class whose motes have no manager has a warning", "[config][PXY-09]") {
   auto toml = flat("");
   toml.replace(toml.find("{ app = 'proxy_manager' }"), 25, "");
   toml.replace(toml.find(", from = 'pc:k.lamp-2.state'"), 28, "");
   CHECK(
-      doubt_of(toml) ==
+      warning_of(toml) ==
       "t.toml:17:8: no proxy of [[proxy]] `lamp` is ever started: no peer has a \"proxy_manager\" "
       "for the island of k/lamp-2");
 }
 
-TEST_CASE("doubts of proxies and tuples have their places", "[config][GEN-06]") {
-  const auto found = placed_doubts_of(home_with(
+TEST_CASE("warnings of proxies and tuples have their places", "[config][GEN-06]") {
+  const auto found = placed_warnings_of(home_with(
       "channel = 3\n[[proxy.input]]\nname = 'switch'\nchannel = 2\nwords = { on = '01' }\n",
       ", { app = 'collector', keys = ['x.y', 'k.c-2.temprature'] }"));
   REQUIRE(found.size() == 4);
@@ -484,24 +486,24 @@ std::string row_of(const std::string& radio, const std::vector<int>& places_m,
 
 } // namespace
 
-TEST_CASE("a mote that nobody can hear is doubted", "[config][NET-15]") {
+TEST_CASE("a mote that nobody can hear has a warning", "[config][NET-15]") {
   const std::string law = "propagation = { model = 'log_distance', exponent = 3.3 }";
-  CHECK(doubt_of(row_of(law, {5, 600})) ==
+  CHECK(warning_of(row_of(law, {5, 600})) ==
         "t.toml:15:14: mote `mote-3` cannot join: of all radios with a route to the sink it is "
         "received best by `mote-2`, 595 m away, where its frames arrive with -132 dBm at most, and "
         "-95 are needed");
-  CHECK(doubts_of(row_of(law, {40, 80, 120})).empty()); // over each other
-  CHECK(doubts_of(row_of(law, {40, 120})).size() == 1);
-  CHECK(doubts_of(row_of(law, {40, 120, 160})).size() == 2);
+  CHECK(warnings_of(row_of(law, {40, 80, 120})).empty()); // over each other
+  CHECK(warnings_of(row_of(law, {40, 120})).size() == 1);
+  CHECK(warnings_of(row_of(law, {40, 120, 160})).size() == 2);
   // Drawn for each link: at best 3 deviations.
-  CHECK(doubts_of(
+  CHECK(warnings_of(
             row_of("propagation = { model = 'log_distance', exponent = 3.3, shadowing = '4dB' }",
                    {70}))
             .empty());
-  CHECK(doubts_of(row_of(law, {70})).size() == 1);
-  CHECK(doubts_of(row_of("propagation = { model = 'friis' }", {150})).empty());
-  CHECK(doubts_of(row_of("propagation = { model = 'friis' }", {5000})).size() == 1);
-  CHECK(doubts_of(row_of("range = '30m'", {25, 50})).empty());
+  CHECK(warnings_of(row_of(law, {70})).size() == 1);
+  CHECK(warnings_of(row_of("propagation = { model = 'friis' }", {150})).empty());
+  CHECK(warnings_of(row_of("propagation = { model = 'friis' }", {5000})).size() == 1);
+  CHECK(warnings_of(row_of("range = '30m'", {25, 50})).empty());
 }
 
 TEST_CASE("links that are given make up for distance, and take it", "[config][NET-15]") {
@@ -512,19 +514,19 @@ TEST_CASE("links that are given make up for distance, and take it", "[config][NE
   const auto both = [&](const std::string& what) {
     return link("k/sink", "k/mote-2", what) + link("k/mote-2", "k/sink", what);
   };
-  CHECK(doubts_of(row_of(law + both("gain = '-60dB'"), {600})).empty());
-  CHECK(doubts_of(row_of(law + link("k/sink", "k/mote-2", "gain = '-60dB'"), {600})).size() == 1);
-  CHECK(doubts_of(row_of(law + both("loss = 1"), {5})).size() == 1);
-  CHECK(doubts_of(row_of(law + both("loss = 0.9"), {5})).empty());
+  CHECK(warnings_of(row_of(law + both("gain = '-60dB'"), {600})).empty());
+  CHECK(warnings_of(row_of(law + link("k/sink", "k/mote-2", "gain = '-60dB'"), {600})).size() == 1);
+  CHECK(warnings_of(row_of(law + both("loss = 1"), {5})).size() == 1);
+  CHECK(warnings_of(row_of(law + both("loss = 0.9"), {5})).empty());
 }
 
-TEST_CASE("a mote whose links in a topology are weak is doubted", "[config][NET-15]") {
+TEST_CASE("a mote whose links in a topology are weak has a warning", "[config][NET-15]") {
   const auto found = [](const std::string& links) {
     const auto files = [&links](const std::string&, std::size_t) { return file_text{links, {}}; };
-    return placed_doubts_of("[ecology]\nname = 't'\n[radio]\npropagation = { model = 'gains', "
-                            "topology = 'l.txt' }\n[[island]]\nname = 'k'\nid = 1\nsink.id = 1\n"
-                            "mote = [{ id = 2, type = 7 }, { id = 3, type = 7 }]\n",
-                            files)
+    return placed_warnings_of("[ecology]\nname = 't'\n[radio]\npropagation = { model = 'gains', "
+                              "topology = 'l.txt' }\n[[island]]\nname = 'k'\nid = 1\nsink.id = 1\n"
+                              "mote = [{ id = 2, type = 7 }, { id = 3, type = 7 }]\n",
+                              files)
         .size();
   };
   CHECK(found("0 1 -60\n1 0 -60\n1 2 -60\n2 1 -60\n") == 0);
@@ -535,17 +537,17 @@ TEST_CASE("a mote whose links in a topology are weak is doubted", "[config][NET-
 TEST_CASE("a mote whose walk comes near may join", "[config][NET-15]") {
   const std::string law = "propagation = { model = 'log_distance', exponent = 3.3 }";
   const auto walk = [&](const std::string& to) {
-    return doubts_of(row_of(law, {5}) + "[[island.mote]]\nid = 3\ntype = 7\n" +
-                     "path = [['0s', [600, 0]], ['10min', " + to + "]]\n");
+    return warnings_of(row_of(law, {5}) + "[[island.mote]]\nid = 3\ntype = 7\n" +
+                       "path = [['0s', [600, 0]], ['10min', " + to + "]]\n");
   };
   CHECK(walk("[-600, 0]").empty()); // past the sink
   CHECK(walk("[600, 600]").size() == 1);
 }
 
-TEST_CASE("a walk that is faster than its step is doubted", "[config]") {
+TEST_CASE("a walk that is faster than its step has a warning", "[config]") {
   const auto told = [](const std::string& path, const std::string& step = "") {
-    return doubt_of(row_of("range = '30m'", {}) +
-                    "[[island.mote]]\nid = 2\ntype = 7\npath = " + path + "\n" + step);
+    return warning_of(row_of("range = '30m'", {}) +
+                      "[[island.mote]]\nid = 2\ntype = 7\npath = " + path + "\n" + step);
   };
   CHECK(told("[['0s', [0, 0]], ['10s', [30, 0]]]").empty()); // 3 m/s
   CHECK(told("[['0s', [0, 0]], ['10s', [31, 0]]]") ==
@@ -559,9 +561,9 @@ TEST_CASE("a walk that is faster than its step is doubted", "[config]") {
 namespace {
 
 /// What is said of a trace of an hour of a run.
-std::string doubt_of_trace(const std::string& text, const std::string& keys = "") {
+std::string warning_of_trace(const std::string& text, const std::string& keys = "") {
   const auto files = [&text](const std::string&, std::size_t) { return file_text{text, {}}; };
-  const auto found = placed_doubts_of(
+  const auto found = placed_warnings_of(
       "[ecology]\nname = 't'\nduration = '1h'\n[[island]]\nname = 'k'\nid = 1\n[[island.mote]]\n"
       "id = 2\ntype = 7\nposition_m = [1, 2]\ntransducers.temperature = { model = 'trace', file = "
       "'t.csv'" +
@@ -575,37 +577,37 @@ const std::string hour = "time,temperature\n2016-03-01 00:00:00,20\n2016-03-01 0
 
 } // namespace
 
-TEST_CASE("a trace beside the run is doubted", "[config][STR-21]") {
-  CHECK(doubt_of_trace(hour).empty());
-  CHECK(doubt_of_trace(hour, ", start = '2026-03-01 00:00:00'") ==
+TEST_CASE("a trace beside the run has a warning", "[config][STR-21]") {
+  CHECK(warning_of_trace(hour).empty());
+  CHECK(warning_of_trace(hour, ", start = '2026-03-01 00:00:00'") ==
         "t.toml:11:53: the trace \"t.csv\": none of its 4 readings is within the run: they are "
         "from 2016-03-01 00:00:00 to 2016-03-01 01:00:00, the run is from 2026-03-01 00:00:00 to "
         "2026-03-01 01:00:00; `start` sets the time of the trace at which that begins");
-  CHECK(doubt_of_trace(hour, ", start = '2016-02-01 00:00:00'").find("none of its 4 readings") !=
+  CHECK(warning_of_trace(hour, ", start = '2016-02-01 00:00:00'").find("none of its 4 readings") !=
         std::string::npos);
-  CHECK(doubt_of_trace(hour + "2000-01-01 00:00:00,18.5\n")
+  CHECK(warning_of_trace(hour + "2000-01-01 00:00:00,18.5\n")
             .find("only one of its 5 readings is within the run: they are from 2000-01-01") !=
         std::string::npos);
-  CHECK(doubt_of_trace("time,temperature\n0,20\n").empty()); // it is meant so
-  CHECK(doubt_of_trace("time,temperature\n7200,20\n").find("they are from 2 h to 2 h") !=
+  CHECK(warning_of_trace("time,temperature\n0,20\n").empty()); // it is meant so
+  CHECK(warning_of_trace("time,temperature\n7200,20\n").find("they are from 2 h to 2 h") !=
         std::string::npos);
-  CHECK(doubt_of_trace("time,temperature\n1456790400,20\n1456792200,22\n").empty());
+  CHECK(warning_of_trace("time,temperature\n1456790400,20\n1456792200,22\n").empty());
 }
 
-TEST_CASE("a trace of a small part of the run is doubted", "[config][STR-21]") {
+TEST_CASE("a trace of a small part of the run has a warning", "[config][STR-21]") {
   const std::string minutes = "time,temperature\n0,20\n300,22\n600,23\n";
-  CHECK(doubt_of_trace(minutes).find("cover 15 min of a run of 1 h: the last one, of 10 min, "
-                                     "applies until the end; `repeat = true` begins again") !=
+  CHECK(warning_of_trace(minutes).find("cover 15 min of a run of 1 h: the last one, of 10 min, "
+                                       "applies until the end; `repeat = true` begins again") !=
         std::string::npos);
-  CHECK(doubt_of_trace(minutes, ", repeat = true").empty());
-  CHECK(doubt_of_trace("time,temperature\n0,20\n900,22\n1800,23\n").empty());
-  CHECK(doubt_of_trace("time,temperature\n2400,20\n3000,22\n4000,22\n")
+  CHECK(warning_of_trace(minutes, ", repeat = true").empty());
+  CHECK(warning_of_trace("time,temperature\n0,20\n900,22\n1800,23\n").empty());
+  CHECK(warning_of_trace("time,temperature\n2400,20\n3000,22\n4000,22\n")
             .find("cover 20 min of a run of 1 h: the first one, of 40 min, applies before") !=
         std::string::npos);
 }
 
-TEST_CASE("a trace with more lines skipped than read is doubted", "[config][STR-21]") {
+TEST_CASE("a trace with more lines skipped than read has a warning", "[config][STR-21]") {
   const std::string text = "time,temperature\n0,20\n1800,21\n2000,NA\n2001,\n";
-  CHECK(doubt_of_trace(text).empty());
-  CHECK(doubt_of_trace(text + "2002,\n").find("of its lines 3 are skipped") != std::string::npos);
+  CHECK(warning_of_trace(text).empty());
+  CHECK(warning_of_trace(text + "2002,\n").find("of its lines 3 are skipped") != std::string::npos);
 }

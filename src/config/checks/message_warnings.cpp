@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <variant>
 
-#include "config/checks/doubts.hpp"
+#include "config/checks/warnings.hpp"
 
 namespace rubicon::config {
 
@@ -21,7 +21,7 @@ bool may_take(const mote_description& mote, std::uint8_t am_type) {
 
 } // namespace
 
-void doubt_messages(const ecology_description& x, const file_places& seen, doubt_list& out) {
+void warn_of_messages(const ecology_description& x, const file_places& seen, warning_list& out) {
   const auto look_at = [&](const island_description& from, const mote_description& sender,
                            const messenger_app& messages) {
     for (const auto& island : x.islands) {

@@ -3,9 +3,9 @@
 #include <string>
 #include <variant>
 
-#include "config/checks/doubts.hpp"
 #include "config/checks/tuple_keys.hpp"
 #include "config/checks/tuple_values.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/toml/document.hpp"
 #include "core/text/spelling.hpp"
 
@@ -13,12 +13,12 @@ namespace rubicon::config {
 
 namespace {
 
-/// Kernels and inits tell of themselves.
+/// Kernels and inits publish tuples about themselves.
 bool is_of_kernel(std::string_view key) {
   for (const auto* first : {"kernel", "peis", "components", "name", "rubicon"})
     if (may_be(std::string(first) + ".**", key) || may_be(first, key))
       return true;
-  return key.starts_with('*'); // of whatever kernels tell, too
+  return key.starts_with('*'); // may be a tuple of any kernel
 }
 
 bool strangers_may_come(const ecology_description& all) {
@@ -32,9 +32,9 @@ bool strangers_may_come(const ecology_description& all) {
   });
 }
 
-class tuple_doubter {
+class tuple_warnings {
 public:
-  tuple_doubter(const ecology_description& x, doubt_list& out)
+  tuple_warnings(const ecology_description& x, warning_list& out)
       : keys_(tuple_keys(x)), values_(x), out_(out) {
     for (const auto& each : keys_)
       if (each.pattern.find('*') == std::string::npos)
@@ -52,24 +52,26 @@ public:
   void look_at(const tuple_write& x) {
     const auto found = values_.of(x.key);
     if (found.empty() ||
-        std::ranges::any_of(found, [](const auto& each) { return each.taken.anything; }))
+        std::ranges::any_of(found, [](const auto& each) { return each.accepted.anything; }))
       return;
     for (const auto& [word, at] : x.words)
-      if (std::ranges::none_of(found, [&](const auto& each) { return each.taken.takes(word); }))
+      if (std::ranges::none_of(found,
+                               [&](const auto& each) { return each.accepted.accepts(word); }))
         out_.emplace_back(at, x.who + " writes `" + word + "` to `" + x.key + '`' +
-                                  found.front().taken.instead_of(word));
+                                  found.front().accepted.instead_of(word));
   }
 
   void look_at(const tuple_test& x) {
     const auto found = values_.of(x.key);
     if (found.empty() ||
-        std::ranges::any_of(found, [](const auto& each) { return each.told.anything; }))
+        std::ranges::any_of(found, [](const auto& each) { return each.published.anything; }))
       return;
     for (const auto& [text, at] : x.equals)
-      if (std::ranges::none_of(found, [&](const auto& each) { return each.told.may_be(text); }))
+      if (std::ranges::none_of(found,
+                               [&](const auto& each) { return each.published.may_be(text); }))
         out_.emplace_back(at, x.who + " waits until `" + x.key + "` is `" + text +
-                                  "`, but its values are " + found.front().told.text() +
-                                  meant(text, found.front().told.words));
+                                  "`, but its values are " + found.front().published.text() +
+                                  meant(text, found.front().published.words));
     look_at_bounds(x, found);
   }
 
@@ -82,14 +84,14 @@ private:
   void look_at_bounds(const tuple_test& x, const std::vector<tuple_value>& found) {
     std::optional<std::pair<double, double>> range;
     for (const auto& each : found)
-      if (const auto numbers = each.told.numbers())
+      if (const auto numbers = each.published.numbers())
         range = range ? std::pair(std::min(range->first, numbers->first),
                                   std::max(range->second, numbers->second))
                       : *numbers;
     const auto& bound = x.above ? x.above : x.below;
     if (!bound)
       return;
-    const auto but = ", but its values are " + found.front().told.text();
+    const auto but = ", but its values are " + found.front().published.text();
     if (!range) {
       out_.emplace_back(bound->at, x.who + " compares `" + x.key + "` with " + shown(bound->value) +
                                        but + ", which are not numbers");
@@ -106,22 +108,22 @@ private:
   std::vector<known_key> keys_;
   std::vector<std::string> exact_;
   tuple_values values_;
-  doubt_list& out_;
+  warning_list& out_;
 };
 
 } // namespace
 
-void doubt_tuples(const ecology_description& x, const file_places& seen, doubt_list& out) {
+void warn_of_tuples(const ecology_description& x, const file_places& seen, warning_list& out) {
   if (seen.uses.empty())
     return;
-  tuple_doubter doubter(x, out);
+  tuple_warnings found(x, out);
   if (!strangers_may_come(x))
     for (const auto& each : seen.uses)
-      doubter.look_at(each);
+      found.look_at(each);
   for (const auto& each : seen.writes)
-    doubter.look_at(each);
+    found.look_at(each);
   for (const auto& each : seen.tests)
-    doubter.look_at(each);
+    found.look_at(each);
 }
 
 } // namespace rubicon::config

@@ -8,8 +8,8 @@
 #include <utility>
 #include <variant>
 
-#include "config/checks/doubts.hpp"
-#include "config/checks/reach.hpp"
+#include "config/checks/connectivity.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/toml/document.hpp"
 #include "core/numbers/math.hpp"
 #include "radio/medium/tossim_files.hpp"
@@ -62,7 +62,7 @@ double distance_m(const position& x, const position& a, const position& b) {
   return distance_m(x, {a.x_m + share * way.x_m, a.y_m + share * way.y_m, a.z_m + share * way.z_m});
 }
 
-/// How near they come; of two that both move nobody says.
+/// Their least distance; not computed for two that both move.
 double nearest_m(const station& a, const station& b) {
   if (a.moves() && b.moves())
     return 0;
@@ -203,13 +203,13 @@ std::vector<std::size_t> unreached_of_many(const std::vector<station>& all,
     if (each.is_sink)
       sinks.push_back(each.place);
   }
-  return out_of_reach_of(sinks, places,
-                         range_m(radio.propagation, budget_db + soft_edge_db, deviations_max));
+  return disconnected_from_any(
+      sinks, places, range_m(radio.propagation, budget_db + soft_edge_db, deviations_max));
 }
 
-class radio_doubter {
+class radio_warnings {
 public:
-  radio_doubter(const ecology_description& x, const file_places& seen, doubt_list& out)
+  radio_warnings(const ecology_description& x, const file_places& seen, warning_list& out)
       : all_(x), seen_(seen), out_(out), links_(x.radio) {}
 
   void look_at(const island_description& x) {
@@ -229,7 +229,7 @@ public:
                           ? unreached(stations, links_)
                           : unreached_of_many(stations, all_.radio);
     for (const auto i : lost)
-      if (stations[i].channel == x.channel) // of others look_at_channels() has told
+      if (stations[i].channel == x.channel) // look_at_channels() warns of others
         tell_unreached(x, stations, lost, i);
   }
 
@@ -246,7 +246,7 @@ private:
         continue;
       const auto place = seen_.motes.find({island.id, mote.id});
       const auto at = place == seen_.motes.end() ? mark() : place->second.at;
-      if (told_.insert(at).second)
+      if (reported_.insert(at).second)
         out_.emplace_back(
             at,
             "mote `" + mote.name +
@@ -261,7 +261,7 @@ private:
                       const std::vector<std::size_t>& lost, std::size_t i) {
     const auto place = seen_.motes.find(all[i].who);
     const auto at = place == seen_.motes.end() ? mark() : place->second.at;
-    if (!told_.insert(at).second) // one mote of a group will do
+    if (!reported_.insert(at).second) // one mote of a group will do
       return;
     const auto who = "mote `" + island.motes[i - 1].name + "` cannot join";
     if (std::holds_alternative<radio::gain_matrix>(all_.radio.propagation)) {
@@ -318,17 +318,17 @@ private:
 
   const ecology_description& all_;
   const file_places& seen_;
-  doubt_list& out_;
+  warning_list& out_;
   possible_links links_;
-  std::set<mark> told_;
+  std::set<mark> reported_;
 };
 
 } // namespace
 
-void doubt_radios(const ecology_description& x, const file_places& seen, doubt_list& out) {
-  radio_doubter doubter(x, seen, out);
+void warn_of_radios(const ecology_description& x, const file_places& seen, warning_list& out) {
+  radio_warnings found(x, seen, out);
   for (const auto& each : x.islands)
-    doubter.look_at(each);
+    found.look_at(each);
 }
 
 } // namespace rubicon::config

@@ -4,7 +4,7 @@
 #include <string>
 #include <variant>
 
-#include "config/checks/doubts.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/summary_parts.hpp"
 #include "config/toml/document.hpp"
 
@@ -48,8 +48,8 @@ std::string ends_text(const device::trace_time& start, const device::time_series
 }
 
 /// What is to be said of a series; empty: nothing.
-std::string doubt_of(const device::trace_model& trace, std::uint32_t mote,
-                     const device::trace_time& start, duration run) {
+std::string warning_of(const device::trace_model& trace, std::uint32_t mote,
+                       const device::trace_time& start, duration run) {
   const auto& x = *trace.table;
   const bool repeats = trace.repeats;
   const auto& series = x.of_mote.at(mote);
@@ -84,20 +84,21 @@ std::string doubt_of(const device::trace_model& trace, std::uint32_t mote,
 
 } // namespace
 
-void doubt_traces(const ecology_description& x, const file_places& seen, doubt_list& out) {
-  std::map<std::pair<const device::trace_table*, bool>, bool> told; // one mote of a trace will do
+void warn_of_traces(const ecology_description& x, const file_places& seen, warning_list& out) {
+  std::map<std::pair<const device::trace_table*, bool>, bool>
+      reported; // one mote of a trace will do
   for (const auto& island : x.islands)
     for (const auto& mote : island.motes)
       for (const auto& each : mote.transducers) {
         const auto* trace = std::get_if<device::trace_model>(&each.model);
         const auto place = trace == nullptr ? seen.traces.end() : seen.traces.find(trace->table);
-        if (place == seen.traces.end() || told[{trace->table.get(), trace->repeats}])
+        if (place == seen.traces.end() || reported[{trace->table.get(), trace->repeats}])
           continue;
         const auto what =
-            doubt_of(*trace, trace->mote.value_or(mote.id.value), place->second.start, x.length);
+            warning_of(*trace, trace->mote.value_or(mote.id.value), place->second.start, x.length);
         if (what.empty())
           continue;
-        told[{trace->table.get(), trace->repeats}] = true;
+        reported[{trace->table.get(), trace->repeats}] = true;
         out.emplace_back(place->second.at,
                          "the trace " + in_quotes(place->second.file) + ": " + what);
       }
