@@ -179,16 +179,16 @@ duration router::change_beacon() const {
 }
 
 void router::use_slots(std::size_t count, instant now) {
-  const tick_plan plan(clock_.tick(now).value_or(config_.tick).period);
+  const tick_plan plan(clock_.time().tick(now).value_or(config_.tick).period);
   clock_.use_slots(plan.share_of(count), now);
 }
 
 /// For what is sent from now on.
 void router::keep_turns(instant now) {
-  const auto next = turns_.next(now, clock_);
+  const auto next = turns_.next(now, clock_.time());
   turn_ = next > now ? next : instant{};
   // Who does not know when its neighbours listen keeps what it has for them, but for beacons.
-  const bool is_lost = config_.duty.enabled() && !config_.duty.knows_time(now, clock_);
+  const bool is_lost = config_.duty.enabled() && !config_.duty.knows_time(now, clock_.time());
   const auto held = is_lost ? now + lost_pause : turn_;
   packets_.hold(held);
   paths_.hold(held);
@@ -494,13 +494,13 @@ void router::send_beacon(router_outputs& out, instant now, bool again, bool asks
   answer_due_.reset();
   if (answers_left_ > 0 && --answers_left_ > 0)
     answer_due_ = now + config_.answer_gap;
-  if (config_.duty.enabled() && search_.rests() && !config_.duty.knows_time(now, clock_)) {
+  if (config_.duty.enabled() && search_.rests() && !config_.duty.knows_time(now, clock_.time())) {
     search_.on_beacon_sent(now);
     asks = true;
   }
   if (beacon_in_flight_)
     return;
-  if (!is_extra && clock_.synchronised() && ++relays_ < config_.relays_max &&
+  if (!is_extra && clock_.time().synchronised() && ++relays_ < config_.relays_max &&
       copies_ < config_.relay_copies) {
     const auto pause = config_.duty.enabled() ? 2 * spread_in_window() : config_.relay_pause;
     relay_due_ = now + rng_.between(pause / 2, pause);
@@ -617,8 +617,9 @@ void router::on_stamp(const clock_stamp& x, instant sfd, router_outputs& out, in
       relay_due_ = now + rng_.between(0s, config_.relay_spread);
     copies_ = 1;
     relays_ = 0;
-    search_.on_news(value == stamp_value::leap ? std::optional(clock_.last_leap()) : std::nullopt,
-                    clock_, now);
+    search_.on_news(value == stamp_value::leap ? std::optional(clock_.time().last_leap())
+                                               : std::nullopt,
+                    clock_.time(), now);
     return;
   case stamp_value::in_dispute:
     ++counters_.disputes;
@@ -649,9 +650,10 @@ void router::answer(const clock_stamp& x, instant now) {
     search_.on_asked(now);
   else if (x.root == mote_id{} && !sleeps) // it waits for a round
     return;
-  const bool knows = sleeps ? config_.duty.knows_time(now, clock_) : clock_.synchronised();
+  const bool knows =
+      sleeps ? config_.duty.knows_time(now, clock_.time()) : clock_.time().synchronised();
   const auto gap = sleeps ? config_.answer_gap : config_.answer_gap_awake;
-  if (!knows || clock_.is_distrusted())
+  if (!knows || clock_.time().is_distrusted())
     return;
   if (sleeps && x.doubt == doubt_asks)
     answers_left_ = config_.answers_each;
@@ -665,17 +667,18 @@ void router::answer(const clock_stamp& x, instant now) {
 }
 
 time_knowledge router::knowledge(instant now) const {
-  if (!clock_.synchronised() || (config_.duty.enabled() && !config_.duty.knows_time(now, clock_)))
-    return clock_.is_disputed() ? time_knowledge::doubted : time_knowledge::none;
-  if (clock_.is_disputed())
+  if (!clock_.time().synchronised() ||
+      (config_.duty.enabled() && !config_.duty.knows_time(now, clock_.time())))
+    return clock_.time().is_disputed() ? time_knowledge::doubted : time_knowledge::none;
+  if (clock_.time().is_disputed())
     return time_knowledge::doubted;
   return clock_.is_trusted(now) ? time_knowledge::good : time_knowledge::stale;
 }
 
 void router::search_time(router_outputs& out, instant now) {
-  if (config_.is_sink && std::exchange(steps_, clock_.steps()) != clock_.steps())
+  if (config_.is_sink && std::exchange(steps_, clock_.time().steps()) != clock_.time().steps())
     search_.announce(now);
-  switch (search_.on_time(now, knowledge(now), clock_)) {
+  switch (search_.on_time(now, knowledge(now), clock_.time())) {
   case time_search::beacon_due::ask:
     ++counters_.asks;
     send_beacon(out, now, true, true); // few are on to count it

@@ -214,12 +214,12 @@ public:
   /// The longest wait of a frame for its turn; and, where radios listen at low power, for a channel
   /// that another's copies occupy, and for its receiver.
   [[nodiscard]] duration turn_wait(instant now) const {
-    return turns_.longest(now, clock_) + 2 * config_.wake;
+    return turns_.longest(now, clock_.time()) + 2 * config_.wake;
   }
 
   [[nodiscard]] bool has_route() const { return config_.is_sink || tree_.has_route(); }
-  [[nodiscard]] const clock_sync& clock() const { return clock_; }
-  [[nodiscard]] clock_sync& clock() { return clock_; }
+  [[nodiscard]] const time_estimate& clock() const { return clock_.time(); }
+  [[nodiscard]] clock_sync& sync() { return clock_; }
   [[nodiscard]] const time_search& search() const { return search_; }
   [[nodiscard]] const neighbours& links() const { return links_; }
   [[nodiscard]] const gradient& tree() const { return tree_; }

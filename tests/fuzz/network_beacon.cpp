@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   coordinates place({.self = self, .is_sink = (x->sequence & 1) != 0}, now);
   clock_sync clock({.self = self, .tick = {}}, now);
   clock.on_stamp(x->clock, now);
-  static_cast<void>(clock.network_time(now));
+  static_cast<void>(clock.time().network_time(now));
   auto report = x->report(mote_id{3}, self, false);
   for (int i = 0; i < 8; ++i) {
     now += 10s;

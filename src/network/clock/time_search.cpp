@@ -25,7 +25,7 @@ duration time_search::pause_max() const {
   return std::max(config_.pause_max, config_.pause_periods * config_.duty.period);
 }
 
-void time_search::begin(time_knowledge knowledge, const clock_sync& clock, instant now) {
+void time_search::begin(time_knowledge knowledge, const time_estimate& clock, instant now) {
   lost_ = true;
   lost_from_ = now;
   window_asks_ = 0;
@@ -40,7 +40,7 @@ void time_search::begin(time_knowledge knowledge, const clock_sync& clock, insta
   }
 }
 
-instant time_search::in_next_window(const clock_sync& clock, instant now) {
+instant time_search::in_next_window(const time_estimate& clock, instant now) {
   const auto period = in_us(config_.duty.period);
   const auto number = period_number(clock.at(now).time_since_epoch(), period) + 1;
   const auto length = config_.duty.length;
@@ -48,7 +48,7 @@ instant time_search::in_next_window(const clock_sync& clock, instant now) {
 }
 
 time_search::beacon_due time_search::on_time(instant now, time_knowledge knowledge,
-                                             const clock_sync& clock) {
+                                             const time_estimate& clock) {
   for (auto& x : old_windows_) {
     if (x && *x <= now) {
       x.reset();
@@ -79,7 +79,7 @@ time_search::beacon_due time_search::on_time(instant now, time_knowledge knowled
   return ask(clock, now);
 }
 
-time_search::beacon_due time_search::ask(const clock_sync& clock, instant now) {
+time_search::beacon_due time_search::ask(const time_estimate& clock, instant now) {
   if (!config_.duty.enabled()) {
     due_ = now + rng_.between(pause_, 2 * pause_);
     pause_ = std::min(2 * pause_, config_.pause_max);
@@ -136,7 +136,7 @@ void time_search::on_asked(instant now) {
     due_ = std::max(*due_, now + 2 * ask_gap());
 }
 
-void time_search::on_news(std::optional<island_clock::duration> leap, const clock_sync& clock,
+void time_search::on_news(std::optional<island_clock::duration> leap, const time_estimate& clock,
                           instant now) {
   const bool was_lost_long = lost_ && now - lost_from_ >= config_.long_search;
   if (!config_.duty.enabled() || config_.is_root || (!leap && !was_lost_long))

@@ -311,7 +311,7 @@ TEST_CASE("answers outside of the windows are not counted, and take no beacon's 
       x.run_for(500ms);
       beacon neighbour;
       neighbour.sequence = 1;
-      neighbour.clock = *x.life.clock().stamp(x.now);
+      neighbour.clock = *x.life.sync().stamp(x.now);
       if (is_asked)
         neighbour.clock.doubt = doubt_asks;
       x.receive(id(2), neighbour);

@@ -1,5 +1,6 @@
 #include <vector>
 
+#include "network/clock/clock_sync.hpp"
 #include "network/clock/time_search.hpp"
 #include "support/catch.hpp"
 #include "support/seeds.hpp"
@@ -26,13 +27,13 @@ struct tally {
 };
 
 /// Of a mote that has known the time for long.
-clock_sync known_clock() {
+time_estimate known_clock() {
   clock_sync_config of_root;
   of_root.self = mote_id{1};
   of_root.is_root = true;
   clock_sync clock(of_root, instant{});
   clock.set_time(island_time(17s), instant(1h));
-  return clock;
+  return clock.time();
 }
 
 tally search_for(time_search& x, instant from, duration length, time_knowledge knowledge) {
