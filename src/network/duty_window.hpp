@@ -22,7 +22,7 @@ struct duty_window {
 
   /// Who does not is on all the time, and asks.
   [[nodiscard]] bool knows_time(instant now, const time_estimate& clock) const {
-    return clock.knows_within(length / 2, now);
+    return clock.synchronised() && clock.doubt(now) <= length / 2;
   }
 };
 

@@ -92,7 +92,7 @@ bool clock_sync::is_news(const clock_stamp& x, instant sfd) const {
   if (!is_stranger && is_newer_era(x.era, era_))
     return true;
   return is_stale(sfd) && !is_of_last_round(x) &&
-         (!time_.synchronised() || 2 * (limit_of(x.doubt) + hop_noise) < time_.doubt_of_line(sfd));
+         (!time_.synchronised() || 2 * (limit_of(x.doubt) + hop_noise) < time_.line().doubt(sfd));
 }
 
 stamp_value clock_sync::judge_news(const clock_stamp& x, const clock_point& here) {
@@ -122,7 +122,7 @@ stamp_value clock_sync::judge(const clock_stamp& x, const clock_point& here) {
     return stamp_value::none;
   if (x.era != era_)
     return stamp_value::outdated;
-  const auto ours = time_.doubt_of_line(sfd);
+  const auto ours = time_.line().doubt(sfd);
   const bool is_sure = here.doubt <= std::max<microseconds>(ours, 2 * time_estimate::outlier);
   if (is_sure && time_.is_disputed())
     return value_of(time_.take(here, {.is_believed = time_.is_distrusted()}));
@@ -217,12 +217,12 @@ void clock_sync::set_time(island_time x, instant now) {
 }
 
 std::optional<duration> clock_sync::wanted_period() const {
-  if (config_.is_root)
+  if (config_.is_root || time_.line().empty())
     return std::nullopt;
-  const auto wanted = time_.lasts(promised);
-  if (!wanted || *wanted >= config_.period)
+  const auto wanted = time_.line().lasts(promised);
+  if (wanted >= config_.period)
     return std::nullopt;
-  return std::max(*wanted, config_.period_least);
+  return std::max(wanted, config_.period_least);
 }
 
 void clock_sync::request_period(duration x, instant now) {

@@ -12,20 +12,12 @@ constexpr duration beacon_gap = 20ms; ///< between two that are not the same one
 
 } // namespace
 
-std::chrono::microseconds time_estimate::doubt_of_line(instant x) const {
-  return is_own_ ? microseconds{0} : line_.doubt(x);
-}
-
 std::chrono::microseconds time_estimate::doubt(instant x) const {
   assert(synchronised());
   if (is_own_)
     return microseconds{0};
   const auto off = disputed_ ? std::abs(disputed_->ahead_us - line_.ahead_us(disputed_->own)) : 0;
   return line_.doubt(x) + microseconds(off);
-}
-
-std::optional<duration> time_estimate::lasts(microseconds limit) const {
-  return line_.empty() ? std::nullopt : std::optional(line_.lasts(limit));
 }
 
 std::optional<tick_setting> time_estimate::tick(instant now) const {
@@ -52,8 +44,8 @@ std::optional<duration> time_estimate::network_time(instant x) const {
 }
 
 bool time_estimate::fits(const clock_point& x) const {
-  return std::abs(x.ahead_us - line_.ahead_us(x.own)) <=
-         (outlier + x.doubt + doubt_of_line(x.own)).count();
+  const auto ours = is_own_ ? microseconds{0} : line_.doubt(x.own);
+  return std::abs(x.ahead_us - line_.ahead_us(x.own)) <= (outlier + x.doubt + ours).count();
 }
 
 /// Whether the point agrees with the one in dispute.

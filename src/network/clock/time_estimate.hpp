@@ -63,22 +63,12 @@ public:
 
   /// How far at() may be wrong then: grows while no point comes. @pre synchronised()
   [[nodiscard]] microseconds doubt(instant x) const;
-  /// The same if no point is in dispute.
-  [[nodiscard]] microseconds doubt_of_line(instant x) const;
-  /// Whether the time is known so well.
-  [[nodiscard]] bool knows_within(duration limit, instant x) const {
-    return synchronised() && doubt(x) <= limit;
-  }
-
   [[nodiscard]] bool is_distrusted() const { return distrusted_; }
   /// Or a point has shown that the time may be wrong.
   [[nodiscard]] bool is_disputed() const { return distrusted_ || disputed_; }
 
-  /// By how much our clock is too slow, as far as is known: 1e-6 is 1 ppm.
-  [[nodiscard]] double drift() const { return line_.rate(); }
-  /// So long after a point the time is wrong by `limit`, by the wander of the crystals alone.
-  /// Nothing: our own is never wrong, or none is known.
-  [[nodiscard]] std::optional<duration> lasts(microseconds limit) const;
+  /// Through the points that were taken, without the one in dispute.
+  [[nodiscard]] const clock_line& line() const { return line_; }
   [[nodiscard]] std::uint64_t steps() const { return steps_; } ///< lines begun anew (CLK-05)
   /// By how much the island's time was other than what we took it for, at the last step.
   [[nodiscard]] microseconds last_leap() const { return last_leap_; }

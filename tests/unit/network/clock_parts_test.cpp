@@ -119,7 +119,7 @@ TEST_CASE("a point far off the line is disputed until another agrees", "[network
     CHECK(x.take({instant{2s}, 50'000, microseconds{20}}, {}) == point_fate::disputed);
     CHECK(x.is_disputed());
     CHECK(x.doubt(instant{2s}) >= microseconds{50'000});
-    CHECK(x.doubt_of_line(instant{2s}) < microseconds{1000});
+    CHECK(x.line().doubt(instant{2s}) < microseconds{1000});
     const auto next = agrees ? 50'000 : 0;
     CHECK(x.take({instant{3s}, next, microseconds{20}}, {.is_news = true}) ==
           (agrees ? point_fate::restarted : point_fate::taken));
@@ -148,7 +148,6 @@ TEST_CASE("a root's own time is exact, and ends a dispute", "[network][CLK-04]")
   CHECK_FALSE(x.is_disputed());
   CHECK(x.at(instant{6s}) == island_time(101s));
   CHECK(x.doubt(instant{1000s}) == microseconds{0});
-  CHECK_FALSE(x.lasts(microseconds{60}));
 }
 
 TEST_CASE("an estimate that is forgotten has no time, which counts once", "[network][CLK-05]") {

@@ -25,7 +25,7 @@ TEST_CASE("an island organises itself: ways up and down, places, one clock",
   x.run_for(5min);
   std::chrono::microseconds worst{};
   for (const auto id : x.motes()) {
-    CHECK(x.at(id).has_route());
+    CHECK(x.at(id).tree().has_route());
     CHECK(x.at(id).place().place().has_value());
     REQUIRE(x.at(id).clock().synchronised());
     const auto error =
@@ -198,7 +198,7 @@ TEST_CASE("without a route to the sink a place that was known once is good enoug
   for (const auto each : {1, 2, 3, 4, 5, 6})
     x.kill(id(each));
   x.run_for(30min);
-  REQUIRE_FALSE(x.at(from).has_route());
+  REQUIRE_FALSE(x.at(from).tree().has_route());
   const auto floods = x.at(from).paths().counters().floods_place_unknown;
   const auto id = x.connect(from, to);
   x.run_for(15s);
