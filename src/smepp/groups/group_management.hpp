@@ -109,7 +109,6 @@ public:
 
   [[nodiscard]] const group* find(group_id x) const;
   [[nodiscard]] group* find(group_id x);
-  [[nodiscard]] std::map<group_id, group>& all() { return groups_; }
   [[nodiscard]] const std::map<group_id, group>& all() const { return groups_; }
   [[nodiscard]] const discovery& found() const { return discovery_; }
   [[nodiscard]] std::optional<group_description> description(group_id x) const;
