@@ -2,6 +2,7 @@
 #include <cstdlib>
 
 #include "network/beacon.hpp"
+#include "network/clock/clock_sync.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace rubicon;
