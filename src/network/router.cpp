@@ -10,7 +10,7 @@ namespace rubicon::network {
 
 namespace {
 
-/// A settled anchor reports itself every 8 minutes at most: so long the way to it may be broken
+/// A settled anchor reports itself every 8 minutes at most: so long the route to it may be broken
 /// after a mote in between has restarted. Meanwhile everybody goes by the places that it had.
 constexpr duration anchor_patience = 10min;
 constexpr duration crowd_beacon = 4s;
@@ -55,7 +55,7 @@ frame_out router::frame_for(frame_purpose why, mote_id to, std::uint8_t am_type,
   return {tokens_.issue(why), to, am_type, std::move(payload), std::nullopt};
 }
 
-/// What is sent to all also goes over each backbone, as a copy that nobody acknowledges.
+/// What is sent to all also goes over each backbone, as a copy that is not acknowledged.
 void router::emit(frame_out x, router_outputs& out) const {
   if (x.next_hop != broadcast_mote) {
     x.over = links_.has_backbone(x.next_hop) ? medium::backbone : medium::radio;
@@ -341,7 +341,7 @@ void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_ou
     return;
   // In a crowd neighbours come and go in the table, and a new one finds enough others.
   const bool is_crowd = 2 * links_.all().size() > links_.config().capacity;
-  if (tree_.has_route() || is_in_crowd()) // else nobody does what we do: look for one
+  if (tree_.has_route() || is_in_crowd()) // else no other does what we do: look for one
     beacons_.timer().hear();
   if ((what == admission::added && !is_crowd) || what == admission::restarted)
     hurry(now);

@@ -60,7 +60,7 @@ struct router_counters {
   std::uint64_t asks = 0;            ///< beacons that ask for the time
   std::uint64_t answers = 0;         ///< to those of others
   std::uint64_t disputes = 0;        ///< stamps that did not fit what was known
-  std::uint64_t silences = 0;        ///< nobody answered any more: the time was doubted
+  std::uint64_t silences = 0;        ///< no answer came any more: the time was distrusted
   std::uint64_t period_requests = 0; ///< for more rounds of the clock
   std::uint64_t sequence_requests = 0;
   std::uint64_t beside_backbone = 0; ///< frames received by radio from the other end of a backbone
@@ -83,7 +83,7 @@ public:
   [[nodiscard]] std::optional<std::size_t> room_to(mote_id destination) const;
   /// Towards a mote of the island, or the sink. A mote that is no neighbour is reached through
   /// the sink, which gets the content and must send it down.
-  /// @param in_slot nobody near sends now: the first hop needs no back-off
+  /// @param in_slot no mote near sends now: the first hop needs no back-off
   /// @pre room_to() is given and content fits
   [[nodiscard]] router_outputs send(mote_id destination, bytes content, instant now,
                                     bool in_slot = false);

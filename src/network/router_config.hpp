@@ -1,4 +1,4 @@
-// What a router is told about its mote and its island, and what follows for its parts.
+// The settings of a router: its mote and its island, and what follows for its parts.
 #pragma once
 
 #include <chrono>

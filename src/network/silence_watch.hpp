@@ -6,8 +6,8 @@
 
 namespace rubicon::network {
 
-/// A mote whose time is wrong sends while nobody listens: its unicasts fail in one window after the
-/// other, and it receives nothing.
+/// A mote whose time is wrong sends while no other listens: its unicasts fail in one window after
+/// the other, and it receives nothing.
 class silence_watch {
 public:
   static constexpr unsigned windows_max = 3;

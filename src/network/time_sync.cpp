@@ -56,7 +56,7 @@ bool time_sync::answer(const clock_stamp& x, instant now, random_stream& rng) {
   return answers_.on_request(asks, now, rng);
 }
 
-/// Where radios sleep a mote whose time is wrong sends while nobody listens.
+/// Where radios sleep a mote whose time is wrong sends while no other listens.
 bool time_sync::on_unicast(bool acked, instant now) {
   if (!duty_.enabled() || is_root_ || !silence_.on_unicast(acked, now))
     return false;

@@ -1,4 +1,4 @@
-// How one mote takes part in the synchronisation of its island: which beacons it owes to others,
+// How one mote takes part in the synchronisation of its island: which beacons it sends for others,
 // when it asks, and what it requests from the root (CLK-01, CLK-04).
 #pragma once
 

@@ -77,10 +77,10 @@ public:
   bool on_time(instant now);
   [[nodiscard]] std::optional<instant> deadline() const { return rounds_.deadline(); }
 
-  /// Whether there is no reason to ask: rounds come, nothing is in dispute, nobody is missed.
+  /// Whether there is no reason to ask: rounds come, nothing is in dispute, answers come.
   [[nodiscard]] bool is_trusted(instant now) const;
 
-  /// Nobody answers any more (time_estimate::distrust()).
+  /// No answer comes any more (time_estimate::distrust()).
   void distrust() {
     if (!config_.is_root)
       time_.distrust();

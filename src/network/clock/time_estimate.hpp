@@ -41,7 +41,7 @@ enum class point_fate : std::uint8_t {
 ///
 /// A point farther off the line than both doubts explain is in dispute: until another point agrees
 /// with the line, or with that one, the doubt is as large as the difference. The line is then kept,
-/// or begins anew at the point. A mote that has been silent in its neighbours' ears (distrust())
+/// or begins anew at the point. A mote that gets no answers from its neighbours (distrust())
 /// believes the first point that comes. The time of a root is its own, and right by definition.
 ///
 /// What the time is elsewhere stands beside it: how far the time that peers share is ahead of the
@@ -91,7 +91,7 @@ public:
   /// Whether the point is as near to the line as both doubts explain. @pre synchronised()
   [[nodiscard]] bool fits(const clock_point& x) const;
   point_fate take(const clock_point& x, point_origin origin);
-  /// Nobody answers any more: our time may be wrong by any amount. Ends with the next point that
+  /// No answer comes any more: our time may be wrong by any amount. Ends with the next point that
   /// shows whether it is.
   void distrust() { distrusted_ = true; }
   /// From now on the time is our own, and this one.

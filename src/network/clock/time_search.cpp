@@ -8,7 +8,7 @@ namespace {
 
 using std::chrono::microseconds;
 
-constexpr duration dispute_spread = 30ms; ///< who doubts its time asks within this
+constexpr duration dispute_spread = 30ms; ///< who distrusts its time asks within this
 
 } // namespace
 
@@ -55,10 +55,10 @@ time_search::beacon_due time_search::on_time(instant now, time_knowledge knowled
       return beacon_due::plain;
     }
   }
-  if (tell_due_ && *tell_due_ <= now) {
-    tell_due_ = now + ask_gap();
-    if (*tell_due_ >= tell_until_)
-      tell_due_.reset();
+  if (announce_due_ && *announce_due_ <= now) {
+    announce_due_ = now + ask_gap();
+    if (*announce_due_ >= announce_until_)
+      announce_due_.reset();
     return beacon_due::plain;
   }
   if (knowledge == time_knowledge::good) {
@@ -157,12 +157,12 @@ void time_search::on_news(std::optional<island_clock::duration> leap, const time
 void time_search::announce(instant now) {
   if (!config_.duty.enabled())
     return;
-  tell_due_ = now;
-  tell_until_ = now + config_.duty.period + config_.duty.length;
+  announce_due_ = now;
+  announce_until_ = now + config_.duty.period + config_.duty.length;
 }
 
 std::optional<instant> time_search::deadline() const {
-  auto next = earliest(due_, tell_due_);
+  auto next = earliest(due_, announce_due_);
   for (const auto& x : old_windows_)
     next = earliest(next, x);
   return next;

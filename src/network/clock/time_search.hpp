@@ -49,10 +49,10 @@ enum class time_knowledge : std::uint8_t {
   good,
 };
 
-/// In an island whose radios are always on a search is a beacon that asks; if nobody answers,
+/// In an island whose radios are always on a search is a beacon that asks; if no answer comes,
 /// another, each time twice as long after.
 ///
-/// Where they sleep, who knows the time is on in a short window that others cannot tell: a search
+/// Where they sleep, who knows the time is on in a short window that others do not know: a search
 /// asks again and again for a whole period, with one beacon in each window, as X-MAC wakes
 /// receivers. A mote that has only missed some rounds asks in two windows as it knows them first.
 /// After one that has found nothing the mote rests: its radio is off, but for the windows as it
@@ -130,8 +130,8 @@ private:
   instant listen_until_;
   duration pause_{};
   std::optional<instant> received_; ///< a beacon
-  instant tell_until_;
-  std::optional<instant> tell_due_;                     ///< of announce()
+  instant announce_until_;
+  std::optional<instant> announce_due_;                 ///< of announce()
   std::array<std::optional<instant>, 2> old_windows_{}; ///< in which to send a beacon
 };
 

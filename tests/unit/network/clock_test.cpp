@@ -176,7 +176,8 @@ TEST_CASE("a root that listens for its island's time takes no other root's", "[n
   CHECK(root.time().synchronised());
 }
 
-TEST_CASE("a root that restarts and hears nobody is believed after a while", "[network][CLK-04]") {
+TEST_CASE("a root that restarts and receives nothing is believed after a while",
+          "[network][CLK-04]") {
   line x(2, 0);
   x.run_for(100s);
   clock_sync_config config;
@@ -323,7 +324,7 @@ TEST_CASE("a tick that was never the root's is gone with its next round", "[netw
   CHECK(x.clock.time().tick(x.now) == real);
 }
 
-TEST_CASE("points milliseconds apart tell no rate", "[network][CLK-01]") {
+TEST_CASE("points milliseconds apart show no rate", "[network][CLK-01]") {
   receiver x;
   std::uint16_t sequence = 0;
   for (int i = 0; i < 8; ++i) { // each 40 us off, this way and that
@@ -370,7 +371,7 @@ TEST_CASE("the time flows from those who are less in doubt only", "[network][CLK
   CHECK(x.clock.time().doubt(x.now) < microseconds{200});
 }
 
-TEST_CASE("doubts are told in eighths of powers of two, rounded up", "[network][CLK-01]") {
+TEST_CASE("doubt is sent in eighths of powers of two, rounded up", "[network][CLK-01]") {
   CHECK(doubt_of(microseconds{0}) == 0);
   CHECK(limit_of(0) == microseconds{0});
   CHECK(doubt_of(microseconds{1}) == 1);
@@ -382,7 +383,7 @@ TEST_CASE("doubts are told in eighths of powers of two, rounded up", "[network][
   }
 }
 
-TEST_CASE("own time is found to the microsecond, so that nobody wakes too early",
+TEST_CASE("own time is found to the microsecond, so that no mote wakes too early",
           "[network][NRG-02]") {
   for (const double ppm : {-100.0, -3.0, 0.0, 7.0, 100.0}) {
     line x(2, 0);
@@ -398,7 +399,7 @@ TEST_CASE("own time is found to the microsecond, so that nobody wakes too early"
   }
 }
 
-TEST_CASE("nobody is farther off than its guard, over eight lossy hops, for a day",
+TEST_CASE("no mote is farther off than its guard, over eight lossy hops, for a day",
           "[network][CLK-01]") {
   std::uint64_t samples = 0;
   std::uint64_t beyond_1ms = 0;
@@ -591,7 +592,7 @@ TEST_CASE("a point that does not fit is as doubtful as it is far off, until anot
   }
 }
 
-TEST_CASE("who is silent in its neighbours' ears believes the first stamp", "[network][CLK-04]") {
+TEST_CASE("who gets no answers from its neighbours believes the first stamp", "[network][CLK-04]") {
   for (const duration off : {duration(0s), duration(300ms), duration(-24h)}) {
     receiver x;
     for (std::uint16_t i = 1; i <= 5; ++i) {

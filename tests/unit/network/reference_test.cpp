@@ -87,7 +87,7 @@ TEST_CASE("a line that is never free does not matter if its ends say so", "[netw
   CHECK(x.reference.counters().slow == 0);
 }
 
-TEST_CASE("an answer that was held longer than it took tells nothing", "[network][CLK-08]") {
+TEST_CASE("an answer that was held longer than it took shows nothing", "[network][CLK-08]") {
   fixture x(0);
   x.run_for(1s + 200us);
   REQUIRE(x.question);
@@ -177,7 +177,7 @@ TEST_CASE("wrong answers with good ones between are no leap", "[network][CLK-08]
   CHECK(x.reference.counters().leaps == 0);
 }
 
-TEST_CASE("answers to other questions, and those that come late, tell nothing",
+TEST_CASE("answers to other questions, and those that come late, show nothing",
           "[network][CLK-08]") {
   time_reference x({}, instant{});
   x.on_answer(1, 1000s, instant(10ms)); // nothing was asked
@@ -268,7 +268,7 @@ TEST_CASE("without a reference motes know the island's time alone", "[network][C
   CHECK_FALSE(x.mote.time().network_time(x.now));
 }
 
-TEST_CASE("a leap of the network time is told at once", "[network][CLK-05][CLK-08]") {
+TEST_CASE("a leap of the network time is sent at once", "[network][CLK-05][CLK-08]") {
   pair x;
   x.root.set_network_time(1000s, 0, x.now);
   x.run_for(33s);

@@ -19,7 +19,7 @@ using test::the_sink;
 
 } // namespace
 
-TEST_CASE("an island organises itself: ways up and down, places, one clock",
+TEST_CASE("an island organises itself: routes up and down, places, one clock",
           "[network][NET-11][CLK-01]") {
   routed_grid x(5, 5, 0.95);
   x.run_for(5min);
@@ -84,7 +84,7 @@ TEST_CASE("neighbours reach each other directly, others through the sink", "[net
   CHECK(x.at(id(4)).counters().detours == 1);
 }
 
-TEST_CASE("everybody hears what is sent to all", "[network][ADR-05]") {
+TEST_CASE("every mote receives what is sent to all", "[network][ADR-05]") {
   routed_grid x(4, 4, 0.9);
   x.run_for(1min);
   x.arrived.clear();
@@ -206,7 +206,7 @@ TEST_CASE("without a route to the sink a place that was known once is good enoug
   CHECK(x.at(from).paths().counters().floods_place_unknown == floods + (was_known ? 0 : 1));
 }
 
-TEST_CASE("a channel that is given up while its way is asked for is not opened",
+TEST_CASE("a channel that is given up while its place is requested is not opened",
           "[network][NET-10]") {
   routed_grid x(3, 3, 1);
   x.run_for(2min);

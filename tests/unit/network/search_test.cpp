@@ -83,7 +83,7 @@ TEST_CASE("a search asks in each window of a whole period", "[network][CLK-04]")
   }
 }
 
-TEST_CASE("who doubts its time asks at once", "[network][CLK-04]") {
+TEST_CASE("who distrusts its time asks at once", "[network][CLK-04]") {
   auto x = settled(sleeping(30s), 1, instant(1h));
   const auto sum = search_for(x, instant(1h), 1s, time_knowledge::doubted);
   REQUIRE(sum.asks > 0);
@@ -100,7 +100,7 @@ TEST_CASE("a search ends with what it looks for", "[network][CLK-04]") {
   CHECK_FALSE(x.deadline());
 }
 
-TEST_CASE("a root that is away for a day flattens nobody's battery, and is found within a minute",
+TEST_CASE("a root that is away for a day flattens no battery, and is found within a minute",
           "[network][CLK-04][NRG-01]") {
   for (const duration period : {1s, 4s, 30s}) {
     for (std::uint64_t seed = 1; seed <= test::seeds(5); ++seed) {

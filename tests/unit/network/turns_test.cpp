@@ -82,7 +82,7 @@ TEST_CASE("a slot is as long as its packets need over all their hops", "[network
   CHECK(units_for(1h, standard) == 0xffff);
 }
 
-TEST_CASE("nobody waits for a turn while no slots are in use", "[network][SYN-16]") {
+TEST_CASE("no frame waits for a turn while no slots are in use", "[network][SYN-16]") {
   auto x = of_mote(1);
   auto clock = running_clock();
   for (auto now = instant{}; now < instant{1s}; now += 7ms)
