@@ -20,8 +20,8 @@ namespace rubicon::network {
 
 namespace {
 
-constexpr virtual_coordinates here{1, 2, 3};
-constexpr virtual_coordinates there{4, 5, 6};
+constexpr virtual_coordinates near_place{1, 2, 3};
+constexpr virtual_coordinates far_place{4, 5, 6};
 constexpr mote_id far_mote{9};
 
 awaited_channel channel_to(mote_id destination, std::uint16_t number) {
@@ -163,21 +163,21 @@ TEST_CASE("a place is reported after a change, the more rarely the more changes"
   random_stream rng(1);
   place_reports x(instant{});
   CHECK(x.due(std::nullopt, no_mote) == instant{} + place_reports::period);
-  CHECK(x.due(here, mote_id{2}) == instant{} + place_reports::gap);
+  CHECK(x.due(near_place, mote_id{2}) == instant{} + place_reports::gap);
   auto now = instant{5s};
   x.on_packet(mote_id{2});
-  x.on_report(here, false, now, rng);
-  CHECK(x.due(here, mote_id{2}) == now + place_reports::period);
-  CHECK(x.due(there, mote_id{2}) == now + 2 * place_reports::gap);
-  CHECK(x.due(here, mote_id{3}) == now + 2 * place_reports::gap);
+  x.on_report(near_place, false, now, rng);
+  CHECK(x.due(near_place, mote_id{2}) == now + place_reports::period);
+  CHECK(x.due(far_place, mote_id{2}) == now + 2 * place_reports::gap);
+  CHECK(x.due(near_place, mote_id{3}) == now + 2 * place_reports::gap);
   now += 10s;
-  x.on_report(there, false, now, rng);
-  CHECK(x.due(here, mote_id{2}) == now + 4 * place_reports::gap);
+  x.on_report(far_place, false, now, rng);
+  CHECK(x.due(near_place, mote_id{2}) == now + 4 * place_reports::gap);
   now += place_reports::period;
-  x.on_report(there, false, now, rng);
-  CHECK(x.due(here, mote_id{2}) == now + place_reports::gap); // it was at rest
-  x.on_report(there, true, now, rng);
-  CHECK(x.due(there, mote_id{2}) <= now + place_reports::period);
+  x.on_report(far_place, false, now, rng);
+  CHECK(x.due(near_place, mote_id{2}) == now + place_reports::gap); // it was at rest
+  x.on_report(far_place, true, now, rng);
+  CHECK(x.due(far_place, mote_id{2}) <= now + place_reports::period);
 }
 
 TEST_CASE("a channel waits for the answer of the sink, which is asked twice", "[network]") {
@@ -225,15 +225,15 @@ TEST_CASE("a channel that is given up does not wait any more", "[network]") {
 TEST_CASE("places are learnt from packets that pass, but not our own", "[network]") {
   known_places x(coordinates(), place_cache(6, 10min), mote_id{5});
   CHECK_FALSE(x.find(far_mote, instant{}));
-  x.learn(mote_id{5}, there, instant{});
+  x.learn(mote_id{5}, far_place, instant{});
   CHECK_FALSE(x.find_old(mote_id{5}));
   down_packet packet;
   packet.hops = {mote_id{5}};
-  packet.content = encode(place_answer{far_mote, there});
+  packet.content = encode(place_answer{far_mote, far_place});
   x.learn_from(am::down, encode(packet), instant{});
-  CHECK(x.find(far_mote, instant{}) == there);
+  CHECK(x.find(far_mote, instant{}) == far_place);
   CHECK_FALSE(x.find(far_mote, instant{} + 11min));
-  CHECK(x.find_old(far_mote) == there);
+  CHECK(x.find_old(far_mote) == far_place);
   x.learn_from(am::down, bytes{1, 2, 3}, instant{}); // malformed: of no use
   x.learn_from(am::local, encode(packet), instant{});
 }
