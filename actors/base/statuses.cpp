@@ -150,7 +150,7 @@ network_status status_of(mote_address address, const mote::node& x, instant own,
   r.synchronised = status.has_clock ? 1 : 0;
   r.aligned = status.has_network_time ? 1 : 0;
   const auto& router = x.packets().router();
-  if (router.has_route()) {
+  if (router.tree().has_route()) {
     r.hops_max = router.tree().hops();
     status.hops = router.tree().hops();
     status.parent = router.tree().parent();

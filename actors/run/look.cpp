@@ -46,7 +46,7 @@ void add_network(report::mote_sample& to, const network::router& from) {
 /// What it knows of the way to its sink.
 void add_route(report::mote_sample& to, const mote::node& from) {
   const auto& router = from.packets().router();
-  if (!router.has_route())
+  if (!router.tree().has_route())
     return;
   to.parent = router.tree().parent();
   to.hops = router.tree().hops();
@@ -242,7 +242,7 @@ report::mote_look look_of(const ecology_state& all, const mote_address& address,
   const auto& router = node.packets().router();
   x.runs = true;
   x.moves = !mote.arguments->path.empty();
-  x.has_route = router.has_route();
+  x.has_route = router.tree().has_route();
   if (x.has_route)
     x.hops = router.tree().hops();
   if (view == nullptr)

@@ -31,11 +31,11 @@ struct news {
   bool deleted = false;
 };
 
-/// What a watch tells of: the tuple of that name by on_tuple(); of a meta tuple where it points by
+/// What a watch reports: the tuple of that name by on_tuple(); of a meta tuple where it points by
 /// on_reference(), or the tuple there by on_tuple().
 enum class watched : std::uint8_t { tuple, reference, target };
 
-/// Tell me of this from now on.
+/// Report changes of this from now on.
 struct watch {
   std::uint64_t number = 0; ///< comes back
   peer_id owner;            ///< any_peer: of whomever
@@ -71,7 +71,7 @@ struct write {
   std::uint64_t token = 0; ///< comes back with the outcome; 0: nobody asks for that
 };
 
-/// Something people who follow the run would want to hear.
+/// Something that people who follow the run should know.
 struct tell {
   std::string what;
   std::string who = {}; ///< empty: the component's path

@@ -1,4 +1,4 @@
-// How a failure that comes from outside is told: a value, never an exception.
+// How a failure that comes from outside is reported: a value, never an exception.
 #pragma once
 
 #include <cassert>

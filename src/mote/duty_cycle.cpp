@@ -57,13 +57,13 @@ instant duty_cycle::repeats_until(network::channel_id channel) const {
   return found == channels_.end() ? instant{} : found->second.repeats_until;
 }
 
-microseconds duty_cycle::guard(instant now, const network::clock_sync& clock) const {
+microseconds duty_cycle::guard(instant now, const network::time_estimate& clock) const {
   return 2 * clock.doubt(now + config_.period);
 }
 
 /// When this mote hands on the next packet of a channel.
 instant duty_cycle::next_departure(const network::channel_reserved& x, instant now,
-                                   const network::clock_sync& clock) const {
+                                   const network::time_estimate& clock) const {
   const microseconds interval = x.schedule.interval;
   const auto first = x.schedule.first + (x.previous ? network::channel_slot : microseconds{});
   const auto turns = period_number(clock.at(now) - first - microseconds{1}, interval) + 1;
@@ -71,7 +71,7 @@ instant duty_cycle::next_departure(const network::channel_reserved& x, instant n
 }
 
 std::optional<instant> duty_cycle::next_turn(network::channel_id channel, instant now,
-                                             const network::clock_sync& clock) const {
+                                             const network::time_estimate& clock) const {
   const auto found = channels_.find(channel);
   if (found == channels_.end() || found->second.reserved.previous || !applies(now, clock))
     return std::nullopt;
@@ -80,7 +80,8 @@ std::optional<instant> duty_cycle::next_turn(network::channel_id channel, instan
 
 /// Now, unless the next mote wakes up for this packet a little later. What goes back to a channel's
 /// source keeps to no schedule, nor does what goes in a common window.
-instant duty_cycle::departure(const held& x, instant now, const network::clock_sync& clock) const {
+instant duty_cycle::departure(const held& x, instant now,
+                              const network::time_estimate& clock) const {
   const auto found = x.channel ? channels_.find(*x.channel) : channels_.end();
   if (found == channels_.end() || found->second.reserved.previous == x.frame.next_hop ||
       !applies(now, clock))
@@ -95,7 +96,7 @@ instant duty_cycle::departure(const held& x, instant now, const network::clock_s
   return next - now <= reserved.schedule.interval / 2 ? next : now;
 }
 
-duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock,
+duty_outputs duty_cycle::update(instant now, const network::time_estimate& clock,
                                 const network::time_search& search) {
   duty_outputs out;
   due_.reset();
@@ -123,7 +124,7 @@ duty_outputs duty_cycle::update(instant now, const network::clock_sync& clock,
 }
 
 /// Whether a window or a channel needs the radio now; it may be another when due_ comes.
-bool duty_cycle::is_due(instant now, const network::clock_sync& clock) {
+bool duty_cycle::is_due(instant now, const network::time_estimate& clock) {
   const auto time = clock.at(now);
   const auto margin = guard(now, clock);
   schedule_.set(window_key, {island_time{}, in_us(config_.period), in_us(config_.before),
@@ -142,7 +143,7 @@ bool duty_cycle::is_due(instant now, const network::clock_sync& clock) {
 }
 
 void duty_cycle::switch_radio(bool sends, duty_outputs& out, instant now,
-                              const network::clock_sync& clock,
+                              const network::time_estimate& clock,
                               const network::time_search& search) {
   const bool has_windows = applies(now, clock);
   bool on = true;

@@ -15,7 +15,7 @@
 #include "mote/duty_config.hpp"
 #include "network/channels/channels.hpp"
 #include "network/channels/radio_schedule.hpp"
-#include "network/clock/clock_sync.hpp"
+#include "network/clock/time_estimate.hpp"
 #include "network/router.hpp"
 
 namespace rubicon::mote {
@@ -59,13 +59,13 @@ public:
   void set_member(bool x) { is_member_ = x; }
 
   /// To be called after each of these, at deadline(), and when the clock was corrected.
-  [[nodiscard]] duty_outputs update(instant now, const network::clock_sync& clock,
+  [[nodiscard]] duty_outputs update(instant now, const network::time_estimate& clock,
                                     const network::time_search& search);
   [[nodiscard]] std::optional<instant> deadline() const { return due_; }
 
   /// When the next packet of a channel may go at its source; nothing: at any time.
   [[nodiscard]] std::optional<instant> next_turn(network::channel_id channel, instant now,
-                                                 const network::clock_sync& clock) const;
+                                                 const network::time_estimate& clock) const;
 
   [[nodiscard]] bool is_on() const { return on_; }
   [[nodiscard]] static std::size_t footprint(std::size_t channels) { return 24 + channels * 16; }
@@ -81,18 +81,18 @@ private:
     std::optional<network::channel_id> channel = {}; ///< whose packet it carries
   };
 
-  [[nodiscard]] bool applies(instant now, const network::clock_sync& clock) const {
+  [[nodiscard]] bool applies(instant now, const network::time_estimate& clock) const {
     return config_.common().applies(now, clock);
   }
   [[nodiscard]] std::chrono::microseconds guard(instant now,
-                                                const network::clock_sync& clock) const;
+                                                const network::time_estimate& clock) const;
   [[nodiscard]] instant next_departure(const network::channel_reserved& x, instant now,
-                                       const network::clock_sync& clock) const;
+                                       const network::time_estimate& clock) const;
   [[nodiscard]] instant departure(const held& x, instant now,
-                                  const network::clock_sync& clock) const;
-  void switch_radio(bool sends, duty_outputs& out, instant now, const network::clock_sync& clock,
+                                  const network::time_estimate& clock) const;
+  void switch_radio(bool sends, duty_outputs& out, instant now, const network::time_estimate& clock,
                     const network::time_search& search);
-  [[nodiscard]] bool is_due(instant now, const network::clock_sync& clock);
+  [[nodiscard]] bool is_due(instant now, const network::time_estimate& clock);
   [[nodiscard]] instant repeats_until(network::channel_id channel) const;
 
   duty_config config_;

@@ -402,7 +402,7 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
   };
   for (auto& x : from_packets)
     std::visit(act, x);
-  if (wants_to_join_ && packets_.router().has_route()) {
+  if (wants_to_join_ && packets_.router().tree().has_route()) {
     wants_to_join_ = false;
     joins_at_ = now + rng_.between(0s, join_spread(packets_.router().links()));
   }

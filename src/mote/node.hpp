@@ -137,7 +137,7 @@ public:
   static constexpr std::int16_t signal_unknown = 127;
 
   /// Its clock has leapt forward by so much, or back; its timers have not.
-  void on_clock_leapt(duration by) { packets_.router().clock().on_clock_leapt(in_us(by)); }
+  void on_clock_leapt(duration by) { packets_.router().sync().on_clock_leapt(in_us(by)); }
 
   /// The mote is somewhere else from now on.
   void move(position x) { place_ = x; }

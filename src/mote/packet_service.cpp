@@ -51,7 +51,7 @@ packet_service_outputs packet_service::send(mote_id to, const network::island_pa
 
 packet_service_outputs packet_service::send_to_all(const network::island_packet& x, instant now) {
   packet_service_outputs out;
-  const auto fragments = transport::cut(encode(x), network::router::room_to_all() - 1, tag_++);
+  const auto fragments = transport::cut(encode(x), network::room_to_all() - 1, tag_++);
   for (const auto& fragment : *fragments) // a flood's room does not vary: they always suffice
     append(out, carry(router_.send_to_all(content(network::am::packet, fragment), now), now));
   return out;

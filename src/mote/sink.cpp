@@ -99,14 +99,14 @@ sink_outputs sink::on_event(const network::sink_event& x, instant now, std::size
 sink_outputs sink::remember() {
   const auto before = store_;
   store_.term = lines_.term();
-  store_.era = packets_.router().clock().era();
+  store_.era = packets_.router().sync().era();
   if (store_ == before)
     return {};
   return {store_nonvolatile{store_}};
 }
 
 void sink::on_clock_leapt(duration by) {
-  packets_.router().clock().on_clock_leapt(in_us(by));
+  packets_.router().sync().on_clock_leapt(in_us(by));
   time_.on_clock_leapt(in_us(by));
 }
 
@@ -125,7 +125,7 @@ to_gateway sink::question(const network::sink_event& x, std::size_t line) const 
 /// The island's clock tells what the gateway says the time is (CLK-08).
 void sink::tell_time(instant now) {
   if (const auto time = time_.at(now))
-    packets_.router().clock().set_network_time(*time, time_.drift().value_or(0), now);
+    packets_.router().sync().set_network_time(*time, time_.drift().value_or(0), now);
 }
 
 sink_outputs sink::on_time(instant now) {

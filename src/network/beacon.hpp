@@ -8,7 +8,7 @@
 #include "core/error.hpp"
 #include "core/time.hpp"
 #include "network/channels/coordinates.hpp"
-#include "network/clock/clock_sync.hpp"
+#include "network/clock/clock_stamp.hpp"
 #include "network/tree/gradient.hpp"
 #include "network/tree/neighbours.hpp"
 #include "network/wire.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/time.hpp"
-#include "network/clock/clock_sync.hpp"
+#include "network/clock/time_estimate.hpp"
 
 namespace rubicon::network {
 
@@ -14,15 +14,15 @@ struct duty_window {
   [[nodiscard]] bool enabled() const { return period > 0s; }
 
   /// Whether others may be asleep, and we know when they are not.
-  [[nodiscard]] bool applies(instant now, const clock_sync& clock) const {
+  [[nodiscard]] bool applies(instant now, const time_estimate& clock) const {
     return enabled() && knows_time(now, clock) &&
            clock.at(now).time_since_epoch() >=
                std::chrono::floor<std::chrono::microseconds>(settling);
   }
 
   /// Who does not is on all the time, and asks.
-  [[nodiscard]] bool knows_time(instant now, const clock_sync& clock) const {
-    return clock.knows_within(length / 2, now);
+  [[nodiscard]] bool knows_time(instant now, const time_estimate& clock) const {
+    return clock.synchronised() && clock.doubt(now) <= length / 2;
   }
 };
 

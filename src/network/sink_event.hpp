@@ -1,4 +1,4 @@
-// What a sink and its gateway tell each other about the island (DIS-03, GW-15) and about the time
+// What a sink and its gateway exchange about the island (DIS-03, GW-15) and about the time
 // (CLK-08): the payload of serial packets of type am::sink_event, in network byte order, one octet
 // of kind first.
 #pragma once
@@ -18,8 +18,8 @@ namespace rubicon::network {
 /// Why a mote is no longer in its island.
 enum class leave_cause : std::uint8_t {
   notice = 1,       ///< it has said goodbye
-  silence = 2,      ///< nothing was heard for its keep-alive window
-  battery = 3,      ///< the same, after it had told that its battery was nearly flat
+  silence = 2,      ///< nothing was received for its keep-alive window
+  battery = 3,      ///< the same, after it had reported that its battery was nearly flat
   out_of_range = 4, ///< the same, after its only links had become weak
 };
 
@@ -67,7 +67,7 @@ struct describe {
   friend bool operator==(const describe&, const describe&) = default;
 };
 
-/// Up: the sink has been started, and knows nobody yet.
+/// Up: the sink has been started, and knows no mote yet.
 struct sink_started {
   friend bool operator==(const sink_started&, const sink_started&) = default;
 };
@@ -104,7 +104,7 @@ inline constexpr std::uint32_t unknown_life = 0xffffffff;
 /// Down, at once: here I am.
 struct gateway_answer {
   std::uint32_t life = 0; ///< counts the gateway's starts
-  std::uint32_t term = 0; ///< the latest that it has heard of
+  std::uint32_t term = 0; ///< the latest that it has received
 
   friend bool operator==(const gateway_answer&, const gateway_answer&) = default;
 };

@@ -47,7 +47,7 @@ inline constexpr duration turn_back = 192us;
 
 /// A packet of a channel is handed on by one mote after the other. The first has its slot and needs
 /// no back-off; the next packet begins when this one has arrived, so that they never meet where
-/// motes cannot hear each other.
+/// motes do not receive each other.
 /// @param octets content of the packet @pre hops > 0
 [[nodiscard]] constexpr duration passage(std::size_t octets, std::size_t hops,
                                          const access_times& access) {

@@ -11,7 +11,7 @@ namespace {
 using std::chrono::microseconds;
 
 /// The setting whose slots are in use now; nothing: none are, or it leaves no free part.
-std::optional<tick_setting> slotted(instant now, const clock_sync& clock) {
+std::optional<tick_setting> slotted(instant now, const time_estimate& clock) {
   if (clock.slots_used() == 0 || !clock.synchronised())
     return std::nullopt;
   const auto setting = clock.tick(now);
@@ -29,7 +29,7 @@ duration turns::draw(std::int64_t number, duration spread) {
   return offset_;
 }
 
-instant turns::next_in_window(instant now, const clock_sync& clock) {
+instant turns::next_in_window(instant now, const time_estimate& clock) {
   constexpr int open_quarters = 3;
   const auto period = in_us(window_.period);
   const auto time = clock.at(now).time_since_epoch();
@@ -43,7 +43,7 @@ instant turns::next_in_window(instant now, const clock_sync& clock) {
   return std::max(now, clock.when(island_time(begin)));
 }
 
-instant turns::next(instant now, const clock_sync& clock) {
+instant turns::next(instant now, const time_estimate& clock) {
   if (window_.enabled())
     return window_.applies(now, clock) ? next_in_window(now, clock) : now;
   const auto setting = slotted(now, clock);
@@ -62,7 +62,7 @@ instant turns::next(instant now, const clock_sync& clock) {
   return std::max(now, clock.when(begin));
 }
 
-duration turns::longest(instant now, const clock_sync& clock) const {
+duration turns::longest(instant now, const time_estimate& clock) const {
   if (window_.enabled())
     return window_.applies(now, clock) ? window_.period : 0ns;
   const auto setting = slotted(now, clock);

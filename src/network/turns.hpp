@@ -7,7 +7,7 @@
 
 #include "core/numbers/random.hpp"
 #include "core/time.hpp"
-#include "network/clock/clock_sync.hpp"
+#include "network/clock/time_estimate.hpp"
 #include "network/duty_window.hpp"
 
 namespace rubicon::network {
@@ -25,15 +25,15 @@ public:
       : is_sink_(is_sink), window_(window), rng_(rng) {}
 
   /// @returns `now`, or the next moment at which a frame without a slot may be handed to the radio
-  [[nodiscard]] instant next(instant now, const clock_sync& clock);
+  [[nodiscard]] instant next(instant now, const time_estimate& clock);
 
   /// The longest wait for it.
-  [[nodiscard]] duration longest(instant now, const clock_sync& clock) const;
+  [[nodiscard]] duration longest(instant now, const time_estimate& clock) const;
 
   [[nodiscard]] static std::size_t footprint() { return 4; }
 
 private:
-  [[nodiscard]] instant next_in_window(instant now, const clock_sync& clock);
+  [[nodiscard]] instant next_in_window(instant now, const time_estimate& clock);
   [[nodiscard]] duration draw(std::int64_t number, duration spread);
 
   bool is_sink_ = false;

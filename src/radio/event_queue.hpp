@@ -19,7 +19,7 @@ enum class event_kind : std::uint8_t {
   listening,   ///< subject: a radio
 };
 
-/// Nobody can cancel an event: by `stamp` its owner recognises one that is out of date.
+/// An event cannot be cancelled: by `stamp` its owner recognises one that is out of date.
 struct event {
   instant at{};
   instant output_at{}; ///< nothing that it leads to is output before; not before `at`

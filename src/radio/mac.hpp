@@ -74,7 +74,7 @@ struct mac_action {
 /// delays copies, and ends nothing but a train that has lasted so long without a first copy.
 ///
 /// "Next" takes the following frame from the queue; its back-off begins after the interframe space,
-/// and when the transceiver hears again after its own ack if one is due.
+/// and when the transceiver receives again after its own ack if one is due.
 class mac {
 public:
   enum class state : std::uint8_t { idle, backing_off, looking_again, turning, sending, ack_wait };
@@ -103,8 +103,8 @@ public:
 
   /// The transceiver answers a frame with an ack of its own, which has left by `until`. An ack
   /// needs no CSMA and goes first (IEEE 802.15.4-2006 7.5.6.4.2): CSMA for our next frame begins
-  /// when the transceiver hears again after it, anew if it was in flight, so that neither the frame
-  /// received nor the ack counts as a busy channel.
+  /// when the transceiver receives again after it, anew if it was in flight, so that neither the
+  /// frame received nor the ack counts as a busy channel.
   void on_own_ack(instant until, random_stream& rng);
 
   /// An ack has come in. @pre awaits(its DSN)
@@ -165,9 +165,9 @@ private:
   unsigned busy_ = 0;   ///< busy assessments in this round
   unsigned rounds_ = 0; ///< of this attempt that have ended
   state state_ = state::idle;
-  instant free_from_; ///< end of the interframe space, and of turning back after the own ack
-  instant
-      assess_from_; ///< no assessment may begin earlier: the receiver is deaf, or the ack is heard
+  instant free_from_;   ///< end of the interframe space, and of turning back after the own ack
+  instant assess_from_; ///< no assessment may begin earlier: the receiver is off, or the ack is
+                        ///< received
   std::optional<instant> deadline_;
 };
 

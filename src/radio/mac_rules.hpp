@@ -42,7 +42,7 @@ struct backoff_window {
 
 /// Between copies of a frame that is repeated until its receiver's radio is on: TinyOS's 10 to 49
 /// ticks under low-power listening, in whole periods of the standard. Drawn anew each time, or two
-/// who cannot hear each other would go on colliding.
+/// who do not receive each other would go on colliding.
 inline constexpr backoff_window copy_backoff{
     .first = timing::unit_backoff, .step = timing::unit_backoff, .count = 4};
 

@@ -22,7 +22,7 @@ class noise_trace; // radio/medium/noise.hpp
 
 // ------------------------------------------------------------------------------------- propagation
 
-/// Everybody within range hears, nobody else does (NET-15). The received power is that of
+/// All within range receive, no other does (NET-15). The received power is that of
 /// log_distance with its defaults, but decides nothing unless noise or collisions by SINR are asked
 /// for.
 struct unit_disk {

@@ -177,7 +177,7 @@ std::string stamped_text(const am_packet& x) {
   inner.am_type = in.octet();
   auto text = phrase(in, "stamped").big<std::uint32_t>("").text() + " type " +
               std::to_string(inner.am_type);
-  if (inner.am_type == stamped_type) // nobody nests them
+  if (inner.am_type == stamped_type) // they are not nested
     return text;
   const auto meaning = meaning_of(inner);
   return meaning.empty() ? text : text + ", " + meaning;

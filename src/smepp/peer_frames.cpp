@@ -185,7 +185,7 @@ outbox::pause peer::wait(const to_send& x, instant now) const {
   const auto& cycle = schedule->cycle;
   const auto management = until_window(schedule->now.time_since_epoch(), cycle.period, cycle.length,
                                        config_.frame_time);
-  // Nobody repeats what others did not receive: such frames keep clear of each other, and of the
+  // What others did not receive is not repeated: such frames keep clear of each other, and of the
   // begin of windows, which events have as well.
   if (x.to == broadcast_mote)
     return {management, (cycle.length - config_.frame_time) * 2 / 3};

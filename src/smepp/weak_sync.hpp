@@ -37,8 +37,8 @@ struct weak_sync_config {
 ///
 /// A stamp says when the one before it was on the air (two steps), so no octet is filled in while
 /// it is sent, and its error is that of two time stamps of one frame. A straight line through the
-/// newest points gives offset and rate. Who has no rate yet gives the time to nobody, so a line of
-/// members synchronises from the root outwards.
+/// newest points gives offset and rate. Who has no rate yet gives the time to no other, so a line
+/// of members synchronises from the root outwards.
 ///
 /// All `instant`s are of the member's own clock, within 125 ppm of the true one.
 class weak_sync {
@@ -67,7 +67,7 @@ public:
       return true;
     const auto silent = now - (is_root() ? followed_at_ : newest_);
     const auto limit = config_.periods_missed * config_.period;
-    // A root whom nobody follows any more may be so for long.
+    // A root that no mote follows any more may be so for long.
     return is_known() && silent > limit && (!is_root() || (silent - limit) % (8 * limit) < limit);
   }
   [[nodiscard]] bool is_root() const { return is_known() && root_ == config_.self; }

@@ -2,6 +2,7 @@
 #include <cstdlib>
 
 #include "network/beacon.hpp"
+#include "network/clock/clock_sync.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace rubicon;
@@ -17,9 +18,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   neighbours links;
   gradient tree({.self = self});
   coordinates place({.self = self, .is_sink = (x->sequence & 1) != 0}, now);
-  clock_sync clock({.self = self, .tick = {}}, now);
+  clock_sync_config config;
+  config.self = self;
+  clock_sync clock(config, now);
   clock.on_stamp(x->clock, now);
-  static_cast<void>(clock.network_time(now));
+  static_cast<void>(clock.time().network_time(now));
   auto report = x->report(mote_id{3}, self, false);
   for (int i = 0; i < 8; ++i) {
     now += 10s;

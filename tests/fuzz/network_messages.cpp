@@ -63,7 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   timing.self = mote_id{3};
   clock_sync clock(timing, instant{});
   static_cast<void>(clock.on_stamp(stamp, instant{1s}));
-  if (clock.synchronised())
-    static_cast<void>(clock.when(clock.at(instant{2s})));
+  if (clock.time().synchronised())
+    static_cast<void>(clock.time().when(clock.time().at(instant{2s})));
   return 0;
 }

@@ -112,7 +112,7 @@ void message_ledger::note_arrival(message_account& x) {
     x.about_.at = time_here();
     ++x.tally_.arrived;
   }
-  tell(x.about_);
+  notify(x.about_);
 }
 
 void message_ledger::note_foreign_arrival(mote_address source, message_kind kind) {
@@ -132,7 +132,7 @@ void message_ledger::finish() {
   finished_ = true;
 }
 
-void message_ledger::tell(const message_end& x) {
+void message_ledger::notify(const message_end& x) {
   if (observer_)
     observer_(x);
 }
@@ -164,7 +164,7 @@ void message_ledger::end(message_account& x) {
       ++places_[{about.kind, about.cause, known ? about.place : std::string_view()}];
     }
   }
-  tell(about);
+  notify(about);
 }
 
 // Packages of PEIS links.

@@ -145,7 +145,7 @@ private:
   static void close(message_account* x) noexcept;
   static void keep(message_account& x, const note& what);
   void end(message_account& x);
-  void tell(const message_end& x);
+  void notify(const message_end& x);
   void remove(packages::iterator which, packages& to);
   void remove(std::uint64_t name, packages& to);
   void expire(instant now, packages& to);

@@ -95,8 +95,8 @@ public:
   provenance_source(const provenance_source&) = delete;
   provenance_source& operator=(const provenance_source&) = delete;
 
-  /// Number of something new that what is being done now has led to; 0: nobody records.
-  /// @param id tells it from its like
+  /// Number of something new that what is being done now has led to; 0: nothing is recorded.
+  /// @param id distinguishes it from its like
   [[nodiscard]] virtual std::uint64_t begin(std::string_view what, std::uint64_t id) = 0;
 
   /// Where messages are accounted for; nullptr: nowhere.

@@ -27,7 +27,7 @@ std::uint16_t bucket_of(std::uint64_t ns) {
 }
 
 /// Halfway between the smallest and the largest whole number in a bucket. What another computer
-/// tells may have any number.
+/// sends may have any number.
 double middle_ns(std::uint16_t number) {
   number = std::min(number, bucket_of(std::numeric_limits<std::uint64_t>::max()));
   if (number < buckets_per_octave)

@@ -58,7 +58,7 @@ std::optional<mote_id> parse_mote(std::string_view text) {
   return value ? std::optional(mote_id{*value}) : std::nullopt;
 }
 
-/// Letter case does not tell keys apart (docs/peis-wire.md 15.7); `word` is in lower case.
+/// Letter case does not distinguish keys (docs/peis-wire.md 15.7); `word` is in lower case.
 bool is_word(std::string_view text, std::string_view word) {
   return std::equal(text.begin(), text.end(), word.begin(), word.end(), [](char a, char b) {
     return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;

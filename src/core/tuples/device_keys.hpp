@@ -108,7 +108,7 @@ struct output_pattern {
 /// What a gateway knows of a mote.
 enum class device_presence : std::uint8_t {
   listed, ///< in the island, as far as anybody can know
-  stale,  ///< it was, but its sink is not heard or has been started again
+  stale,  ///< it was, but its sink is silent or has been started again
   left,
 };
 
@@ -139,7 +139,7 @@ enum class input_outcome : std::uint8_t {
   acknowledged, ///< the mote has it
   failed,       ///< sent and never acknowledged
   unreachable,  ///< the gateway does not list the mote
-  sent,         ///< a base station has it, for a mote whose program tells nothing back
+  sent,         ///< a base station has it, for a mote whose program sends no reply
 };
 
 /// The word in the status tuple.

@@ -51,7 +51,7 @@ struct channel_schedule {
 /// Why a channel is not, or no longer, there.
 enum class channel_end : std::uint8_t {
   no_room = 1,     ///< a table on the path is full
-  unreachable = 2, ///< nobody knows a route, or the destination did not answer
+  unreachable = 2, ///< no mote knows a route, or the destination did not answer
   disconnected = 3,
   broken = 4,  ///< a mote on the path is gone
   expired = 5, ///< nothing came over it for too long
@@ -67,7 +67,7 @@ struct connect_message {
   std::uint8_t hops = 0;                    ///< made
   std::uint16_t expiry_s = 0;               ///< without packets the channel ends; 0: never (NET-08)
   channel_schedule schedule;
-  std::uint32_t delay_us = 0; ///< a packet's expected way from the source to this mote (NRG-03)
+  std::uint32_t delay_us = 0; ///< a packet's expected delay from the source to this mote (NRG-03)
 
   friend bool operator==(const connect_message&, const connect_message&) = default;
 };
@@ -79,7 +79,7 @@ struct connect_ack_message {
   friend bool operator==(const connect_ack_message&, const connect_ack_message&) = default;
 };
 
-/// 3: either way: the channel is no more, free what is reserved (NET-04, NET-07, NET-09).
+/// 3: in either direction: the channel is no more, free what is reserved (NET-04, NET-07, NET-09).
 struct end_message {
   channel_end why = channel_end::disconnected;
 
@@ -93,7 +93,7 @@ struct dead_end_message {
 
 /// 5: a packet (NET-05).
 struct data_message {
-  std::uint8_t sequence = 0; ///< by the sending end; tells a packet from the one before
+  std::uint8_t sequence = 0; ///< by the sending end; distinguishes a packet from the one before
   bytes content;
 
   friend bool operator==(const data_message&, const data_message&) = default;

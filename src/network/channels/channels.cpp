@@ -16,15 +16,15 @@ namespace {
 constexpr duration radio_try_max = 115 * 320us + 4300us + 900us;
 constexpr duration radio_round_max = 4 * radio_try_max;
 
-constexpr duration offer_lifetime = 5s; ///< what nobody has taken up by then is void
-/// Of a squared distance in virtual coordinates: so much farther the next mote may be where nobody
-/// is nearer. Several motes have the same coordinates, and the way leads round them.
+constexpr duration offer_lifetime = 5s; ///< what has not been taken up by then is void
+/// Of a squared distance in virtual coordinates: so much farther the next mote may be where none
+/// is nearer. Several motes have the same coordinates, and the route leads round them.
 constexpr std::uint32_t sidestep = 5;
 constexpr int turns_spare =
     6; ///< turns that set-up may take beside one a hop: many take several hops
-constexpr int hops_likely = 8;           ///< of a route that nobody knows
-constexpr unsigned flood_rounds = 2;     ///< nobody acknowledges: each mote says it so often,
-constexpr unsigned flood_rounds_max = 5; ///< and until it has heard that somebody passes it on
+constexpr int hops_likely = 8;           ///< of a route that is not known
+constexpr unsigned flood_rounds = 2;     ///< not acknowledged: each mote sends it so often,
+constexpr unsigned flood_rounds_max = 5; ///< and until another has relayed it
 
 bool is_data(const channel_message& x) {
   return std::holds_alternative<data_message>(x.content);
@@ -36,7 +36,7 @@ std::size_t data_octets(const channel_message& x) {
   return data ? data->content.size() : 0;
 }
 
-/// As the next mote is to hear it: a packet comes there when it leaves here.
+/// As the next mote is to receive it: a packet comes there when it leaves here.
 connect_message one_hop_on(connect_message x) {
   const bool is_source = x.hops == 0;
   ++x.hops;
@@ -74,10 +74,10 @@ channels_outputs channels::connect(channel_id channel, mote_id destination,
     return out;
   }
   auto& x = entries_[channel];
-  x.wish.destination = destination;
-  x.wish.place = place;
-  x.wish.schedule = schedule;
-  x.wish.expiry_s = static_cast<std::uint16_t>(expiry / 1s);
+  x.request.destination = destination;
+  x.request.place = place;
+  x.request.schedule = schedule;
+  x.request.expiry_s = static_cast<std::uint16_t>(expiry / 1s);
   x.last_packet = now;
   x.setup_end = now + config_.connect_timeout + turns_of(around, likely_hops(around, place));
   go_on(channel, x, around, out, now);
@@ -90,11 +90,11 @@ channels_outputs channels::connect(channel_id channel, mote_id destination,
 /// one yet. Then one that is about as far from it as we are, a good one first. Who does not know
 /// where it is itself leaves it to the mote above it in the tree.
 std::optional<mote_id> channels::nearer(const entry& x, const surroundings& around) {
-  const bool is_untried = !x.has_tried(x.wish.destination);
-  const auto is_destination = [&](const nearby_mote& y) { return y.mote == x.wish.destination; };
+  const bool is_untried = !x.has_tried(x.request.destination);
+  const auto is_destination = [&](const nearby_mote& y) { return y.mote == x.request.destination; };
   for (const auto* among : {&around.motes, &around.heard}) {
     if (std::ranges::any_of(*among, is_destination) && is_untried)
-      return x.wish.destination;
+      return x.request.destination;
     if (const auto next = nearest(x, *among, around, 0))
       return next;
   }
@@ -102,7 +102,7 @@ std::optional<mote_id> channels::nearer(const entry& x, const surroundings& arou
     if (const auto next = nearest(x, *among, around, sidestep))
       return next;
   }
-  const bool may_ascend = x.wish.place && !around.own_place && around.parent != no_mote &&
+  const bool may_ascend = x.request.place && !around.own_place && around.parent != no_mote &&
                           around.parent != x.previous && !x.has_tried(around.parent);
   return may_ascend ? std::optional(around.parent) : std::nullopt;
 }
@@ -111,15 +111,15 @@ std::optional<mote_id> channels::nearer(const entry& x, const surroundings& arou
 /// @param slack the squared distance may be so much greater, and less one
 std::optional<mote_id> channels::nearest(const entry& x, const std::vector<nearby_mote>& among,
                                          const surroundings& around, std::uint32_t slack) {
-  if (!x.wish.place)
+  if (!x.request.place)
     return std::nullopt;
   std::optional<mote_id> best;
-  auto least = around.own_place ? squared_distance(*around.own_place, *x.wish.place) + slack
+  auto least = around.own_place ? squared_distance(*around.own_place, *x.request.place) + slack
                                 : std::numeric_limits<std::uint32_t>::max();
   for (const auto& y : among) {
     if (!y.place || x.has_tried(y.mote) || y.mote == x.previous)
       continue;
-    const auto distance = squared_distance(*y.place, *x.wish.place);
+    const auto distance = squared_distance(*y.place, *x.request.place);
     if (distance < least) {
       least = distance;
       best = y.mote;
@@ -129,38 +129,38 @@ std::optional<mote_id> channels::nearest(const entry& x, const std::vector<nearb
 }
 
 bool channels::may_be_near(const entry& x, const surroundings& around) {
-  if (!x.wish.place || !around.own_place || x.previous || !x.tried.empty())
+  if (!x.request.place || !around.own_place || x.previous || !x.tried.empty())
     return false;
-  return hops_between(*x.wish.place, *around.own_place) <= 1;
+  return hops_between(*x.request.place, *around.own_place) <= 1;
 }
 
 /// Whether the connect message is to wait for a neighbour, which it does once: at the source before
 /// it goes to everybody, and where we have started lately.
 bool channels::waits(entry& x, const surroundings& around, instant now) {
-  const bool may_help = x.wish.place && (around.is_new || !x.previous);
+  const bool may_help = x.request.place && (around.is_new || !x.previous);
   if (!x.look_end && may_help)
     x.look_end = now + around.beacon_wait;
   return x.look_end && now < *x.look_end;
 }
 
 /// Sends the connect message on: to a neighbour that is nearer, else, from the source, to the
-/// destination itself if that may hear us, in a crowd before all others; else, when it has waited
-/// for one, back, else to everybody.
+/// destination itself if that may receive it, in a crowd before all others; else, when it has
+/// waited for one, back, else to everybody.
 void channels::go_on(channel_id id, entry& x, const surroundings& around, channels_outputs& out,
                      instant now) {
   reserve(id, x, out);
   auto next = x.tried.size() < config_.tries_max ? nearer(x, around) : std::nullopt;
   if ((!next || around.is_crowd) && may_be_near(x, around))
-    next = x.wish.destination;
+    next = x.request.destination;
   if (next) {
     x.next = next;
-    queue(*next, {id, one_hop_on(x.wish)}, now);
+    queue(*next, {id, one_hop_on(x.request)}, now);
     return;
   }
   x.next.reset();
   if (waits(x, around, now))
     return;
-  if (x.previous && x.wish.place) {
+  if (x.previous && x.request.place) {
     ++counters_.backtracks;
     const auto previous = *x.previous;
     entries_.erase(id);
@@ -185,14 +185,14 @@ void channels::note_dead_end(channel_id id, instant until) {
 
 void channels::flood(channel_id id, entry& x, const surroundings& around, instant now) {
   ++counters_.floods;
-  ++(!x.wish.place       ? counters_.floods_place_unknown
+  ++(!x.request.place    ? counters_.floods_place_unknown
      : !around.own_place ? counters_.floods_self_unknown
                          : counters_.floods_dead_end);
   x.next.reset();
   x.flooded = true;
-  auto wish = one_hop_on(x.wish);
-  wish.flooded = true;
-  queue(broadcast_mote, {id, wish}, now);
+  auto request = one_hop_on(x.request);
+  request.flooded = true;
+  queue(broadcast_mote, {id, request}, now);
 }
 
 std::optional<channels_outputs> channels::send(channel_id channel, bytes content, departure how,
@@ -253,7 +253,7 @@ void channels::take(mote_id from, channel_id id, connect_message& x, const surro
     if (known->second.previous != from)
       queue(from, {id, dead_end_message{}}, now);
     else if (known->second.open)
-      queue(from, {id, connect_ack_message{known->second.wish.hops}}, now);
+      queue(from, {id, connect_ack_message{known->second.request.hops}}, now);
     return;
   }
   if (is_dead_end(id)) {
@@ -267,7 +267,7 @@ void channels::take(mote_id from, channel_id id, connect_message& x, const surro
   }
   auto& here = entries_[id];
   here.previous = from;
-  here.wish = x;
+  here.request = x;
   here.last_packet = now;
   here.setup_end = now + config_.setup_timeout + turns_of(around, 2 * hops_likely);
   if (x.destination != config_.self) {
@@ -285,13 +285,13 @@ void channels::take(mote_id from, channel_id id, connect_message& x, const surro
 void channels::take_flooded(mote_id from, channel_id id, const connect_message& x,
                             const surroundings& around, channels_outputs& out, instant now) {
   if (const auto again = offers_.find(id); again != offers_.end()) {
-    note_copy(again->second.heard, x.hops, again->second.wish.hops);
+    note_copy(again->second.heard, x.hops, again->second.request.hops);
     if (again->second.heard.copies == config_.flood_copies && around.is_crowd)
       end_flood(id);
     return;
   }
   if (const auto ours = entries_.find(id); ours != entries_.end()) {
-    note_copy(ours->second.heard, x.hops, ours->second.wish.hops);
+    note_copy(ours->second.heard, x.hops, ours->second.request.hops);
     return;
   }
   if (id.source == config_.self)
@@ -307,7 +307,7 @@ void channels::take_flooded(mote_id from, channel_id id, const connect_message& 
     return;
   offers_[id] = {from, x, now + offer_lifetime + turns_of(around, hops_likely), {}};
   const auto is_near = [&](const nearby_mote& y) { return y.mote == x.destination; };
-  if (std::ranges::any_of(around.motes, is_near)) // perhaps of all who hear this we alone
+  if (std::ranges::any_of(around.motes, is_near)) // perhaps of all who receive this we alone
     queue(x.destination, {id, one_hop_on(x)}, now);
   else
     queue(broadcast_mote, {id, one_hop_on(x)}, now + rng_.between(0s, config_.flood_spread));
@@ -347,7 +347,7 @@ void channels::take(mote_id from, channel_id id, connect_ack_message& ack, const
     }
     found = entries_.emplace(id, entry{}).first;
     found->second.previous = offered.mapped().previous;
-    found->second.wish = offered.mapped().wish;
+    found->second.request = offered.mapped().request;
     found->second.last_packet = now;
   }
   auto& x = found->second;
@@ -359,7 +359,7 @@ void channels::take(mote_id from, channel_id id, connect_ack_message& ack, const
   end_flood(id);
   if (std::exchange(x.open, true))
     return;
-  x.wish.hops = ack.hops;
+  x.request.hops = ack.hops;
   reserve(id, x, out);
   if (x.previous) {
     queue(*x.previous, {id, ack}, now);
@@ -424,8 +424,9 @@ void channels::take(mote_id from, channel_id id, data_message& x, const surround
   }
 }
 
-/// Frees what the channel holds here and tells its neighbours on the path, but not `told_by`.
-void channels::free(channel_id id, channel_end why, std::optional<mote_id> told_by,
+/// Frees what the channel holds here and notifies its neighbours on the path, but not
+/// `informed_by`.
+void channels::free(channel_id id, channel_end why, std::optional<mote_id> informed_by,
                     channels_outputs& out, instant now) {
   const auto gone = entries_.extract(id);
   if (gone.empty())
@@ -438,19 +439,19 @@ void channels::free(channel_id id, channel_end why, std::optional<mote_id> told_
     return goes;
   });
   for (const auto& side : {x.previous, x.next}) {
-    if (side && side != told_by)
+    if (side && side != informed_by)
       queue(*side, {id, end_message{why}}, now);
   }
   out.emplace_back(channel_reserved{id, {}});
-  const bool is_end = !x.previous || x.wish.destination == config_.self;
-  if (is_end && told_by != config_.self)
+  const bool is_end = !x.previous || x.request.destination == config_.self;
+  if (is_end && informed_by != config_.self)
     out.emplace_back(channel_ended{id, why});
 }
 
 /// A packet comes here as much later as its route to us takes (NRG-03).
 void channels::reserve(channel_id id, const entry& x, channels_outputs& out) const {
-  auto schedule = x.wish.schedule;
-  schedule.first += std::chrono::microseconds(x.wish.delay_us);
+  auto schedule = x.request.schedule;
+  schedule.first += std::chrono::microseconds(x.request.delay_us);
   out.emplace_back(channel_reserved{id, schedule, x.previous});
 }
 
@@ -601,7 +602,7 @@ channels_outputs channels::on_time(instant now) {
   for (const auto& [id, x] : entries_) {
     if (!x.open && x.setup_end <= now)
       over.emplace_back(id, channel_end::unreachable);
-    else if (x.open && x.wish.expiry_s > 0 && x.last_packet + x.wish.expiry_s * 1s <= now)
+    else if (x.open && x.request.expiry_s > 0 && x.last_packet + x.request.expiry_s * 1s <= now)
       over.emplace_back(id, channel_end::expired);
   }
   for (const auto& [id, why] : over) {
@@ -619,8 +620,8 @@ std::optional<instant> channels::deadline() const {
   for (const auto& [id, x] : entries_) {
     if (!x.open)
       next = earliest(next, x.is_looking() ? std::min(x.setup_end, *x.look_end) : x.setup_end);
-    else if (x.wish.expiry_s > 0)
-      next = earliest(next, x.last_packet + x.wish.expiry_s * 1s);
+    else if (x.request.expiry_s > 0)
+      next = earliest(next, x.last_packet + x.request.expiry_s * 1s);
   }
   for (const auto& [id, x] : offers_)
     next = earliest(next, x.end);
@@ -636,7 +637,7 @@ std::optional<instant> channels::deadline() const {
 std::optional<std::uint8_t> channels::hops(channel_id channel) const {
   const auto found = entries_.find(channel);
   return found == entries_.end() || !found->second.open ? std::nullopt
-                                                        : std::optional(found->second.wish.hops);
+                                                        : std::optional(found->second.request.hops);
 }
 
 std::optional<duration> channels::latency_bound(channel_id channel) const {
@@ -650,7 +651,7 @@ std::optional<duration> channels::latency_bound(channel_id channel) const {
   const auto before =
       frames * radio_try_max +
       2 * (frames + static_cast<std::int64_t>(config_.data_rounds_max)) * config_.wake;
-  return *length * (before + own + duration(x.wish.schedule.interval));
+  return *length * (before + own + duration(x.request.schedule.interval));
 }
 
 std::vector<channel_id> channels::table() const {

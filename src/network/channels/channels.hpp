@@ -53,7 +53,7 @@ struct channels_counters {
   std::uint64_t accepted = 0; ///< as destination
   std::uint64_t backtracks = 0;
   std::uint64_t floods = 0; ///< begun here; over connects: the share of fallbacks (NET-12), since
-  std::uint64_t floods_place_unknown = 0; ///< nobody had said where the destination is,
+  std::uint64_t floods_place_unknown = 0; ///< no mote had reported where the destination is,
   std::uint64_t floods_self_unknown = 0;  ///< or we did not know where we are,
   std::uint64_t floods_dead_end = 0;      ///< or no neighbour was nearer, of those that answered
   std::uint64_t broken = 0;               ///< next or previous mote did not answer
@@ -96,7 +96,7 @@ struct surroundings {
 /// access, a frame of the longest size, and a repeat (NRG-03).
 inline constexpr std::chrono::microseconds channel_slot{10'000};
 
-/// Hand this frame of AM type am::channel to the radio and tell on_sent() how it ended.
+/// Hand this frame of AM type am::channel to the radio and notify on_sent() how it ended.
 struct channel_hop {
   mote_id next; ///< broadcast_mote: to all
   bytes octets;
@@ -137,7 +137,7 @@ struct channel_reserved {
 enum class departure : std::uint8_t {
   in_turn, ///< see network/turns.hpp
   at_once, ///< the next mote expects it
-  in_slot, ///< nobody near sends now: the first hop needs no back-off
+  in_slot, ///< no mote near sends now: the first hop needs no back-off
 };
 
 using channels_output = std::variant<channel_hop, channel_connected, channel_accepted,
@@ -180,16 +180,16 @@ public:
   /// vector has one tick for all its hops.
   void hold(instant until) { held_until_ = until; }
 
-  /// From either end; the other end hears of it.
+  /// From either end; the other end is notified.
   [[nodiscard]] channels_outputs disconnect(channel_id channel, instant now);
 
-  /// The destination wants no such channel: the source hears no_room.
+  /// The destination wants no such channel: the source is notified of no_room.
   [[nodiscard]] channels_outputs refuse(channel_id channel, instant now);
 
   [[nodiscard]] channels_outputs on_frame(mote_id from, byte_view octets,
                                           const surroundings& around, instant now);
 
-  /// The last channel_hop has ended. @param around matters only if nobody has acknowledged it
+  /// The last channel_hop has ended. @param around matters only if it was not acknowledged
   [[nodiscard]] channels_outputs on_sent(bool acked, const surroundings& around, instant now);
 
   /// A neighbour has begun anew: it knows of no channel.
@@ -227,7 +227,7 @@ public:
 private:
   /// Of a flooded connect message that we have said, too.
   struct flood_copies {
-    unsigned copies = 1;    ///< heard
+    unsigned copies = 1;    ///< received
     bool passed_on = false; ///< one of them by a mote that had it from us, or might have
   };
 
@@ -235,7 +235,7 @@ private:
     std::optional<mote_id> previous; ///< nothing at the source
     std::optional<mote_id> next;     ///< nothing at the destination, and while it is looked for
     bool open = false;
-    connect_message wish;       ///< as it came to us; once open, with the hops of the path
+    connect_message request;    ///< as it came to us; once open, with the hops of the path
     std::vector<mote_id> tried; ///< no more than `tries_max`: were a dead end, or did not answer
     unsigned losses = 0;        ///< packets in a row that `next` has not acknowledged
     std::uint8_t sent = 0;      ///< sequence number of our last packet, at an end
@@ -253,10 +253,10 @@ private:
     [[nodiscard]] bool is_looking() const { return look_end && !next && !open && !flooded; }
   };
 
-  /// A flooded connect message that we have heard first from `previous`.
+  /// A flooded connect message that was received first from `previous`.
   struct offer {
     mote_id previous;
-    connect_message wish;
+    connect_message request;
     instant end;
     flood_copies heard;
   };
@@ -296,8 +296,8 @@ private:
   static void note_copy(flood_copies& x, std::uint8_t hops, std::uint8_t own_hops);
   void end_flood(channel_id id);
   [[nodiscard]] unsigned rounds_of_flood(channel_id id) const;
-  void free(channel_id id, channel_end why, std::optional<mote_id> told_by, channels_outputs& out,
-            instant now);
+  void free(channel_id id, channel_end why, std::optional<mote_id> informed_by,
+            channels_outputs& out, instant now);
   void reserve(channel_id id, const entry& x, channels_outputs& out) const;
   void on_lost(const waiting& x, const surroundings& around, channels_outputs& out, instant now);
 

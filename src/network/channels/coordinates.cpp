@@ -146,19 +146,20 @@ bool coordinates::speaks_of(const row& x, std::size_t anchor) const {
 
 /// Whether the anchor has shown no sign of life for too long.
 bool coordinates::is_stale(const state& x, instant now) const {
-  return x.told.told() && now - x.progressed > config_.sequence_patience;
+  return x.advertised.has_advertised() && now - x.progressed > config_.sequence_patience;
 }
 
-/// Whether time alone changes nothing: no anchor is stale, and none was reached that nobody was
-/// told of, of which the time is noted.
+/// Whether time alone changes nothing: no anchor is stale, and none was reached that no mote was
+/// informed of, of which the time is noted.
 bool coordinates::waits(instant now) const {
   return !config_.is_sink && std::ranges::none_of(states_, [&](const state& x) {
-    return is_stale(x, now) || (!x.told.told() && x.hops != hops_unknown && x.mote != config_.self);
+    return is_stale(x, now) ||
+           (!x.advertised.has_advertised() && x.hops != hops_unknown && x.mote != config_.self);
   });
 }
 
-/// Our distance to one anchor. Tells the oldest sequence number of the nearest neighbours: then
-/// each of them can take another's place at once.
+/// Our distance to one anchor. Advertises the oldest sequence number of the nearest neighbours:
+/// then each of them can take another's place at once.
 void coordinates::measure(std::size_t anchor, const neighbours& links, instant now) {
   auto& mine = states_[anchor];
   mine.hops = hops_unknown;
@@ -173,7 +174,7 @@ void coordinates::measure(std::size_t anchor, const neighbours& links, instant n
   const auto before = mine.sequence;
   for (const auto& x : rows_) {
     const auto& theirs = x.part.anchors[anchor];
-    if (!speaks_of(x, anchor) || !mine.told.admits(theirs.sequence, theirs.hops) ||
+    if (!speaks_of(x, anchor) || !mine.advertised.admits(theirs.sequence, theirs.hops) ||
         (must_be_newer && !is_newer(theirs.sequence, before)))
       continue;
     const auto hops = static_cast<hop_distance>(theirs.hops + 1);
@@ -184,7 +185,7 @@ void coordinates::measure(std::size_t anchor, const neighbours& links, instant n
       mine.sequence = theirs.sequence;
     }
   }
-  if (!mine.told.told() || is_newer(mine.sequence, before))
+  if (!mine.advertised.has_advertised() || is_newer(mine.sequence, before))
     mine.progressed = now;
 }
 
@@ -309,7 +310,7 @@ coordinates_part coordinates::advertise() {
     if (mine.mote == config_.self && mine.mote != no_mote)
       mine.sequence = own_sequence_;
     else if (mine.hops != hops_unknown)
-      mine.told.tell(mine.sequence, mine.hops);
+      mine.advertised.advertise(mine.sequence, mine.hops);
     x.anchors[i] = {mine.mote, mine.sequence, mine.hops};
   }
   if (last_place_ && place_epoch_ == epoch_) {
@@ -404,7 +405,7 @@ std::size_t coordinates::footprint(std::size_t capacity) {
   // a row, beside the neighbour's own, which has the id: epoch, which anchors it agrees on with us,
   // sequence and hops of each, candidate
   constexpr std::size_t row_octets = 2 + 1 + anchor_count * 3 + 4 + 3; // and its last place
-  // an anchor: id, hops, sequence, when it progressed in seconds, what was told
+  // an anchor: id, hops, sequence, when it progressed in seconds, what was advertised
   constexpr std::size_t state_octets = 2 + 1 + 2 + 2 + 4;
   return capacity * row_octets + anchor_count * state_octets + 2 + 2 + 4 + 3 * 4 + 3;
 }

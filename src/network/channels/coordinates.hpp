@@ -38,13 +38,13 @@ struct virtual_coordinates {
 /// There are no fewer hops between them: neighbours differ by one in each coordinate, at most.
 [[nodiscard]] int hops_between(virtual_coordinates a, virtual_coordinates b);
 
-/// One anchor as a beacon tells of it: 5 octets, the last one with was_bit or hops_unknown.
+/// One anchor as in a beacon: 5 octets, the last one with was_bit or hops_unknown.
 struct anchor_entry {
   mote_id mote = no_mote;           ///< no_mote: not elected yet
   std::uint16_t sequence = 0;       ///< counted up by the anchor with each of its beacons
   hop_distance hops = hops_unknown; ///< from the beacon's sender
-  /// The sender knows no way now; when it last did it was so far. Says where the sender is, and
-  /// nothing of ways.
+  /// The sender knows no route now; when it last did it was so far. Says where the sender is, and
+  /// nothing of routes.
   bool was = false;
 
   static constexpr std::uint8_t was_bit = 0x80;
@@ -55,7 +55,7 @@ struct anchor_entry {
 /// Whom a mote would make the next anchor: 4 octets. A greater (score, tie) wins, then the lower
 /// id.
 struct anchor_candidate {
-  mote_id mote = no_mote; ///< no_mote: nobody
+  mote_id mote = no_mote; ///< no_mote: none
   std::uint8_t score = 0;
   std::uint8_t tie = 0;
 
@@ -96,13 +96,13 @@ struct coordinates_config {
 
 struct coordinates_counters {
   std::uint64_t elections = 0;     ///< started anew, at the sink
-  std::uint64_t foreign_sinks = 0; ///< beacons that told of another W than ours
+  std::uint64_t foreign_sinks = 0; ///< beacons with another W than ours
   std::uint64_t changes = 0;       ///< of our distances
 };
 RUBICON_FIELDS(coordinates_counters, elections, foreign_sinks, changes);
 
 /// Distances: a mote's distance to an anchor is the least of its good neighbours' and one, over
-/// feasible rows (see feasibility), so that nobody counts to infinity when an anchor or link dies.
+/// feasible rows (see feasibility), so that no mote counts to infinity when an anchor or link dies.
 ///
 /// Election: X is the mote farthest from W, Y the one farthest from X, Z the one whose nearer of X
 /// and Y is farthest, then the one with the greatest sum of both; ties go to the lowest id. Any
@@ -115,7 +115,7 @@ RUBICON_FIELDS(coordinates_counters, elections, foreign_sinks, changes);
 ///
 /// The sink elects anew when it has had no route to an anchor for anchor_patience, and when the
 /// island has grown so that the mote farthest from W is more than half as far again as X, and a
-/// hop. A sink that has restarted goes on with the epoch and anchors that it hears from its
+/// hop. A sink that has restarted goes on with the epoch and anchors that it receives from its
 /// neighbours.
 class coordinates {
 public:
@@ -139,17 +139,19 @@ public:
   /// Ours; nothing while an anchor is missing.
   [[nodiscard]] std::optional<virtual_coordinates> place() const;
 
-  /// A neighbour's, as it last told; nothing if it does not know them or follows another epoch.
+  /// A neighbour's, as it advertised last; nothing if it does not know them or follows another
+  /// epoch.
   [[nodiscard]] std::optional<virtual_coordinates> place_of(mote_id neighbour) const;
 
   /// The same, or where it was last: an anchor may be out of reach for a while, as long as a mote
-  /// in between restarts, and nobody has moved; and until all anchors of a new epoch are elected,
+  /// in between restarts, and no mote has moved; and until all anchors of a new epoch are elected,
   /// everybody goes by those of the one before.
   [[nodiscard]] std::optional<virtual_coordinates> likely_place() const { return last_place_; }
   [[nodiscard]] std::optional<virtual_coordinates> likely_place_of(mote_id neighbour) const;
 
   /// likely_place(); a mote that has just started, and has no good links yet, concludes it from the
-  /// places of those it hears. Too far from an anchor while it hears few: for its own decisions.
+  /// places of those that it receives. Too far from an anchor while these are few: for its own
+  /// decisions.
   [[nodiscard]] std::optional<virtual_coordinates> presumed_place() const;
 
   /// The greedy step (NET-10): the good neighbour closest to `destination` in coordinate space and
@@ -179,7 +181,7 @@ private:
     hop_distance hops = hops_unknown;
     std::uint16_t sequence = 0;
     instant progressed; ///< when `sequence` last went up
-    feasibility told;
+    feasibility advertised;
   };
 
   [[nodiscard]] const row* find(mote_id neighbour) const;
@@ -217,7 +219,7 @@ private:
   // at the sink
   instant first_from_;                        ///< no decision before
   instant quiet_from_;                        ///< candidate_ has been the best since
-  std::array<instant, anchor_count> reached_; ///< when there last was a way to the anchor
+  std::array<instant, anchor_count> reached_; ///< when there last was a route to the anchor
 };
 
 } // namespace rubicon::network

@@ -12,10 +12,10 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr microseconds fit_noise{30};  ///< of a point, at least
-constexpr duration span_min = 3s;      ///< of points that tell a rate,
-constexpr duration span_max = 5min;    ///< and of those that tell it well: older ones are not used;
+constexpr duration span_min = 3s;      ///< of points that show a rate,
+constexpr duration span_max = 5min;    ///< and of those that show it well: older ones are not used;
 constexpr duration span_short = 30s;   ///< nor those older than this of a crystal that wanders fast
-constexpr duration gap_told = 5s;      ///< between points that show whether the rate changes
+constexpr duration gap_shown = 5s;     ///< between points that show whether the rate changes
 constexpr double wander_min = 1e-8;    ///< 1/s, what noise may hide: +-9 ppm in an hour
 constexpr double wander_margin = 2;    ///< over what was seen, which forgets
 constexpr double believed = 0.7;       ///< of what was assumed, when one point shows less
@@ -36,7 +36,7 @@ double weight_of(microseconds noise, double least) {
   return share * share;
 }
 
-/// What points at some distances from their middle tell of a rate.
+/// What points at some distances from their middle show of a rate.
 class lever {
 public:
   void add(double weight, double own_us, double ahead_us, double noise_us) {
@@ -74,7 +74,7 @@ private:
 void clock_line::add(instant own, std::int64_t ahead_us, microseconds noise) {
   const point here{own, ahead_us, noise};
   learn_wander(here, noise);
-  while (!points_.empty() && own - points_.back().own < gap_told &&
+  while (!points_.empty() && own - points_.back().own < gap_shown &&
          points_.back().noise > 2 * noise) // this says the same, and better
     points_.pop_back();
   points_.push_back(here);
@@ -112,7 +112,7 @@ void clock_line::learn_wander(const point& x, microseconds noise) {
   if (points_.empty() || slope_doubt_ >= rate_max)
     return;
   const auto since = x.own - points_.back().own;
-  if (since < gap_told)
+  if (since < gap_shown)
     return;
   const auto by_all = missed(x);
   const auto by_noise = static_cast<double>((noise_ + noise).count());

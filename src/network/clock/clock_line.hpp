@@ -60,7 +60,7 @@ public:
   /// So long after a point the wander that was seen makes the line wrong by `limit`.
   [[nodiscard]] duration lasts(microseconds limit) const;
 
-  /// Microseconds per microsecond.
+  /// By how much our own clock is too slow: 1e-6 is 1 ppm.
   [[nodiscard]] double rate() const { return slope_; }
 
   /// On a mote, which keeps its points as 32 bits of time and difference from the middle, and 16

@@ -20,7 +20,7 @@ struct network_line {
   friend bool operator==(const network_line&, const network_line&) = default;
 };
 
-/// What a beacon says about the island's clock: 28 octets, network byte order; 10 more if it tells
+/// What a beacon says about the island's clock: 28 octets, network byte order; 10 more if it has
 /// the network time, as the highest bit of tick.from does then: ahead (8) and rate (2, in
 /// hundredths of a ppm).
 struct clock_stamp {
@@ -31,7 +31,7 @@ struct clock_stamp {
   /// From then to its start-of-frame delimiter on the air, microseconds: the radio writes it.
   std::uint32_t age_us = 0;
   tick_setting tick;           ///< its period below 2^13 milliseconds,
-  std::uint8_t slots_used = 0; ///< whose three highest bits are this: as clock_sync::slots_used()
+  std::uint8_t slots_used = 0; ///< whose three highest bits are time_estimate::slots_used()
   /// How far `time` may be wrong: 2^(x/8) microseconds, rounded up; 0: it is the root's own;
   /// doubt_asks: its sender asks those who know.
   std::uint8_t doubt = 0;
@@ -48,7 +48,7 @@ inline constexpr std::size_t clock_stamp_age_at = 11; ///< where the age lies in
 /// @pre 0 <= x.tick.from < 2^47 microseconds, more than four years
 void write(byte_writer& to, const clock_stamp& x);
 
-/// What is missing reads as zeros; from.ok() tells.
+/// What is missing reads as zeros; from.ok() shows it.
 [[nodiscard]] clock_stamp read_clock_stamp(byte_reader& from);
 
 inline constexpr std::uint8_t doubt_asks = 255;

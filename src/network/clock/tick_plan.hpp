@@ -24,7 +24,7 @@ struct slot_run {
 /// over all their hops (network/slot_time.hpp). The last fifth of a tick, at least 40 ms, has none:
 /// of 500 ms, 400 units leave 100 ms. A tick of less than 80 ms is all units.
 ///
-/// What is free is all after the slots in use; how many units these are is told in sevenths.
+/// What is free is all after the slots in use; how many units these are is given in sevenths.
 class tick_plan {
 public:
   static constexpr duration unit = 1ms;

@@ -8,7 +8,7 @@ namespace {
 
 using std::chrono::microseconds;
 
-constexpr duration dispute_spread = 30ms; ///< who doubts its time asks within this
+constexpr duration dispute_spread = 30ms; ///< who distrusts its time asks within this
 
 } // namespace
 
@@ -25,7 +25,7 @@ duration time_search::pause_max() const {
   return std::max(config_.pause_max, config_.pause_periods * config_.duty.period);
 }
 
-void time_search::begin(time_knowledge knowledge, const clock_sync& clock, instant now) {
+void time_search::begin(time_knowledge knowledge, const time_estimate& clock, instant now) {
   lost_ = true;
   lost_from_ = now;
   window_asks_ = 0;
@@ -40,7 +40,7 @@ void time_search::begin(time_knowledge knowledge, const clock_sync& clock, insta
   }
 }
 
-instant time_search::in_next_window(const clock_sync& clock, instant now) {
+instant time_search::in_next_window(const time_estimate& clock, instant now) {
   const auto period = in_us(config_.duty.period);
   const auto number = period_number(clock.at(now).time_since_epoch(), period) + 1;
   const auto length = config_.duty.length;
@@ -48,17 +48,17 @@ instant time_search::in_next_window(const clock_sync& clock, instant now) {
 }
 
 time_search::beacon_due time_search::on_time(instant now, time_knowledge knowledge,
-                                             const clock_sync& clock) {
+                                             const time_estimate& clock) {
   for (auto& x : old_windows_) {
     if (x && *x <= now) {
       x.reset();
       return beacon_due::plain;
     }
   }
-  if (tell_due_ && *tell_due_ <= now) {
-    tell_due_ = now + ask_gap();
-    if (*tell_due_ >= tell_until_)
-      tell_due_.reset();
+  if (announce_due_ && *announce_due_ <= now) {
+    announce_due_ = now + ask_gap();
+    if (*announce_due_ >= announce_until_)
+      announce_due_.reset();
     return beacon_due::plain;
   }
   if (knowledge == time_knowledge::good) {
@@ -79,7 +79,7 @@ time_search::beacon_due time_search::on_time(instant now, time_knowledge knowled
   return ask(clock, now);
 }
 
-time_search::beacon_due time_search::ask(const clock_sync& clock, instant now) {
+time_search::beacon_due time_search::ask(const time_estimate& clock, instant now) {
   if (!config_.duty.enabled()) {
     due_ = now + rng_.between(pause_, 2 * pause_);
     pause_ = std::min(2 * pause_, config_.pause_max);
@@ -136,7 +136,7 @@ void time_search::on_asked(instant now) {
     due_ = std::max(*due_, now + 2 * ask_gap());
 }
 
-void time_search::on_news(std::optional<island_clock::duration> leap, const clock_sync& clock,
+void time_search::on_news(std::optional<island_clock::duration> leap, const time_estimate& clock,
                           instant now) {
   const bool was_lost_long = lost_ && now - lost_from_ >= config_.long_search;
   if (!config_.duty.enabled() || config_.is_root || (!leap && !was_lost_long))
@@ -157,12 +157,12 @@ void time_search::on_news(std::optional<island_clock::duration> leap, const cloc
 void time_search::announce(instant now) {
   if (!config_.duty.enabled())
     return;
-  tell_due_ = now;
-  tell_until_ = now + config_.duty.period + config_.duty.length;
+  announce_due_ = now;
+  announce_until_ = now + config_.duty.period + config_.duty.length;
 }
 
 std::optional<instant> time_search::deadline() const {
-  auto next = earliest(due_, tell_due_);
+  auto next = earliest(due_, announce_due_);
   for (const auto& x : old_windows_)
     next = earliest(next, x);
   return next;

@@ -11,7 +11,7 @@
 #include "core/island_time.hpp"
 #include "core/numbers/random.hpp"
 #include "core/time.hpp"
-#include "network/clock/clock_sync.hpp"
+#include "network/clock/time_estimate.hpp"
 #include "network/duty_window.hpp"
 
 namespace rubicon::network {
@@ -49,10 +49,10 @@ enum class time_knowledge : std::uint8_t {
   good,
 };
 
-/// In an island whose radios are always on a search is a beacon that asks; if nobody answers,
+/// In an island whose radios are always on a search is a beacon that asks; if no answer comes,
 /// another, each time twice as long after.
 ///
-/// Where they sleep, who knows the time is on in a short window that others cannot tell: a search
+/// Where they sleep, who knows the time is on in a short window that others do not know: a search
 /// asks again and again for a whole period, with one beacon in each window, as X-MAC wakes
 /// receivers. A mote that has only missed some rounds asks in two windows as it knows them first.
 /// After one that has found nothing the mote rests: its radio is off, but for the windows as it
@@ -69,7 +69,8 @@ public:
 
   /// To be called whenever something has happened, and at deadline().
   /// @returns the beacon that is to be sent now, whatever the window
-  [[nodiscard]] beacon_due on_time(instant now, time_knowledge knowledge, const clock_sync& clock);
+  [[nodiscard]] beacon_due on_time(instant now, time_knowledge knowledge,
+                                   const time_estimate& clock);
   [[nodiscard]] std::optional<instant> deadline() const;
 
   /// A beacon has come; others are there.
@@ -86,7 +87,7 @@ public:
   /// A round of the root has come.
   /// @param leap by so much the island's time is ahead of what we took it for, if it is another
   /// @param clock that shows it
-  void on_news(std::optional<island_clock::duration> leap, const clock_sync& clock, instant now);
+  void on_news(std::optional<island_clock::duration> leap, const time_estimate& clock, instant now);
 
   /// The root's time has begun anew: whoever sleeps near it shall know.
   void announce(instant now);
@@ -108,9 +109,9 @@ public:
 private:
   [[nodiscard]] duration ask_gap() const { return config_.duty.length * 2 / 3; }
   [[nodiscard]] duration pause_max() const;
-  void begin(time_knowledge knowledge, const clock_sync& clock, instant now);
-  [[nodiscard]] instant in_next_window(const clock_sync& clock, instant now);
-  [[nodiscard]] beacon_due ask(const clock_sync& clock, instant now);
+  void begin(time_knowledge knowledge, const time_estimate& clock, instant now);
+  [[nodiscard]] instant in_next_window(const time_estimate& clock, instant now);
+  [[nodiscard]] beacon_due ask(const time_estimate& clock, instant now);
   void rest(instant now);
   void await_probe(instant now);
 
@@ -129,8 +130,8 @@ private:
   instant listen_until_;
   duration pause_{};
   std::optional<instant> received_; ///< a beacon
-  instant tell_until_;
-  std::optional<instant> tell_due_;                     ///< of announce()
+  instant announce_until_;
+  std::optional<instant> announce_due_;                 ///< of announce()
   std::array<std::optional<instant>, 2> old_windows_{}; ///< in which to send a beacon
 };
 

@@ -55,9 +55,9 @@ struct collection_counters {
 RUBICON_FIELDS(collection_counters, originated, arrived, forwarded, repeated, duplicates, loops,
                malformed, queue_full, gave_up, no_route, too_far);
 
-/// Hand this frame to the radio and tell on_sent() how it ended.
+/// Hand this frame to the radio and notify on_sent() how it ended.
 struct hop {
-  mote_id next; ///< broadcast_mote: to all, nobody acknowledges
+  mote_id next; ///< broadcast_mote: to all, not acknowledged
   std::uint8_t am_type = 0;
   bytes octets;
   bool in_slot = false; ///< as in radio::request
@@ -128,7 +128,8 @@ public:
   }
 
 private:
-  /// Tells a packet from all others for a while. A packet that went round a loop is another one.
+  /// Distinguishes a packet from all others for a while. A packet that went round a loop is another
+  /// one.
   struct mark {
     std::uint8_t am_type = 0;
     mote_id mote;

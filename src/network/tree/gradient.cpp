@@ -68,17 +68,17 @@ void gradient::note_progress(const row& old, const gradient_part& x) {
                          is_newer(x.root_sequence, old.part.root_sequence);
   if (has_route() || config_.is_root || !counts_on)
     return;
-  if (told_.admits(x.root_sequence, x.cost) && is_newer(x.root_sequence, sequence_)) {
+  if (advertised_.admits(x.root_sequence, x.cost) && is_newer(x.root_sequence, sequence_)) {
     behind_ = 0;
     return;
   }
   // A little behind is anybody whose beacon has been lost, and perhaps somebody behind us.
-  const auto ahead = static_cast<std::uint16_t>(told_.sequence() - x.root_sequence);
-  if (!is_newer(told_.sequence(), x.root_sequence) || ahead <= config_.behind_max ||
+  const auto ahead = static_cast<std::uint16_t>(advertised_.sequence() - x.root_sequence);
+  if (!is_newer(advertised_.sequence(), x.root_sequence) || ahead <= config_.behind_max ||
       ++behind_ < config_.behind_max)
     return;
   behind_ = 0;
-  told_ = {};
+  advertised_ = {};
   sequence_ = x.root_sequence;
   ++counters_.forgotten;
 }
@@ -96,7 +96,7 @@ gradient::offer gradient::offer_of(const row& x, const neighbours& links, mote_i
   if (part.root != root || part.cost == etx_infinite || part.parent == config_.self ||
       part.hops >= config_.hops_max)
     return {};
-  if (root == root_ && !told_.admits(part.root_sequence, x.least))
+  if (root == root_ && !advertised_.admits(part.root_sequence, x.least))
     return {};
   if (root == root_ && is_stale(now) && !is_newer(part.root_sequence, sequence_))
     return {};
@@ -108,7 +108,7 @@ gradient::offer gradient::offer_of(const row& x, const neighbours& links, mote_i
 
 /// Whether the root has shown no sign of life for too long.
 bool gradient::is_stale(instant now) const {
-  return told_.told() && now - progressed_ > config_.root_patience;
+  return advertised_.has_advertised() && now - progressed_ > config_.root_patience;
 }
 
 gradient::offer gradient::kept_offer(const neighbours& links, instant now) const {
@@ -147,7 +147,7 @@ gradient::offer gradient::choose(const neighbours& links, instant now) {
     best = best_offer(links, x.part.root, any_cost, now);
     if (best.from) {
       root_ = x.part.root;
-      told_ = {};
+      advertised_ = {};
       parent_ = no_mote;
       sequence_ = x.part.root_sequence;
       progressed_ = now;
@@ -165,15 +165,16 @@ void gradient::follow(const offer& chosen, instant now) {
     progressed_ = now;
     urgent_ = urgent_ || part.urgent;
   }
-  if (!told_.told())
+  if (!advertised_.has_advertised())
     progressed_ = now;
   sequence_ = part.root_sequence;
 }
 
 gradient_change gradient::update(const neighbours& links, instant now) {
   prune(links);
-  // Time alone changes something only once the root is stale; while nothing was told it is noted.
-  const bool waits = !is_stale(now) && (told_.told() || !has_route());
+  // Time alone changes something only once the root is stale; while nothing was advertised it is
+  // noted.
+  const bool waits = !is_stale(now) && (advertised_.has_advertised() || !has_route());
   if (config_.is_root || (waits && settled_ == links.changes()))
     return gradient_change::none;
   settled_ = waits ? std::optional(links.changes()) : std::nullopt;
@@ -201,12 +202,12 @@ gradient_part gradient::advertise() {
   if (config_.is_root)
     ++sequence_;
   else if (has_route())
-    told_.tell(sequence_, cost_);
+    advertised_.advertise(sequence_, cost_);
   return {root_, sequence_, parent_, cost_, hops_, std::exchange(urgent_, false)};
 }
 
 bool gradient::starves(mote_id neighbour) const {
-  constexpr unsigned beacons_lost = 2; // it may have lost its route before it heard of ours
+  constexpr unsigned beacons_lost = 2; // it may have lost its route before it received ours
   const auto at = std::ranges::lower_bound(rows_, neighbour, {}, &row::mote);
   return at != rows_.end() && at->mote == neighbour && has_route() && at->lost >= beacons_lost &&
          at->part.root == root_ && !is_newer(sequence_, at->part.root_sequence);

@@ -47,7 +47,7 @@ struct gradient_config {
 struct gradient_counters {
   std::uint64_t parent_changes = 0; ///< from one parent to another
   std::uint64_t losses = 0;         ///< from a parent to none
-  std::uint64_t foreign_roots = 0;  ///< beacons that told of another root than ours
+  std::uint64_t foreign_roots = 0;  ///< beacons with another root than ours
   std::uint64_t forgotten = 0;      ///< numbers of the root that were not its own
 };
 RUBICON_FIELDS(gradient_counters, parent_changes, losses, foreign_roots, forgotten);
@@ -55,11 +55,11 @@ RUBICON_FIELDS(gradient_counters, parent_changes, losses, foreign_roots, forgott
 enum class gradient_change : std::uint8_t {
   none,
   parent, ///< another parent, or the first
-  lost,   ///< the parent is gone and there is no other: beacon at once, so that nobody relies on us
+  lost, ///< the parent is gone and there is no other: beacon at once, so that no mote relies on us
 };
 
 /// Minimises the sum of ETX to the root, with hysteresis, over feasible routes only (see
-/// feasibility): what motes tell each other never closes a loop. Equal costs are decided by hops,
+/// feasibility): what motes advertise never closes a loop. Equal costs are decided by hops,
 /// then by the lower id.
 class gradient {
 public:
@@ -67,7 +67,7 @@ public:
   explicit gradient(gradient_config config);
 
   /// @pre the neighbours have seen the beacon; if they refused its sender it is ignored here too.
-  /// @param restarted the sender has forgotten what it told before
+  /// @param restarted the sender has forgotten what it advertised before
   /// @returns whether our own beacon should come soon: we can help the sender to a route
   bool on_beacon(mote_id source, const gradient_part& x, const neighbours& links,
                  bool restarted = false);
@@ -80,11 +80,11 @@ public:
 
   /// Somebody waits for our next sequence number: the next advertise() says so. @pre is_root()
   void hasten() { urgent_ = true; }
-  /// A sequence number that somebody waits for has come, and advertise() has not told it yet.
+  /// A sequence number that somebody waits for has come, and has not been advertised yet.
   [[nodiscard]] bool is_urgent() const { return urgent_; }
 
   /// Whether a neighbour that has just beaconed waits, not for the first time, for a newer sequence
-  /// number than we could tell it.
+  /// number than we could advertise.
   [[nodiscard]] bool starves(mote_id neighbour) const;
 
   [[nodiscard]] bool has_route() const { return cost_ != etx_infinite; }
@@ -115,8 +115,8 @@ private:
   struct row {
     mote_id mote;
     gradient_part part;
-    /// The least cost that it has told with this sequence number. None of those who may use its
-    /// route tells less, so it never goes through them, whatever it costs now.
+    /// The least cost that it has advertised with this sequence number. None of those who may use
+    /// its route advertises less, so it never goes through them, whatever it costs now.
     etx_cost least = etx_infinite;
     unsigned lost = 0; ///< beacons in a row in which it had no route
   };
@@ -147,9 +147,9 @@ private:
   mote_id parent_ = no_mote;
   etx_cost cost_ = etx_infinite;
   std::uint8_t hops_ = 0;
-  std::uint16_t sequence_ = 0; ///< of the root, that we tell
+  std::uint16_t sequence_ = 0; ///< of the root, that we advertise
   instant progressed_;         ///< when it last went up
-  feasibility told_;
+  feasibility advertised_;
   bool urgent_ = false;
   std::uint8_t behind_ = 0; ///< as for behind_max, in a row
   gradient_counters counters_;

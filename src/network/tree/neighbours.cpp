@@ -41,7 +41,7 @@ neighbour* neighbours::entry(mote_id mote) {
   return found ? &table_[static_cast<std::size_t>(found - table_.data())] : nullptr;
 }
 
-/// A binary search without branches that nobody can predict: every frame is looked up several
+/// A binary search without branches that cannot be predicted: every frame is looked up several
 /// times.
 const neighbour* neighbours::find(mote_id mote) const {
   const auto* first = table_.data();
@@ -53,8 +53,8 @@ const neighbour* neighbours::find(mote_id mote) const {
   return !table_.empty() && first->mote == mote ? first : nullptr;
 }
 
-/// Where a neighbour's table has no room for us it cannot say what it hears of us: about as much as
-/// we of it, until unicasts show better.
+/// Where a neighbour's table has no room for us it cannot report what it receives of us: about as
+/// much as we of it, until unicasts show better.
 std::optional<quality> neighbours::likely_out(const neighbour& x) {
   if (x.out || !x.crowded)
     return x.out;
@@ -250,7 +250,7 @@ std::vector<mote_id> neighbours::on_time(instant now) {
     while (now >= x.due && x.missed < config_.dropped_missed) {
       sample(x, false);
       ++x.missed;
-      // Its intervals double; when the first is overdue, nobody knows where it is in them.
+      // Its intervals double; when the first is overdue, it is not known where it is in them.
       x.period = std::clamp(3 * x.period, duration(config_.beacon_slack), gap_max(x));
       x.due += x.period;
     }
@@ -278,14 +278,14 @@ void neighbours::pin(mote_id mote, bool pinned) {
 std::vector<neighbours::heard_entry> neighbours::heard(std::size_t count) {
   std::vector<heard_entry> listed;
   listed.reserve(std::min(count, table_.size()));
-  auto at = std::ranges::upper_bound(table_, told_last_, {}, &neighbour::mote);
+  auto at = std::ranges::upper_bound(table_, listed_last_, {}, &neighbour::mote);
   for (std::size_t i = 0; i < table_.size() && listed.size() < count; ++i, ++at) {
     if (at == table_.end())
       at = table_.begin();
     if (at->missed >= config_.bad_missed)
       continue;
     listed.push_back({at->mote, static_cast<std::uint8_t>(at->in / 257)});
-    told_last_ = at->mote;
+    listed_last_ = at->mote;
   }
   return listed;
 }

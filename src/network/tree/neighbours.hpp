@@ -1,4 +1,4 @@
-// Who is heard, and how well, in both directions: the link estimator.
+// Whose frames are received, and how well, in both directions: the link estimator.
 #pragma once
 
 #include <algorithm>
@@ -41,7 +41,7 @@ struct neighbours_config {
       2; ///< beacons overdue in a row: no ETX; one more below 3/4, two below 1/2
   std::uint8_t bad_missed = 3;                      ///< no longer good
   static constexpr std::uint8_t dropped_missed = 8; ///< forgotten
-  /// Beacons not listing us: it does not hear us.
+  /// Beacons not listing us: it does not receive ours.
   static constexpr std::uint8_t unmentioned_max = 6;
   duration beacon_gap_max = 12min; ///< longest between two beacons: 1.5 intervals of 8 min
   duration beacon_slack = 250ms;   ///< by which a beacon may come late
@@ -63,15 +63,15 @@ struct link_report {
   bool matters =
       false; ///< of the two ends of the link one has a route to the sink and one has none
   bool is_sink = false;    ///< there is always room for it
-  bool is_crowded = false; ///< it hears so many that there may be no room for us in its table
+  bool is_crowded = false; ///< it receives so many that there may be no room for us in its table
 };
 
 struct neighbour {
   mote_id mote;
   std::uint16_t sequence = 0;   ///< of its last beacon
-  quality in = 0;               ///< of its beacons that we hear
+  quality in = 0;               ///< of its beacons that we receive
   std::uint8_t samples = 0;     ///< beacons behind `in`, up to 255
-  std::optional<quality> out;   ///< of ours that it hears, as it says
+  std::optional<quality> out;   ///< of ours that it receives, as it reports
   std::uint8_t unmentioned = 0; ///< beacons in a row that did not list us
   quality data = 0;             ///< of our unicasts that it acknowledges
   std::uint8_t data_weight = 0; ///< of `data`, in 16ths; the rest is in * out
@@ -105,16 +105,16 @@ RUBICON_FIELDS(neighbours_counters, evicted, refused, restarted, repeated, dropp
 
 /// The table of neighbours, ascending by id.
 ///
-/// `in` is (beacons heard + 1/2) / (beacons sent + 1), so that a few samples prove little, and from
-/// the 15th beacon on an EWMA of weight 1/16. Gaps in the sequence numbers and beacons that do not
-/// come when their sender said count as sent and not heard.
+/// `in` is (beacons received + 1/2) / (beacons sent + 1), so that a few samples prove little, and
+/// from the 15th beacon on an EWMA of weight 1/16. Gaps in the sequence numbers and beacons that do
+/// not come when their sender said count as sent and not received.
 ///
 /// A full table makes room for a newcomer by evicting, never a pinned neighbour, the first that
 /// there is of: the most overdue, if unusable; of those with good_samples beacons the weakest that
-/// does not hear us; the weakest that is not good; if the newcomer's link matters, the weakest; if
-/// it is the sink, the weakest of whatever age. Ties evict the highest id. Else the newcomer is
-/// refused, as it is, unless its link matters, within replacement_gap of the last eviction for such
-/// a one.
+/// does not receive ours; the weakest that is not good; if the newcomer's link matters, the
+/// weakest; if it is the sink, the weakest of whatever age. Ties evict the highest id. Else the
+/// newcomer is refused, as it is, unless its link matters, within replacement_gap of the last
+/// eviction for such a one.
 class neighbours {
 public:
   neighbours() = default;
@@ -198,7 +198,7 @@ private:
   std::vector<neighbour> table_;
   std::optional<instant> deadline_; ///< the earliest `due`
   std::uint64_t changes_ = 0;
-  mote_id told_last_;               ///< in the list of our last beacon
+  mote_id listed_last_;             ///< in the list of our last beacon
   std::optional<instant> replaced_; ///< when the last eviction for a link that does not matter was
   neighbours_counters counters_;
 };

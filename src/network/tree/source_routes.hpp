@@ -1,4 +1,4 @@
-// What a sink knows of its island's tree: enough to reach every mote that it has heard of.
+// What a sink knows of its island's tree: enough to reach every mote that has reported.
 #pragma once
 
 #include <cstddef>
@@ -31,7 +31,8 @@ public:
 
 private:
   mote_id root_;
-  std::size_t motes_max_ = 1000; ///< a further one takes the place of the one heard of longest ago
+  std::size_t motes_max_ =
+      1000; ///< a further one takes the place of the one that reported longest ago
   struct entry {
     mote_id parent;
     std::uint64_t learnt = 0; ///< counts what has been learnt

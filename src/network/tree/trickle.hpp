@@ -16,7 +16,7 @@ struct trickle_config {
 
 /// Fires once in each interval, at a random time in its second half; each interval is twice as long
 /// as the one before it, up to interval_max. In shorter ones it keeps quiet if enough others fire
-/// (Levis et al., RFC 6206): so many that begin at once, or hear of one who does, do not choke the
+/// (Levis et al., RFC 6206): so many that begin at once, or receive one who does, do not choke the
 /// air.
 class trickle {
 public:

@@ -35,10 +35,10 @@ struct radio_config {
   const platform* kind = nullptr; ///< never nullptr; one of platforms(), or outlives the channel
   std::optional<double> transmit_dbm; ///< unset: the platform's full power
   std::optional<double> battery_mah;  ///< > 0; unset: the platform's; infinity: fed by a cable
-  bool promiscuous = false;     ///< delivers all data frames heard, of any PAN and for anybody
+  bool promiscuous = false;     ///< delivers all data frames received, of any PAN and for any mote
   access_parameters access{};   ///< macMinBE is not above macMaxBE
   listening_config listening{}; ///< the same for all radios of a PAN, but for its `checks`
-  /// Radios of other channels neither hear it nor are disturbed; all_channels: of a source of
+  /// Radios of other channels neither receive it nor are disturbed; all_channels: of a source of
   /// noise.
   std::uint8_t channel = default_channel;
 };
@@ -54,7 +54,7 @@ struct request {
   /// microseconds from this request to its start-of-frame delimiter (CLK-01; chips with a frame
   /// buffer can do it while they send). @pre four octets of payload follow
   std::optional<std::size_t> age_at = {};
-  /// Nobody near is to send now, but somebody is right afterwards: the channel is assessed without
+  /// No radio near is to send now, but one is right afterwards: the channel is assessed without
   /// a back-off, and neither a busy channel nor a missing ack leads to another attempt. Where
   /// radios listen at low power it means nothing.
   bool in_slot = false;
@@ -208,7 +208,7 @@ public:
   [[nodiscard]] outputs on_time(instant now); ///< harmless before deadline()
 
   /// When on_time() is due: there is no output before. What happens on the air until
-  /// then happens at its own time when on_time() comes. Nothing while nobody sends and no battery
+  /// then happens at its own time when on_time() comes. Nothing while no radio sends and no battery
   /// can end.
   [[nodiscard]] std::optional<instant> deadline();
 

@@ -188,7 +188,7 @@ bool medium::stays_clear(radio_index radio, instant later) const {
          x.state == mode::listening && x.busy_until <= since && turned_back(radio) <= since;
 }
 
-/// When the receiver is ready again after what was sent last: until then it hears nothing.
+/// When the receiver is ready again after what was sent last: until then it receives nothing.
 instant medium::turned_back(radio_index radio) const {
   return tails_[radio.value].sent_until + timing::turnaround;
 }
@@ -283,7 +283,7 @@ outcome medium::meet_others(const hearer& x, slot_index slot, std::uint32_t plac
   return outcome::intact;
 }
 
-/// Under the strict rule nobody gets either frame, but a carrier is sensed to the end of the
+/// Under the strict rule neither frame is received, but a carrier is sensed to the end of the
 /// longer.
 outcome medium::overlap(const hearer& x, slot_index slot, std::uint32_t place, instant now) {
   auto& at = heads_[x.radio.value];

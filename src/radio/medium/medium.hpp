@@ -39,7 +39,7 @@ struct transmission {
 /// A place in the medium's table of frames on the air.
 using slot_index = std::uint32_t;
 
-/// What a transceiver hears and whom it listens to.
+/// What a transceiver receives, and from whom.
 struct transceiver_config {
   mote_id address;
   std::uint16_t pan = default_pan;
@@ -78,7 +78,7 @@ public:
   /// @pre the radio is on and not sending
   slot_index start(transmission x, std::shared_ptr<const hearers> heard_by);
 
-  /// Nobody can use what has been sent so far: its sender was switched off.
+  /// What has been sent so far is of no use: its sender was switched off.
   void cut(slot_index slot);
 
   /// The last octet has left. Calls `on_copy(const transmission&, std::size_t place, const hearer&,
@@ -97,7 +97,7 @@ public:
     release(slot);
   }
 
-  /// A signal that is no frame begins at all of them, or ends: nobody can receive it, but it
+  /// A signal that is no frame begins at all of them, or ends: it cannot be received, but it
   /// disturbs and, as far as its energy is sensed, makes the channel busy. @pre one ends before its
   /// source begins another
   void start_noise(radio_index from, std::shared_ptr<const hearers> heard_by, instant now);

@@ -118,7 +118,7 @@ std::int8_t noise_source::at(instant at) {
       place_ = trace_->next_place(place_, rng_);
   }
   millisecond_ = now;
-  return trace_->readings_[place_];
+  return trace_->readings()[place_];
 }
 
 } // namespace rubicon::radio

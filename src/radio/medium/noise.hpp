@@ -26,13 +26,12 @@ public:
 
   [[nodiscard]] const std::vector<std::int8_t>& readings() const { return readings_; }
 
-private:
-  friend class noise_source;
-
+  /// A place in readings(), after the first pattern.
   [[nodiscard]] std::uint32_t random_place(random_stream& rng) const;
   /// A place whose reading may follow that at `place` and those before it.
   [[nodiscard]] std::uint32_t next_place(std::uint32_t place, random_stream& rng) const;
 
+private:
   std::vector<std::int8_t> readings_;
   // A pattern is met at each place that it precedes. So the place of the last reading gives the
   // whole history: whichever follower of a pattern is drawn, what stands before it is that pattern.

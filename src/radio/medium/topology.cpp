@@ -240,7 +240,7 @@ void topology::widen(double transmit_dbm) {
     grid_.insert(i, sites_[i].place);
 }
 
-/// Everybody who may hear this radio or be heard by it; some more than once.
+/// All that may receive this radio, or that it may receive; some more than once.
 std::vector<std::uint32_t> topology::met(std::uint32_t radio) const {
   std::vector<std::uint32_t> all;
   if (std::holds_alternative<gain_matrix>(config_.propagation))
@@ -277,7 +277,7 @@ void topology::meet_by_table(std::uint32_t radio, std::vector<std::uint32_t>& al
 }
 
 /// @param others all whose links with `radio` exist or may exist now
-/// @param is_new nobody's list has it yet
+/// @param is_new no list has it yet
 void topology::renew(std::uint32_t radio, const std::vector<std::uint32_t>& others, bool is_new) {
   auto own = std::make_shared<hearers>();
   for (const auto other : others) {

@@ -1,4 +1,4 @@
-// Who hears whom, how strongly, and how often a copy is lost.
+// Who receives whom, how strongly, and how often a copy is lost.
 #pragma once
 
 #include <cstddef>
@@ -78,7 +78,7 @@ public:
   /// Releases memory that lists have reserved for growing.
   void shrink();
 
-  /// Who hears `radio`; never nullptr.
+  /// Who receives `radio`; never nullptr.
   [[nodiscard]] std::shared_ptr<const hearers> around(radio_index radio) const {
     return around_[radio.value];
   }
@@ -123,7 +123,7 @@ private:
   std::vector<std::shared_ptr<hearers>> around_;
 
   grid grid_;
-  double reach_m_ = 0; ///< beyond it nobody so far is heard; the grid's edge at most
+  double reach_m_ = 0; ///< beyond it no radio so far is received; the grid's edge at most
 
   std::vector<std::uint32_t> gains_by_target_; ///< indices into the table, by to, then from
   std::map<std::uint16_t, std::vector<std::uint32_t>> radios_of_node_;

@@ -29,7 +29,7 @@ enum class backbone_direction : std::uint8_t { up, down };
 
 /// A packet of the Network module.
 struct backbone_packet {
-  std::optional<std::uint64_t> token; ///< nothing: to all, nobody acknowledges
+  std::optional<std::uint64_t> token; ///< nothing: to all, not acknowledged
   std::uint8_t am_type = 0;
   payload octets;
 };

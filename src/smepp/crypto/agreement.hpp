@@ -32,10 +32,10 @@ public:
 
   [[nodiscard]] key_share share() const;
 
-  /// The octets, for the store that outlasts a loss of power; for nobody else.
+  /// The octets, for the store that outlasts a loss of power alone.
   [[nodiscard]] const secret& reveal() const { return secret_; }
 
-  /// The same at both sides, and known to nobody else: HKDF-SHA-256 (RFC 5869) of the shared
+  /// The same at both sides, and known to no other: HKDF-SHA-256 (RFC 5869) of the shared
   /// secret. Nothing if `other` is no proper share.
   [[nodiscard]] std::optional<key> agree(const key_share& other) const;
 

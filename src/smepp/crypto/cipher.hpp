@@ -13,7 +13,7 @@
 namespace rubicon::smepp {
 
 /// Which ciphers secure a frame: the first octet of each. Another cipher gets another number; a
-/// receiver takes exactly those it was built for, so nobody can talk it down to a weaker one.
+/// receiver takes exactly those it was built for, so it cannot be downgraded to a weaker one.
 enum class suite : std::uint8_t { aes_ctr_cmac64 = 1 };
 
 using block = std::array<std::uint8_t, 16>;

@@ -1,4 +1,4 @@
-// A secret of 128 bits that nobody can print by mistake.
+// A secret of 128 bits that cannot be printed by mistake.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ public:
   /// @param hex 32 hexadecimal digits; nothing for all else
   [[nodiscard]] static std::optional<key> from_hex(std::string_view hex);
 
-  /// The octets, for ciphers and for the store that outlasts a loss of power; for nobody else.
+  /// The octets, for ciphers and the store that outlasts a loss of power alone.
   [[nodiscard]] byte_view reveal() const { return octets_; }
 
   /// Four hexadecimal digits by which people distinguish keys: 16 bits of a MAC under the key.

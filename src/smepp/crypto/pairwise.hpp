@@ -13,7 +13,7 @@ namespace rubicon::smepp {
 
 /// The key of two peers, whichever is named first. It is worth what the secrecy of `root` is: drawn
 /// from a master or network key, which all members have, any of them can compute it; drawn from a
-/// key that only the deployment knows, and put into the two motes, nobody else can.
+/// key that only the deployment knows, and put into the two motes, no other can.
 [[nodiscard]] key pairwise_key(const key& root, mote_id a, mote_id b);
 
 /// What one peer shares with each of the others, if a group's events are to prove their sender

@@ -174,7 +174,7 @@ bool event_management::is_removed(group_id group, const smepp::subscribe& x) con
 void event_management::on_message(mote_id from, const smepp::subscribe& x, const group& g,
                                   context c) {
   if (x.id.subscriber == config_.self)
-    return; // also what remains of a former life: nobody refreshes it
+    return; // also what remains of a former life: it is not refreshed
   if (is_removed(g.id, x) || x.expires <= g.sync.at(c.now) || x.hops >= config_.hops_max)
     return drop("over");
   const auto depth = static_cast<std::uint8_t>(x.hops + 1);

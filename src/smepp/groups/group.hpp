@@ -51,7 +51,7 @@ struct group {
   /// Our best pair went from hand to hand: who had those before may be one who has left.
   bool is_best_fetched = false;
   /// Neighbours have sent under keys ahead of ours: these are fetched then, if we have not been
-  /// sent them. It need not be true. One place for each neighbour, so nobody takes another's.
+  /// sent them. It need not be true. One place for each neighbour, so none takes another's.
   struct rumour {
     mote_id from;
     session_id best; ///< of ours at that time

@@ -341,7 +341,7 @@ void group_management::on_time(context c) {
       c.out.push_back(to_send{broadcast_mote, g.id, stamp});
     }
     if (g.is_returning && g.sync.is_root())
-      g.is_returning = false; // nobody is there
+      g.is_returning = false; // no member is there
   }
 }
 

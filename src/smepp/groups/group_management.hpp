@@ -68,7 +68,7 @@ struct context {
 /// Keys change when somebody joins (made by who admits) and after key_period: they are sent to all
 /// under the keys before. When somebody has left, who knows those, the lowest member that is there
 /// makes new ones (or the next one, if it does not), and each member fetches them from a neighbour
-/// that has them, by a handshake that nobody else can follow.
+/// that has them, by a handshake that no other can follow.
 class group_management {
 public:
   group_management() = default;
@@ -109,7 +109,6 @@ public:
 
   [[nodiscard]] const group* find(group_id x) const;
   [[nodiscard]] group* find(group_id x);
-  [[nodiscard]] std::map<group_id, group>& all() { return groups_; }
   [[nodiscard]] const std::map<group_id, group>& all() const { return groups_; }
   [[nodiscard]] const discovery& found() const { return discovery_; }
   [[nodiscard]] std::optional<group_description> description(group_id x) const;
@@ -133,7 +132,7 @@ private:
     join_proof proof; ///< as far as it is known
     agreement own;
     bool is_member = false; ///< catch-up
-    bool is_rumour = false; ///< of which nobody has shown that there is a reason for it
+    bool is_rumour = false; ///< without proof that there is a reason for it
     bool is_proving = false;
     unsigned tries = 0;
     unsigned challenges = 0;

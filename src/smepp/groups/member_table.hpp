@@ -13,7 +13,7 @@ namespace rubicon::smepp {
 /// Entries of all members, those who have left for a while too: so an older word of theirs does not
 /// bring them back. All tables of a group become equal: of two entries the newer stamp wins, of
 /// equal stamps the one that is there, then the larger mask, then the larger identity. A full table
-/// gives up those who have left; else it takes nobody else.
+/// gives up those who have left; else it takes no other.
 class member_table {
 public:
   enum class change : std::uint8_t {

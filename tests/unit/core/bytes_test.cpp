@@ -9,7 +9,7 @@
 
 using namespace rubicon;
 
-TEST_CASE("hexadecimal goes both ways and refuses what is not hexadecimal", "[core]") {
+TEST_CASE("hexadecimal is read and written, and what is not hexadecimal is refused", "[core]") {
   CHECK(to_hex(bytes{0x00, 0xca, 0xfe}) == "00cafe");
   CHECK(from_hex("00 CA\nfe") == bytes{0x00, 0xca, 0xfe});
   CHECK(from_hex("") == bytes{});

@@ -46,7 +46,7 @@ TEST_CASE("every device key comes back from its text", "[core][GW-07]") {
       }
 }
 
-TEST_CASE("letter case does not tell device keys apart", "[core][GW-07][TUP-03]") {
+TEST_CASE("letter case does not distinguish device keys", "[core][GW-07][TUP-03]") {
   const auto key = parse_device_key("DEVICES.7.Input.3.STATUS");
   REQUIRE(key);
   CHECK(*key == device_key{device_tuple::input_status, mote_id{7}, 3});
@@ -127,7 +127,7 @@ TEST_CASE("the text of a tuple ends before its NUL", "[core][TUP-02]") {
   CHECK(tuple_text(bytes{}).empty());
 }
 
-TEST_CASE("a mote's status tells presence, cause and since when", "[core][GW-15][IF-13]") {
+TEST_CASE("a mote's status has presence, cause and since when", "[core][GW-15][IF-13]") {
   const device_status listed{device_presence::listed, {}, instant{12s}};
   const device_status left{device_presence::left, "out_of_range", instant{345100ms}};
   CHECK(to_string(listed) == "listed 12.000000");

@@ -116,7 +116,7 @@ TEST_CASE("a refused message was never sent", "[core][ledger]") {
   CHECK(tally(*ledger).lost_in_all() == 0);
 }
 
-TEST_CASE("a loss that nobody notes, or that a stop has caused, is seen", "[core][ledger]") {
+TEST_CASE("a loss that is not noted, or that a stop has caused, is seen", "[core][ledger]") {
   const auto ledger = message_ledger::make();
   node mote("mote/kitchen/fan", *ledger);
   const turn_of turn(&mote);
@@ -186,7 +186,7 @@ TEST_CASE("what has come from another process is counted for its sender", "[core
   CHECK(tally(*ledger).arrived == 0);
 }
 
-TEST_CASE("each end is told once", "[core][ledger]") {
+TEST_CASE("each end is notified once", "[core][ledger]") {
   const auto ledger = message_ledger::make();
   std::vector<message_end> told;
   ledger->observe([&](const message_end& x) { told.push_back(x); });

@@ -32,7 +32,7 @@ struct waiting {
 
 } // namespace
 
-TEST_CASE("nothing has a number while nobody records", "[core]") {
+TEST_CASE("nothing has a number while nothing is recorded", "[core]") {
   CHECK(provenance().number() == 0);
   CHECK(provenance::begin("message").number() == 0);
   const turn_of nobody(nullptr);

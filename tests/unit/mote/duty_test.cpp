@@ -3,6 +3,7 @@
 
 #include "mote/duty_cycle.hpp"
 #include "network/am.hpp"
+#include "network/clock/clock_sync.hpp"
 #include "support/catch.hpp"
 
 namespace rubicon::mote {
@@ -37,12 +38,12 @@ struct sleeper {
     clock.on_time(instant(10s));
     const auto first = island_time(microseconds(500ms));
     duty.reserve({stream, {first, 1s, 20}, before});
-    due = clock.when(first + 10s);
+    due = clock.time().when(first + 10s);
     duty.set_member(true);
     update(due - 100ms);
   }
 
-  duty_outputs update(instant now) { return duty.update(now, clock, search); }
+  duty_outputs update(instant now) { return duty.update(now, clock.time(), search); }
 
   [[nodiscard]] static bytes packet() {
     return encode(network::channel_message{stream, network::data_message{7, bytes(20)}});

@@ -77,7 +77,7 @@ void run_with_reports(routed_grid& x, duration length) {
 
 bool has_routes(routed_grid& x) {
   return std::ranges::all_of(x.motes(), [&x](mote_id each) {
-    return each == the_sink || (x.at(each).has_route() && hops_of(x, each) < 64);
+    return each == the_sink || (x.at(each).tree().has_route() && hops_of(x, each) < 64);
   });
 }
 

@@ -31,7 +31,7 @@ beacon sample() {
 
 } // namespace
 
-TEST_CASE("a beacon has the octets that its header tells", "[network][NET-14]") {
+TEST_CASE("a beacon has the octets that its header describes", "[network][NET-14]") {
   const std::string text = "0102"
                            "0003"
                            "04050607"
@@ -87,7 +87,7 @@ TEST_CASE("a list with the id of no mote is refused", "[network][NET-14]") {
   }
 }
 
-TEST_CASE("a beacon says how well it hears us, and whether the link matters for a route",
+TEST_CASE("a beacon says how well it receives us, and whether the link matters for a route",
           "[network][NET-10]") {
   auto x = sample();
   const auto listed = x.report(mote_id{7}, mote_id{0x3f40}, true);

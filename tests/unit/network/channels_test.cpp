@@ -381,7 +381,7 @@ TEST_CASE("disconnecting frees all of the path, from either end", "[network][NET
   CHECK(x.ended.at({b, grid::id(4)}) == channel_end::disconnected);
 }
 
-TEST_CASE("a full table on the way refuses, and nothing stays reserved", "[network][NET-04]") {
+TEST_CASE("a full table on the path refuses, and nothing stays reserved", "[network][NET-04]") {
   channels_config config;
   config.entries_max = 1;
   grid x(6, 1, 1, 1, {}, config);
@@ -466,7 +466,7 @@ TEST_CASE("behind a wall every pair still connects, and fallbacks are counted",
   CHECK(x.sum(&channels_counters::floods) < static_cast<std::uint64_t>(pairs) / 2);
 }
 
-TEST_CASE("a mote that dies on the path is noticed and the source told", "[network][NET-09]") {
+TEST_CASE("a mote that dies on the path is noticed and the source notified", "[network][NET-09]") {
   grid x(5, 1, 1);
   const auto id = x.connect(grid::id(0), grid::id(4));
   x.kill(grid::id(2));
@@ -479,7 +479,7 @@ TEST_CASE("a mote that dies on the path is noticed and the source told", "[netwo
   CHECK(x.sum(&channels_counters::broken) == 1);
 }
 
-TEST_CASE("channels that nobody uses any more expire on all of the path", "[network][NET-08]") {
+TEST_CASE("channels that are not used any more expire on all of the path", "[network][NET-08]") {
   grid x(5, 1, 1);
   const auto id = x.connect(grid::id(0), grid::id(4), 30s);
   x.kill(grid::id(0));
@@ -560,7 +560,7 @@ TEST_CASE(
                            : std::vector{nearer, broadcast_mote})); // each twice, then a flood
 }
 
-TEST_CASE("a set-up floods only where nobody is left who may be nearer, and says why",
+TEST_CASE("a set-up floods only where no mote is left that may be nearer, and says why",
           "[network][NET-10][NET-12]") {
   const mote_id destination{9};
   const mote_id a{5};
@@ -704,7 +704,7 @@ TEST_CASE("a set-up that a neighbour has forgotten goes there again", "[network]
   CHECK(next_of(here.x.on_restarted(here.a, here.around, instant{1s})) == std::vector{here.a});
 }
 
-TEST_CASE("in a crowd a flood that has been heard often is not passed on", "[network][NET-12]") {
+TEST_CASE("in a crowd a flood that has been received often is not relayed", "[network][NET-12]") {
   const bool is_crowd = GENERATE(true, false);
   const int copies = GENERATE(2, 3);
   channels_config config;

@@ -67,7 +67,7 @@ TEST_CASE("a rate from two points is doubted as much as their noise may have tur
   }
 }
 
-TEST_CASE("a line that has missed a point doubts its rate", "[network][CLK-01]") {
+TEST_CASE("a line that has missed a point has a rate in doubt", "[network][CLK-01]") {
   clock_line x;
   for (int i = 0; i <= 5; ++i)
     x.add(at(60 * i), 3000 * i, microseconds(50)); // 50 ppm
@@ -119,7 +119,7 @@ TEST_CASE("a better point takes the place of one that came just before it", "[ne
   CHECK(std::abs(x.rate() - 10e-6) < 1e-6); // it still knows the points of long ago
 }
 
-TEST_CASE("a line is off by no more than it doubts", "[network][CLK-01]") {
+TEST_CASE("a line is off by no more than its doubt", "[network][CLK-01]") {
   for (std::uint64_t seed = 1; seed <= test::seeds(3); ++seed) {
     random_stream rng(seed, "clock line");
     double outside_longest_us = 0;

@@ -159,7 +159,7 @@ TEST_CASE("a packet goes up ten hops of bad links and arrives once", "[network][
   CHECK(x.sum(&collection_counters::duplicates) > 0);
 }
 
-TEST_CASE("a sink reaches every mote that it has heard", "[network][NET-05]") {
+TEST_CASE("a sink reaches every mote whose packets it has received", "[network][NET-05]") {
   auto x = line_of(11, 0.9);
   CHECK_FALSE(x.at(the_sink).room_down(id(11)));
   for (int i = 2; i <= 11; ++i)
@@ -177,7 +177,7 @@ TEST_CASE("a sink reaches every mote that it has heard", "[network][NET-05]") {
     CHECK(where == id(11));
 }
 
-TEST_CASE("everybody hears what is sent to all, once", "[network][ADR-05]") {
+TEST_CASE("every mote receives what is sent to all, once", "[network][ADR-05]") {
   auto x = line_of(6, 1);
   x.perform(id(4), x.at(id(4)).send_to_all({7}, x.now()));
   x.run_for(5s);
@@ -207,7 +207,7 @@ TEST_CASE("packets wait for a route up, then for a while only", "[network][NET-0
   CHECK(x.at(id(2)).queued() == 0);
 }
 
-TEST_CASE("a packet that nobody takes is given up and counted", "[network][NET-09]") {
+TEST_CASE("a packet that no mote takes is given up and counted", "[network][NET-09]") {
   auto x = line_of(3, 1);
   x.cut.insert({id(2), the_sink});
   x.perform(id(3), x.at(id(3)).send_up({1}, x.now()));
@@ -235,7 +235,7 @@ TEST_CASE("a full queue drops what comes and counts it", "[network][NET-05]") {
   CHECK(x.arrived.size() == 9);
 }
 
-TEST_CASE("in a full queue the modules' own packets give way to what users send",
+TEST_CASE("in a full queue the modules' own packets are dropped for what users send",
           "[network][NET-05]") {
   auto x = line_of(2, 1);
   for (std::uint8_t i = 0; i < 9; ++i) // one is in flight, and eight wait
@@ -292,7 +292,8 @@ TEST_CASE("a sink knows no route where parents form a circle", "[network][NET-04
   CHECK_FALSE(x.route_to(id(35)));
 }
 
-TEST_CASE("a sink that knows the way to many forgets the one heard of longest ago", "[network]") {
+TEST_CASE("a sink that knows routes to many forgets the one that reported longest ago",
+          "[network]") {
   source_routes x(the_sink, 3);
   for (int i = 2; i <= 4; ++i)
     x.learn(id(i), the_sink);

@@ -165,7 +165,7 @@ TEST_CASE("coordinates are exact on a long line, and a link that dies is not cou
       [&] { return elected(world, anchor_x) == mote_id{30} && is_exact(world); }, 10min));
 }
 
-TEST_CASE("a mote that has lost an anchor still says where it was, and nothing of ways",
+TEST_CASE("a mote that has lost an anchor still reports where it was, and no route",
           "[network][NET-11]") {
   auto world = line_fixture(6);
   REQUIRE(converges(world, 6min));
@@ -208,7 +208,7 @@ TEST_CASE("who has just started presumes its place from those of its neighbours"
   CHECK_FALSE(x.likely_place()); // nobody else is told
 }
 
-TEST_CASE("a cycle that loses a link measures the way around", "[network][NET-11]") {
+TEST_CASE("a cycle that loses a link measures the route around", "[network][NET-11]") {
   auto world = line_fixture(20);
   world.set_both(mote_id{1}, mote_id{20}, 1);
   REQUIRE(converges(world, 5min));

@@ -112,7 +112,7 @@ TEST_CASE("a route of too many hops or too much cost is none", "[network][NET-02
   CHECK(at.tree.hops() == 64);
 }
 
-TEST_CASE("a root that is not heard of any more is gone after a while", "[network][NET-09]") {
+TEST_CASE("a root that is silent is gone after a while", "[network][NET-09]") {
   listener at;
   static_cast<void>(at.beacon(5, route(7, 1)));
   static_cast<void>(at.tree.advertise());
@@ -134,7 +134,7 @@ TEST_CASE("another root is turned to only when there is no route to ours", "[net
   CHECK(at.tree.root() == mote_id{2});
 }
 
-TEST_CASE("a root tells cost nothing and goes on counting after a restart", "[network][NET-09]") {
+TEST_CASE("a root advertises cost 0 and goes on counting after a restart", "[network][NET-09]") {
   gradient root({.self = sink, .is_root = true});
   listener at;
   CHECK(root.has_route());
@@ -212,7 +212,8 @@ TEST_CASE("a parent whose route gets dearer is kept: it cannot lead back here",
   CHECK(at.beacon(5, poison) == gradient_change::lost);
 }
 
-TEST_CASE("what a neighbour has told in an earlier life proves nothing", "[network][NET-09]") {
+TEST_CASE("what a neighbour has advertised in an earlier life proves nothing",
+          "[network][NET-09]") {
   listener at;
   static_cast<void>(at.beacon(5, route(7, 2)));
   static_cast<void>(at.tree.advertise());

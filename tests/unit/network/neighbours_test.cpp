@@ -71,7 +71,8 @@ TEST_CASE("a few beacons prove little, and many show the share that arrives", "[
   CHECK(in_of(at, a.mote) > 0.98);
 }
 
-TEST_CASE("a link is good from six beacons on, both ways, with hysteresis", "[network][NET-10]") {
+TEST_CASE("a link is good from six beacons on, in both directions, with hysteresis",
+          "[network][NET-10]") {
   neighbours at;
   sender a{mote_id{7}};
   a.hears_us = 217; // 0.851
@@ -93,7 +94,8 @@ TEST_CASE("a link is good from six beacons on, both ways, with hysteresis", "[ne
   CHECK(at.good(a.mote));
 }
 
-TEST_CASE("a link that works one way only is neither good nor usable", "[network][NET-10]") {
+TEST_CASE("a link that works in one direction only is neither good nor usable",
+          "[network][NET-10]") {
   neighbours at;
   sender a{mote_id{7}};
   a.hears_us.reset();
@@ -145,7 +147,7 @@ TEST_CASE("ETX is one over the product of both directions", "[network][NET-09]")
   CHECK(!at.etx(mote_id{8}));
 }
 
-TEST_CASE("unicasts that nobody acknowledges make a link unusable before beacons do",
+TEST_CASE("unicasts that are not acknowledged make a link unusable before beacons do",
           "[network][NET-09]") {
   neighbours at;
   sender a{mote_id{7}};

@@ -87,7 +87,7 @@ TEST_CASE("a line that is never free does not matter if its ends say so", "[netw
   CHECK(x.reference.counters().slow == 0);
 }
 
-TEST_CASE("an answer that was held longer than it took tells nothing", "[network][CLK-08]") {
+TEST_CASE("an answer that was held longer than it took shows nothing", "[network][CLK-08]") {
   fixture x(0);
   x.run_for(1s + 200us);
   REQUIRE(x.question);
@@ -177,7 +177,7 @@ TEST_CASE("wrong answers with good ones between are no leap", "[network][CLK-08]
   CHECK(x.reference.counters().leaps == 0);
 }
 
-TEST_CASE("answers to other questions, and those that come late, tell nothing",
+TEST_CASE("answers to other questions, and those that come late, show nothing",
           "[network][CLK-08]") {
   time_reference x({}, instant{});
   x.on_answer(1, 1000s, instant(10ms)); // nothing was asked
@@ -254,36 +254,36 @@ TEST_CASE("motes know the time that the root knows, with the first beacon",
           "[network][CLK-08][IF-06]") {
   pair x;
   x.root.set_network_time(1'000'000'000s + 2s, 0, instant(2s));
-  CHECK_FALSE(x.mote.network_time(x.now));
+  CHECK_FALSE(x.mote.time().network_time(x.now));
   x.run_for(3100ms);
-  REQUIRE(x.mote.network_time(x.now));
-  CHECK(*x.mote.network_time(x.now) == 1'000'000'000s + x.now.time_since_epoch());
-  CHECK(*x.root.network_time(x.now) == *x.mote.network_time(x.now));
+  REQUIRE(x.mote.time().network_time(x.now));
+  CHECK(*x.mote.time().network_time(x.now) == 1'000'000'000s + x.now.time_since_epoch());
+  CHECK(*x.root.time().network_time(x.now) == *x.mote.time().network_time(x.now));
 }
 
 TEST_CASE("without a reference motes know the island's time alone", "[network][CLK-08]") {
   pair x;
   x.run_for(1min);
-  CHECK(x.mote.synchronised());
-  CHECK_FALSE(x.mote.network_time(x.now));
+  CHECK(x.mote.time().synchronised());
+  CHECK_FALSE(x.mote.time().network_time(x.now));
 }
 
-TEST_CASE("a leap of the network time is told at once", "[network][CLK-05][CLK-08]") {
+TEST_CASE("a leap of the network time is sent at once", "[network][CLK-05][CLK-08]") {
   pair x;
   x.root.set_network_time(1000s, 0, x.now);
   x.run_for(33s);
-  const auto island = x.mote.at(x.now) - island_time{};
-  const auto tick = x.mote.tick(x.now);
+  const auto island = x.mote.time().at(x.now) - island_time{};
+  const auto tick = x.mote.time().tick(x.now);
   x.root.set_network_time(1000s + x.now.time_since_epoch() + 800us, 0, x.now);
   CHECK(x.run_for(1s) == 0); // soon enough with the next round
   x.root.set_network_time(1000s + x.now.time_since_epoch() - 5s, 0, x.now);
   CHECK(x.run_for(100ms) == 1);
-  CHECK(*x.mote.network_time(x.now) == 995s + x.now.time_since_epoch());
-  CHECK(x.mote.at(x.now) - island_time{} - island == 1100ms);
-  const auto after = x.mote.tick(x.now);
+  CHECK(*x.mote.time().network_time(x.now) == 995s + x.now.time_since_epoch());
+  CHECK(x.mote.time().at(x.now) - island_time{} - island == 1100ms);
+  const auto after = x.mote.time().tick(x.now);
   CHECK(after->first == tick->first - 10 + 2); // 5 s back, 1.1 s on
   CHECK((after->from - tick->from) % tick->period == 0us);
-  CHECK(x.mote.steps() == 0);
+  CHECK(x.mote.time().steps() == 0);
 }
 
 TEST_CASE("a root that restarts goes on with the network time that its motes know",
@@ -297,9 +297,11 @@ TEST_CASE("a root that restarts goes on with the network time that its motes kno
   x.root = clock_sync(config, x.now);
   x.root.on_stamp(*x.mote.stamp(x.now), x.now);
   x.run_for(20s);
-  REQUIRE(x.root.network_time(x.now));
-  CHECK(std::chrono::abs(*x.root.network_time(x.now) - (1000s + x.now.time_since_epoch())) < 1ms);
-  CHECK(std::chrono::abs(*x.mote.network_time(x.now) - (1000s + x.now.time_since_epoch())) < 1ms);
+  REQUIRE(x.root.time().network_time(x.now));
+  CHECK(std::chrono::abs(*x.root.time().network_time(x.now) - (1000s + x.now.time_since_epoch())) <
+        1ms);
+  CHECK(std::chrono::abs(*x.mote.time().network_time(x.now) - (1000s + x.now.time_since_epoch())) <
+        1ms);
 }
 
 TEST_CASE("a stamp with the network time keeps its layout", "[network][CLK-08][golden]") {
@@ -323,13 +325,13 @@ TEST_CASE("an absurd network time is not believed", "[network][CLK-08]") {
   pair x;
   x.root.set_network_time(1'000'000'000s + 2s, 0, instant(2s));
   x.run_for(5s);
-  CHECK(x.mote.network_time(x.now));
+  CHECK(x.mote.time().network_time(x.now));
   auto stamp = *x.root.stamp(x.now);
   for (const auto absurd : {std::chrono::microseconds::max(), std::chrono::microseconds::min()}) {
     ++stamp.sequence;
     stamp.network = network_line{absurd, 0};
     CHECK(x.mote.on_stamp(stamp, x.now) == stamp_value::news);
-    CHECK_FALSE(x.mote.network_time(x.now));
+    CHECK_FALSE(x.mote.time().network_time(x.now));
   }
 }
 

@@ -19,13 +19,13 @@ using test::the_sink;
 
 } // namespace
 
-TEST_CASE("an island organises itself: ways up and down, places, one clock",
+TEST_CASE("an island organises itself: routes up and down, places, one clock",
           "[network][NET-11][CLK-01]") {
   routed_grid x(5, 5, 0.95);
   x.run_for(5min);
   std::chrono::microseconds worst{};
   for (const auto id : x.motes()) {
-    CHECK(x.at(id).has_route());
+    CHECK(x.at(id).tree().has_route());
     CHECK(x.at(id).place().place().has_value());
     REQUIRE(x.at(id).clock().synchronised());
     const auto error =
@@ -84,7 +84,7 @@ TEST_CASE("neighbours reach each other directly, others through the sink", "[net
   CHECK(x.at(id(4)).counters().detours == 1);
 }
 
-TEST_CASE("everybody hears what is sent to all", "[network][ADR-05]") {
+TEST_CASE("every mote receives what is sent to all", "[network][ADR-05]") {
   routed_grid x(4, 4, 0.9);
   x.run_for(1min);
   x.arrived.clear();
@@ -198,7 +198,7 @@ TEST_CASE("without a route to the sink a place that was known once is good enoug
   for (const auto each : {1, 2, 3, 4, 5, 6})
     x.kill(id(each));
   x.run_for(30min);
-  REQUIRE_FALSE(x.at(from).has_route());
+  REQUIRE_FALSE(x.at(from).tree().has_route());
   const auto floods = x.at(from).paths().counters().floods_place_unknown;
   const auto id = x.connect(from, to);
   x.run_for(15s);
@@ -206,7 +206,7 @@ TEST_CASE("without a route to the sink a place that was known once is good enoug
   CHECK(x.at(from).paths().counters().floods_place_unknown == floods + (was_known ? 0 : 1));
 }
 
-TEST_CASE("a channel that is given up while its way is asked for is not opened",
+TEST_CASE("a channel that is given up while its place is requested is not opened",
           "[network][NET-10]") {
   routed_grid x(3, 3, 1);
   x.run_for(2min);
@@ -311,7 +311,7 @@ TEST_CASE("answers outside of the windows are not counted, and take no beacon's 
       x.run_for(500ms);
       beacon neighbour;
       neighbour.sequence = 1;
-      neighbour.clock = *x.life.clock().stamp(x.now);
+      neighbour.clock = *x.life.sync().stamp(x.now);
       if (is_asked)
         neighbour.clock.doubt = doubt_asks;
       x.receive(id(2), neighbour);

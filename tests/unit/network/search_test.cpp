@@ -1,5 +1,6 @@
 #include <vector>
 
+#include "network/clock/clock_sync.hpp"
 #include "network/clock/time_search.hpp"
 #include "support/catch.hpp"
 #include "support/seeds.hpp"
@@ -26,13 +27,13 @@ struct tally {
 };
 
 /// Of a mote that has known the time for long.
-clock_sync known_clock() {
+time_estimate known_clock() {
   clock_sync_config of_root;
   of_root.self = mote_id{1};
   of_root.is_root = true;
   clock_sync clock(of_root, instant{});
   clock.set_time(island_time(17s), instant(1h));
-  return clock;
+  return clock.time();
 }
 
 tally search_for(time_search& x, instant from, duration length, time_knowledge knowledge) {
@@ -82,7 +83,7 @@ TEST_CASE("a search asks in each window of a whole period", "[network][CLK-04]")
   }
 }
 
-TEST_CASE("who doubts its time asks at once", "[network][CLK-04]") {
+TEST_CASE("who distrusts its time asks at once", "[network][CLK-04]") {
   auto x = settled(sleeping(30s), 1, instant(1h));
   const auto sum = search_for(x, instant(1h), 1s, time_knowledge::doubted);
   REQUIRE(sum.asks > 0);
@@ -99,7 +100,7 @@ TEST_CASE("a search ends with what it looks for", "[network][CLK-04]") {
   CHECK_FALSE(x.deadline());
 }
 
-TEST_CASE("a root that is away for a day flattens nobody's battery, and is found within a minute",
+TEST_CASE("a root that is away for a day flattens no battery, and is found within a minute",
           "[network][CLK-04][NRG-01]") {
   for (const duration period : {1s, 4s, 30s}) {
     for (std::uint64_t seed = 1; seed <= test::seeds(5); ++seed) {

@@ -1,7 +1,8 @@
 rubicon_unit_test(unit.network SOURCES unit/network/packet_test.cpp unit/network/places_test.cpp
              unit/network/event_test.cpp
-             unit/network/channels_test.cpp unit/network/collection_test.cpp unit/network/sequence_windows_test.cpp
-             unit/network/clock_line_test.cpp unit/network/router_test.cpp unit/network/schedule_test.cpp unit/network/search_test.cpp
+             unit/network/channels_test.cpp unit/network/clock_parts_test.cpp unit/network/collection_test.cpp unit/network/sequence_windows_test.cpp
+             unit/network/clock_line_test.cpp unit/network/router_parts_test.cpp unit/network/router_test.cpp
+             unit/network/schedule_test.cpp unit/network/search_test.cpp
              unit/network/turns_test.cpp
   EVERYWHERE unit/network/backbone_test.cpp unit/network/clock_test.cpp unit/network/reference_test.cpp
   NEEDS rubicon_network rubicon_serial)

@@ -159,7 +159,7 @@ TEST_CASE("with traffic a dead parent is replaced after four packets", "[network
   CHECK(all_reach_sink(world));
 }
 
-TEST_CASE("a link that works one way only carries nothing", "[network][NET-10]") {
+TEST_CASE("a link that works in one direction only carries nothing", "[network][NET-10]") {
   beacon_fixture world(3);
   world.set_delivery(mote_id{1}, mote_id{3}, 1); // the sink is heard, but does not hear
   world.set_both(mote_id{1}, mote_id{2}, 0.9);

@@ -159,7 +159,7 @@ TEST_CASE("a repeat after a long back-off is known as one", "[radio][channel][NE
   }
 }
 
-TEST_CASE("radios on different channels neither hear nor disturb each other",
+TEST_CASE("radios on different channels neither receive nor disturb each other",
           "[radio][channel][NET-15]") {
   radio_fixture x;
   const auto a = x.add(radio_at(1, 0, {}, 15));

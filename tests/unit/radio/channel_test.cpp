@@ -265,7 +265,7 @@ TEST_CASE("a frame for a mote that is not there is not acked", "[radio][channel]
   CHECK(x.channel.counted_by(b).copies.of(copy_outcome::filtered) == 2);
 }
 
-TEST_CASE("a radio out of range hears and disturbs nothing", "[radio][channel][NET-15]") {
+TEST_CASE("a radio out of range receives and disturbs nothing", "[radio][channel][NET-15]") {
   radio_fixture x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0);
   const auto b = x.add(2, 31);
@@ -297,7 +297,7 @@ TEST_CASE("a radio that moves away in the middle of a frame still gets it", "[ra
   CHECK(x.channel.balanced());
 }
 
-TEST_CASE("frames of other islands are heard but never delivered",
+TEST_CASE("frames of other islands are received but never delivered",
           "[radio][channel][RTG-06][GEN-11]") {
   radio_fixture x;
   std::vector<radio_index> all;

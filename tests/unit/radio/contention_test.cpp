@@ -57,7 +57,7 @@ TEST_CASE("a saturated sender reaches the arithmetic of the standard", "[radio][
   }
 }
 
-TEST_CASE("nobody begins to send within an assessment and a turnaround of another's frame",
+TEST_CASE("no radio begins to send within an assessment and a turnaround of another's frame",
           "[radio][channel][NET-15]") {
   radio_fixture x;
   const auto a = x.add(1, 0);

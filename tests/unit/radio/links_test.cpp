@@ -169,7 +169,7 @@ TEST_CASE("an ack goes back over the other direction", "[radio][links]") {
   CHECK(x.channel.counted_on(b, a) == copy_counters{});
 }
 
-TEST_CASE("a request tells the outcome of its last copy at its destination", "[radio][links]") {
+TEST_CASE("a request has the outcome of its last copy at its destination", "[radio][links]") {
   const auto last = [](float gain, double loss, power state, std::uint16_t to) {
     radio_fixture x(channel_with([&](auto& c) {
       c.propagation = links_of({{1, 2, gain}});
@@ -322,7 +322,7 @@ TEST_CASE("watching lets frames out and changes nothing else", "[radio][links]")
   }
 }
 
-TEST_CASE("what is overheard tells its beginning and whether it was received", "[radio][links]") {
+TEST_CASE("what is overheard has its beginning and whether it was received", "[radio][links]") {
   radio_fixture x(channel_with([](auto& c) { c.retries_max = 0; }));
   const auto a = x.add(1, 0, 5);
   x.add(2, 10, 5);

@@ -121,7 +121,7 @@ TEST_CASE("an idle radio is on for its checks alone, and draws that",
   }
 }
 
-TEST_CASE("copies go on until an ack ends them, and the receiver tells one",
+TEST_CASE("copies go on until an ack ends them, and the receiver reports one",
           "[radio][listening][NRG-02]") {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     INFO("seed " << seed);
@@ -181,7 +181,7 @@ TEST_CASE("without an ack copies end after the interval and a margin",
   CHECK(f.times_of<done>()[1] - f.times_of<done>()[0] >= 532ms);
 }
 
-TEST_CASE("a broadcast is repeated for the whole interval, and each radio tells it once",
+TEST_CASE("a broadcast is repeated for the whole interval, and each radio reports it once",
           "[radio][listening][NRG-02]") {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     INFO("seed " << seed);

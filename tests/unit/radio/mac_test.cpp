@@ -162,7 +162,7 @@ TEST_CASE("the interframe space also holds for a frame submitted later", "[radio
   CHECK(x.deadline() == now + 640us + static_cast<int>(same.below(8)) * 320us + 128us);
 }
 
-TEST_CASE("CSMA begins when the transceiver hears again after its own ack",
+TEST_CASE("CSMA begins when the transceiver receives again after its own ack",
           "[radio][mac][NET-15]") {
   random_stream rng(GENERATE(range(std::uint64_t{1}, std::uint64_t{9})));
   const instant until = instant{} + 7ms;

@@ -81,7 +81,7 @@ struct row {
 
 } // namespace
 
-TEST_CASE("a lone frame reaches everybody in range and nobody else", "[radio][medium]") {
+TEST_CASE("a lone frame reaches all in range and no other", "[radio][medium]") {
   row x;
   const auto slot = x.start(b, 1ms);
   CHECK(x.receives(a, 1ms));
@@ -165,7 +165,7 @@ TEST_CASE("a third frame over the rest of a collision is destroyed too", "[radio
   CHECK(x.end(third, 6ms) == "b:collision ");
 }
 
-TEST_CASE("a radio hears nothing of a frame while it sends itself", "[radio][medium]") {
+TEST_CASE("a radio receives nothing of a frame while it sends itself", "[radio][medium]") {
   row x;
   SECTION("it was sending when the frame began") {
     const auto own = x.start(b, 1ms);
@@ -244,7 +244,7 @@ TEST_CASE("the channel is clear once nothing has been heard or sent for a while"
   CHECK(x.air.stays_clear(a, instant(2192us + 128us)));
 }
 
-TEST_CASE("slots are used again and tell their uses apart", "[radio][medium]") {
+TEST_CASE("slots are used again and distinguish their uses", "[radio][medium]") {
   row x;
   const auto first = x.start(a, 1ms);
   const auto stamp = x.air.stamp(first);

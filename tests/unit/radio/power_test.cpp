@@ -200,7 +200,7 @@ TEST_CASE("a battery that ends switches its radio off and says so once", "[radio
   }
 }
 
-TEST_CASE("a battery that ends while off is told too", "[radio][power][NRG-05]") {
+TEST_CASE("a battery that ends while off is reported too", "[radio][power][NRG-05]") {
   radio_fixture x;
   radio_config config;
   config.address = mote_id{1};

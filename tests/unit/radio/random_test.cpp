@@ -385,7 +385,7 @@ TEST_CASE("frames of one island never come out in another", "[radio][random][RTG
   }
 }
 
-TEST_CASE("a deadline comes no later than what there is to tell", "[radio][random]") {
+TEST_CASE("a deadline comes no later than the next output", "[radio][random]") {
   constexpr auto grain = 100us;
   for (std::uint64_t seed = 200; seed < 210; ++seed) {
     INFO("seed " << seed);

@@ -221,7 +221,7 @@ TEST_CASE("each law has its loss", "[radio][topology]") {
   CHECK(dbm(heard_at(100, free_space, -10)) == Approx(-90.34).margin(0.005));
 }
 
-TEST_CASE("a link is in reach down to the cutoff, each way with its own power",
+TEST_CASE("a link is in reach down to the cutoff, each direction with its own power",
           "[radio][topology]") {
   topology x(by_law(log_distance{3, 40, 0, 0}, -70), 1);
   const auto strong = add(x, {0, 0, 0}, 3);

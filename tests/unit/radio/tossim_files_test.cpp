@@ -82,7 +82,7 @@ TEST_CASE("a topology is read as others write theirs", "[radio][tossim]") {
   CHECK(problem(trace) == "none");
 }
 
-TEST_CASE("mistakes in a topology are told with their line", "[radio][tossim]") {
+TEST_CASE("mistakes in a topology are reported with their line", "[radio][tossim]") {
   using row = std::pair<std::string, std::string>;
   for (const auto& [text, expected] : {
            row{"", "0: there is no gain in it"},
@@ -126,7 +126,7 @@ TEST_CASE("mistakes in a topology are told with their line", "[radio][tossim]") 
     CHECK(topology_problem(text) == expected);
 }
 
-TEST_CASE("what is given twice is told where it is given again", "[radio][tossim]") {
+TEST_CASE("what is given twice is reported where it is given again", "[radio][tossim]") {
   CHECK(topology_problem("gain 0 1 -5\ngain 1 0 -5\n\ngain 0 1 -6\ngain 1 0 -5\n") ==
         "4: the gain from 0 to 1 is given in line 1 already");
   CHECK(topology_problem("gain 0 1 -5\nnoise 3 -98 1\nnoise 3 -98 1\n") ==
@@ -135,7 +135,7 @@ TEST_CASE("what is given twice is told where it is given again", "[radio][tossim
         "2: the gain from 9 to 8 is given in line 1 already");
 }
 
-TEST_CASE("the first mistake of a topology is told, of whichever kind", "[radio][tossim]") {
+TEST_CASE("the first mistake of a topology is reported, of whichever kind", "[radio][tossim]") {
   CHECK(topology_problem("gain 0 1 -5\ngain 0 1 -5\nrubbish\n").substr(0, 2) == "2:");
   CHECK(topology_problem("gain 0 1 -5\nrubbish\ngain 0 1 -5\n").substr(0, 2) == "2:");
   CHECK(topology_problem("noise 0 1 1\nnoise 0 1 1\ngain 0 1 -5\ngain 0 1 -5\n").substr(0, 2) ==
@@ -164,7 +164,7 @@ TEST_CASE("a noise trace of TOSSIM is read", "[radio][tossim]") {
         std::vector<int>{-39, -99, 3, -128, 127, -98});
 }
 
-TEST_CASE("mistakes in a noise trace are told with their line", "[radio][tossim]") {
+TEST_CASE("mistakes in a noise trace are reported with their line", "[radio][tossim]") {
   const auto problem_of = [](std::string_view text) { return problem(read_noise_trace(text)); };
   CHECK(problem_of("") == "0: it has 0 readings, at least 100 are needed");
   CHECK(problem_of(repeated("-98\n", 99)) == "0: it has 99 readings, at least 100 are needed");

@@ -88,7 +88,7 @@ TEST_CASE("the age of a packet is wrong by half of the jitter at most", "[serial
   CHECK(most > 400us);
 }
 
-TEST_CASE("nobody overtakes on a backbone", "[serial]") {
+TEST_CASE("no frame overtakes another on a backbone", "[serial]") {
   auto x = make_backbone({.baud = 1'000'000, .jitter = 50ms});
   for (std::uint8_t i = 0; i < 20; ++i)
     x.send(backbone_direction::up, {std::nullopt, i, bytes(20)}, start);

@@ -51,7 +51,8 @@ TEST_CASE("a packet is sent when its ack has come", "[serial][GW-16]") {
   CHECK(pc.counters().stray_acks == 2);
 }
 
-TEST_CASE("a packet nobody acks is written four times and then lost", "[serial][GW-16]") {
+TEST_CASE("a packet that is not acknowledged is written four times and then lost",
+          "[serial][GW-16]") {
   host_port pc;
   int writes = static_cast<int>(all<to_line>(pc.send(id(1), packet(), start)).size());
   for (int i = 1; i <= 3; ++i) {
@@ -114,7 +115,7 @@ TEST_CASE("the queue takes its limit and loses the next", "[serial][GW-16][NFR-0
   CHECK(pc.counters().accepted == limit + 1);
 }
 
-TEST_CASE("an urgent packet overtakes what waits, and nobody acknowledges it", "[serial][CLK-08]") {
+TEST_CASE("an urgent packet overtakes what waits, and is not acknowledged", "[serial][CLK-08]") {
   host_port pc;
   CHECK(pc.wait(start) == 0s);
   static_cast<void>(pc.send(id(1), packet(1), start));

@@ -54,7 +54,8 @@ double rate_to_pc(double octet_error, std::uint64_t seed) {
 
 } // namespace
 
-TEST_CASE("a good line carries every packet once, both ways, in order", "[serial][GW-01][GW-16]") {
+TEST_CASE("a good line carries every packet once, in both directions, in order",
+          "[serial][GW-01][GW-16]") {
   fixture both(line_config{}, 1);
   std::vector<std::uint32_t> expected;
   for (std::uint32_t i = 0; i < 200; ++i) {

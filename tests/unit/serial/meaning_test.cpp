@@ -18,7 +18,7 @@ std::string meaning(std::uint8_t am_type, std::string_view hex) {
 
 } // namespace
 
-TEST_CASE("packets of programs that come with TinyOS are told by type and length",
+TEST_CASE("packets of programs that come with TinyOS are recognised by type and length",
           "[serial][GW-17]") {
   CHECK(meaning(6, "0007") == "count 7");
   CHECK(meaning(6, "0064 0007") == "mote 100 count 7");

@@ -86,7 +86,7 @@ bytes joined(std::initializer_list<bytes> parts) {
 
 } // namespace
 
-TEST_CASE("a mote hears and acks what TinyOS's own serial stack does", "[serial][GW-16]") {
+TEST_CASE("a mote receives and acks what TinyOS's own serial stack does", "[serial][GW-16]") {
   const bool whole = GENERATE(false, true);
   bench mote;
   std::size_t cases = 0;
@@ -100,7 +100,7 @@ TEST_CASE("a mote hears and acks what TinyOS's own serial stack does", "[serial]
   CHECK(cases == 18);
 }
 
-TEST_CASE("a mote counts what it drops by cause and hears the next frame", "[serial][GW-16]") {
+TEST_CASE("a mote counts what it drops by cause and receives the next frame", "[serial][GW-16]") {
   struct row {
     const char* what;
     bytes wire;
@@ -305,7 +305,7 @@ TEST_CASE("acks overtake packets, and at most five wait", "[serial][NFR-03]") {
   CHECK(x.packets.size() == 2);
 }
 
-TEST_CASE("a stopped port hears and sends nothing until it is started", "[serial][GW-01]") {
+TEST_CASE("a stopped port receives and sends nothing until it is started", "[serial][GW-01]") {
   bench mote;
   port_events x;
   for (std::uint32_t i = 0; i < 4; ++i)

@@ -46,7 +46,7 @@ TEST_CASE("a recorded frame reads as it was written", "[serial][ACT-08]") {
   CHECK(to_text(all[1]) == "0.000000 k down 44 7e 00");
 }
 
-TEST_CASE("a line that is no frame is told with what is expected", "[serial][ACT-08]") {
+TEST_CASE("a line that is no frame is reported with what is expected", "[serial][ACT-08]") {
   CHECK(problem_of("") == "none");
   CHECK(problem_of("# note") == "none");
   CHECK(problem_of("1.0 k up 45 00\r") == "none");

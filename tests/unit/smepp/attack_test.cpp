@@ -45,7 +45,7 @@ std::uint64_t counter_of(const bytes& frame) {
 
 } // namespace
 
-TEST_CASE("who has no keys hears only ciphertext", "[smepp][SMP-03][SMP-13]") {
+TEST_CASE("who has no keys receives only ciphertext", "[smepp][SMP-03][SMP-13]") {
   world w({.peers = 3});
   w.record_air(true);
   const auto group = w.build_group(closed_kitchen());
@@ -160,7 +160,7 @@ TEST_CASE("a recording is worth nothing, at once and after a reboot", "[smepp][S
   CHECK(w.at(1).groups().find(group)->ring.best().id == generation);
 }
 
-TEST_CASE("a frame that is changed on its way is not taken", "[smepp][SMP-03]") {
+TEST_CASE("a frame that is changed in transit is not taken", "[smepp][SMP-03]") {
   world w({.peers = 2});
   w.record_air(true);
   const auto group = w.build_group(closed_kitchen());

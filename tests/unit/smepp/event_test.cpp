@@ -116,7 +116,7 @@ TEST_CASE("every matching subscriber gets an event, others none", "[smepp][SMP-1
   CHECK(w.signals<receive_result>(2).size() == 1);
 }
 
-TEST_CASE("who joins later is told what is subscribed", "[smepp][SMP-10]") {
+TEST_CASE("who joins later is notified of what is subscribed", "[smepp][SMP-10]") {
   world w({.peers = 4});
   const auto group = std::get<group_id>(w.with(1, [&](peer& each, instant t, outputs& out) {
     return each.smepp_createGroup(managed_kitchen(), t, out);
@@ -186,7 +186,7 @@ TEST_CASE("tables are bounded and say so", "[smepp][SMP-22][SMP-30]") {
   CHECK(w.at(2).events().counters().dropped.at("gave_up") == 8);
 }
 
-TEST_CASE("an event finds another way when a parent is gone", "[smepp][SMP-18][SMP-22]") {
+TEST_CASE("an event finds another route when a parent is gone", "[smepp][SMP-18][SMP-22]") {
   world w({.peers = 9, .columns = 3});
   const auto group = w.build_group(managed_kitchen());
   w.subscribe(1, group, "light");

@@ -79,7 +79,7 @@ TEST_CASE("false rumours do not keep a member from true ones", "[smepp][SMP-03][
   }
 }
 
-TEST_CASE("recorded joins keep nobody out", "[smepp][SMP-03][SMP-09]") {
+TEST_CASE("recorded joins keep no peer out", "[smepp][SMP-03][SMP-09]") {
   int joined = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     world w({.peers = 3, .seed = seed});

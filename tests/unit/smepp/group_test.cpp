@@ -117,7 +117,8 @@ TEST_CASE("a sleeping group is found within one period", "[smepp][SMP-25]") {
   }
 }
 
-TEST_CASE("all members hear of a new one, and it of them", "[smepp][SMP-09][SMP-10][SMP-11]") {
+TEST_CASE("all members are notified of a new one, and it of them",
+          "[smepp][SMP-09][SMP-10][SMP-11]") {
   world w({.peers = 4});
   const auto group = w.build_group(described_kitchen());
   REQUIRE(w.agree(group, {1, 2, 3, 4}));
@@ -166,7 +167,7 @@ TEST_CASE("the provisioned master key is the only one that is taken", "[smepp][S
   CHECK(w.join(2, group, std::nullopt, {}) == std::nullopt);
 }
 
-TEST_CASE("who leaves is told when it is done, as are all others", "[smepp][SMP-12]") {
+TEST_CASE("who leaves is notified when it is done, as are all others", "[smepp][SMP-12]") {
   world w({.peers = 4});
   const auto group = w.build_group(described_kitchen());
   const auto before = w.at(1).groups().find(group)->ring.best().id;

@@ -162,7 +162,7 @@ TEST_CASE("a member that catches up is no reason for new keys", "[smepp][SMP-13]
 
 // ---- windows
 
-TEST_CASE("one frame silences nobody", "[smepp][SMP-03][SMP-13]") {
+TEST_CASE("one frame silences no peer", "[smepp][SMP-03][SMP-13]") {
   for (const bool answers : {false, true}) { // does it answer in the member's name, too?
     world w({.peers = 3});
     const auto group = w.build_group(kitchen());

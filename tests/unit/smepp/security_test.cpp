@@ -201,7 +201,7 @@ TEST_CASE("names of two groups are hidden with different key streams", "[smepp][
   CHECK_FALSE(hidden_name(master, alice, bob, again) == hidden);
 }
 
-TEST_CASE("a member reads what another has sealed, and nobody else does", "[smepp][SMP-03]") {
+TEST_CASE("a member reads what another has sealed, and no other does", "[smepp][SMP-03]") {
   auto a = peer(alice);
   auto b = peer(bob);
   b.believe(alice, group, first_session.id, 0);

@@ -63,7 +63,7 @@ TEST_CASE("two stamps in a row give the time to some microseconds", "[smepp][SMP
   CHECK(std::chrono::abs(other.sync.when(other.sync.at(now)) - now) <= 2us);
 }
 
-TEST_CASE("a stamp that does not follow one that was heard tells nothing", "[smepp][SMP-26]") {
+TEST_CASE("a stamp that does not follow one that was received shows nothing", "[smepp][SMP-26]") {
   node root(1, 0, start);
   node other(2, 50, start);
   root.sync.begin(root.own(start));

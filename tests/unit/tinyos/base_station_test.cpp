@@ -14,7 +14,7 @@ bytes from_line(std::uint16_t to, std::uint8_t am_type, bytes payload) {
 
 } // namespace
 
-TEST_CASE("a base station passes on whatever it hears", "[tinyos][GW-17]") {
+TEST_CASE("a base station forwards whatever it receives", "[tinyos][GW-17]") {
   base_station x;
   const bytes payload{0, 7, 0, 1};
   const auto packet = x.on_frame({0x1422, mote_id{3}, mote_id{7}, 6, payload});
