@@ -50,9 +50,10 @@ void report_counters(gateway_pointer self, bool ends) {
   self->send(ecology, serial_status{island, counted(state)});
   if (!state.arguments.plain.motes.rules.empty() || state.plain.counters().packets > 0)
     report_real_line(self, ends);
-  self->send(ecology, message_status{{island, no_mote},
-                                     false,
-                                     report_of(pc.messages(), pc.offers(), pc.outstanding(), ends)});
+  self->send(ecology,
+             message_status{{island, no_mote},
+                            false,
+                            report_of(pc.messages(), pc.offers(), pc.outstanding(), ends)});
   state.programs.report(self, ecology, state.arguments.name, now(self), ends);
   report::cause_counts modules;
   report::add_counters<gateway::gateway_counters>(modules, "gateway", state.gateway.counters());

@@ -22,11 +22,11 @@
 #include "gateway/mote_inputs.hpp"
 #include "gateway/occasion.hpp"
 #include "gateway/other_islands.hpp"
+#include "gateway/others/relay.hpp"
 #include "gateway/output_requests.hpp"
 #include "gateway/outputs.hpp"
 #include "gateway/plain/plain_motes.hpp"
 #include "gateway/plain/plain_silence.hpp"
-#include "gateway/relay.hpp"
 #include "gateway/sink_port.hpp"
 #include "network/sink_event.hpp"
 

@@ -9,8 +9,8 @@
 #include "core/address.hpp"
 #include "core/describe/fields.hpp"
 #include "core/time.hpp"
-#include "gateway/announcement.hpp"
-#include "gateway/directory.hpp"
+#include "gateway/others/announcement.hpp"
+#include "gateway/others/directory.hpp"
 #include "gateway/output_requests.hpp"
 #include "transport/answer_slack.hpp"
 
@@ -54,7 +54,7 @@ struct gateway_counters {
   std::uint64_t inputs_refused = 0;    ///< no room for another channel
   std::uint64_t forwarded_out = 0;     ///< messages of the island sent to other gateways
   std::uint64_t forwarded_in = 0;      ///< messages of other islands sent down
-  std::uint64_t undeliverable = 0;     ///< for motes that are not listed, or for nobody here
+  std::uint64_t undeliverable = 0;     ///< for motes that are not listed, or not of here
   std::uint64_t unsayable = 0; ///< messages from or to a gateway of the strict form that it does
                                ///< not know: reliable ones, streams, synaptic channels
   std::uint64_t requests = 0;  ///< to motes, of what they are to send

@@ -12,7 +12,7 @@
 #include "core/time.hpp"
 #include "core/tuples/device_keys.hpp"
 #include "gateway/occasion.hpp"
-#include "gateway/relay.hpp"
+#include "gateway/others/relay.hpp"
 #include "transport/messenger.hpp"
 
 namespace rubicon::gateway {

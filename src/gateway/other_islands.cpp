@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/account/message_ledger.hpp"
-#include "gateway/strict.hpp"
+#include "gateway/others/strict.hpp"
 
 namespace rubicon::gateway {
 

@@ -8,9 +8,9 @@
 #include "core/bytes.hpp"
 #include "core/numbers/random.hpp"
 #include "core/time.hpp"
-#include "gateway/alias_talks.hpp"
-#include "gateway/directory.hpp"
 #include "gateway/occasion.hpp"
+#include "gateway/others/alias_talks.hpp"
+#include "gateway/others/directory.hpp"
 #include "network/island_packet.hpp"
 
 namespace rubicon::gateway {

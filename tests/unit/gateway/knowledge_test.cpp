@@ -14,9 +14,10 @@ std::vector<std::filesystem::path> sources() {
   std::vector<std::filesystem::path> all{root / "actors/services/gateway.hpp",
                                          root / "actors/services/gateway.cpp",
                                          root / "actors/services/gateway_report.cpp"};
-  for (const auto& each : std::filesystem::directory_iterator(root / "src/gateway"))
-    if (each.path().extension() == ".cpp" || each.path().extension() == ".hpp")
-      all.push_back(each.path());
+  for (const auto* folder : {"src/gateway", "src/gateway/others"})
+    for (const auto& each : std::filesystem::directory_iterator(root / folder))
+      if (each.path().extension() == ".cpp" || each.path().extension() == ".hpp")
+        all.push_back(each.path());
   return all;
 }
 
