@@ -11,8 +11,8 @@
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
 #include "communication/pc.hpp"
-#include "gateway/alias_talks.hpp"
-#include "gateway/directory.hpp"
+#include "gateway/others/alias_talks.hpp"
+#include "gateway/others/directory.hpp"
 
 namespace rubicon {
 

@@ -13,7 +13,7 @@
 
 namespace rubicon {
 
-/// A run that goes on as far as it is told, so that somebody can look at it in between.
+/// A run that goes on as far as it is requested to, for users that look at it in between.
 class ecology_run {
 public:
   /// @throws std::runtime_error if the debug folder, a capture or the record cannot be begun
@@ -29,7 +29,7 @@ public:
   /// Lets a fault or a change join the plan. @param times not before now. @throws as world()
   void plan(const config::fault_description& x, const std::vector<duration>& times);
 
-  /// Runs on to that time, and looks at the motes on the way as a whole run does. @throws as
+  /// Runs on to that time, and looks at the motes meanwhile as a whole run does. @throws as
   /// world()
   void run_until(instant end);
 

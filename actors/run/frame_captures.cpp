@@ -47,11 +47,11 @@ void frame_captures::write(const radio::overheard& x) {
   auto& to = captures_.at(x.pan);
   to.waiting.emplace(x.begin, capture::seen{x.psdu, x.received ? std::string() : to.comment_on(x)});
   to.write_until(x.begin + radio::air_time(x.psdu.size()) - radio::air_time(radio::psdu_max));
-  tell_failure(to);
+  report_failure(to);
 }
 
-void frame_captures::tell_failure(capture& x) {
-  if (!x.error().empty() && !std::exchange(x.is_told, true))
+void frame_captures::report_failure(capture& x) {
+  if (!x.error().empty() && !std::exchange(x.is_reported, true))
     spdlog::error("a capture is not complete: {}", printable(x.error()));
 }
 
@@ -60,7 +60,7 @@ std::string frame_captures::finish() {
   for (auto& [pan, x] : captures_) {
     x.write_until(instant::max());
     x.flush();
-    tell_failure(x);
+    report_failure(x);
     if (!x.error().empty())
       failed += (failed.empty() ? "captures are not complete: " : ", ") + x.error();
   }

@@ -18,7 +18,7 @@ namespace rubicon {
 /// to whom.
 class frame_captures {
 public:
-  /// @param with_lost frames that nobody received are written too
+  /// @param with_lost frames that no radio received are written too
   /// @throws std::runtime_error if the folder or a file cannot be made
   frame_captures(const std::string& folder, const config::ecology_description& ecology,
                  bool with_lost);
@@ -40,7 +40,7 @@ private:
     std::variant<io::pcap_file, io::pcapng_file> file;
     std::map<mote_id, std::string> names; ///< of the island's motes and its sink
     std::multimap<instant, seen> waiting; ///< by begin
-    bool is_told = false;                 ///< that it failed
+    bool is_reported = false;             ///< that it failed
 
     void write_until(instant begin);
     void flush();
@@ -52,7 +52,7 @@ private:
   [[nodiscard]] static capture made(const std::string& folder, const config::island_description& x,
                                     bool with_lost);
 
-  static void tell_failure(capture& x);
+  static void report_failure(capture& x);
 
   std::map<std::uint16_t, capture> captures_; ///< by PAN
   bool with_lost_ = false;

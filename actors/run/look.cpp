@@ -20,7 +20,7 @@ namespace rubicon {
 
 namespace {
 
-/// nullptr: it has ended, and its state with it, though nobody has heard of that yet.
+/// nullptr: it has ended, and its state with it, though its supervisor has not received that yet.
 template <class State, class Handle>
 const State* state_of(const Handle& x) {
   if (!x)
@@ -30,7 +30,7 @@ const State* state_of(const Handle& x) {
   return who.has_ended() ? nullptr : &who.state;
 }
 
-/// Whom it hears, and what it has sent over the tree.
+/// Its neighbours, and what it has sent over the tree.
 void add_network(report::mote_sample& to, const network::router& from) {
   for (const auto& each : from.links().all()) {
     report::neighbour_sample x{each.mote};
@@ -43,7 +43,7 @@ void add_network(report::mote_sample& to, const network::router& from) {
   to.forwarded = from.packets().counters().forwarded;
 }
 
-/// What it knows of the way to its sink.
+/// What it knows of the route to its sink.
 void add_route(report::mote_sample& to, const mote::node& from) {
   const auto& router = from.packets().router();
   if (!router.tree().has_route())

@@ -7,8 +7,8 @@
 
 namespace rubicon {
 
-/// Reads what the actors have, asks nobody and changes nothing.
-/// @pre nobody has its turn, and all have come to `now`
+/// Reads what the actors have, requests and changes nothing.
+/// @pre no actor has its turn, and all have come to `now`
 [[nodiscard]] report::run_sample look_at(const ecology_state& all, instant now);
 
 /// Lets the ecology's watch look at its motes; the same, but for what the watch keeps.

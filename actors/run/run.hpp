@@ -50,12 +50,13 @@ struct run_options {
                                              ///< of config::debug_selection
   std::size_t debug_file_octets_max = 16 << 20; ///< a full file is rotated (NFR-03)
   std::string pcap_folder; ///< ACT-07: a capture of each island's air goes here; empty: none
-  bool pcap_lost = false;  ///< with the frames that nobody received
+  bool pcap_lost = false;  ///< with the frames that no radio received
   std::string serial_file; ///< ACT-08: each frame of serial lines goes here; empty: nowhere
   std::string record_file; ///< what `rubicon explain` reads goes here; empty: nowhere
-  std::uint64_t record_octets_max = 0; ///< then it ends, and nobody minds; 0: it must be complete
-  run_source source;                   ///< told by the record
-  bool handle_signals = false;         ///< end the run cleanly on the first signal (ACT-11)
+  std::uint64_t record_octets_max =
+      0;                       ///< then it ends, and may be incomplete; 0: it must be complete
+  run_source source;           ///< a record has it
+  bool handle_signals = false; ///< end the run cleanly on the first signal (ACT-11)
 
   /// Called now and then.
   std::function<void(const run_progress&)> progress;
@@ -69,7 +70,7 @@ struct run_options {
   /// In wall time, called at each SIGHUP, which does not end the run then; empty: it does.
   std::function<void()> on_hangup;
 
-  // What whoever runs one part of an ecology of many is told, and tells it.
+  // Of one part of an ecology on several hosts: notifications, and requests.
   /// Called when everything has been made and nothing has run.
   std::function<void(run_control)> on_begun;
   std::function<void(const report::logged_event&)> on_event; ///< as it is noted

@@ -337,8 +337,8 @@ void run_record::write(const scheduler::remark& x) {
     put_event(x);
     return;
   }
-  if (const auto* told = std::any_cast<record>(&x.content)) {
-    auto r = *told;
+  if (const auto* written = std::any_cast<record>(&x.content)) {
+    auto r = *written;
     r.time = x.time;
     r.cause = recorded_cause(x.cause);
     put(r);

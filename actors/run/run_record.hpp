@@ -23,8 +23,8 @@ namespace rubicon {
 class run_record {
 public:
   /// Makes the file. @throws std::runtime_error if that fails
-  /// @param octets_max it ends before it is longer, or there is no room: then nobody minds; 0: it
-  /// is to be complete
+  /// @param octets_max it ends before it is longer, or there is no room: then it may be incomplete;
+  /// 0: it is to be complete
   run_record(const std::string& path, const config::ecology_description& ecology,
              const run_source& source, std::uint64_t octets_max = 0);
 

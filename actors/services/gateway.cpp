@@ -3,13 +3,13 @@
 #include <utility>
 
 #include "actors/base/log.hpp"
-#include "actors/base/statuses.hpp"
 #include "actors/island/program_note.hpp"
 #include "actors/messages/common.hpp"
 #include "actors/messages/peis.hpp"
 #include "actors/messages/serial.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
+#include "actors/services/gateway_report.hpp"
 #include "core/tuples/device_keys.hpp"
 #include "network/am.hpp"
 #include "serial/packet.hpp"
@@ -19,8 +19,6 @@ namespace rubicon {
 
 namespace {
 
-using gateway_pointer = scheduler::actor_pointer<gateway_state, gateway_actor>;
-
 /// What a gateway watches: own tuples that others write.
 constexpr std::uint64_t own_watch = 1;
 constexpr std::string_view written_by_others[] = {"devices.*.input.*", "devices.*.output.*.period"};
@@ -29,12 +27,6 @@ void perform(gateway_pointer self, gateway::outputs todo);
 void perform(gateway_pointer self, serial::outputs todo);
 void perform_real(gateway_pointer self, serial::outputs todo);
 void follow(gateway_pointer self);
-
-/// Of its kernel.
-peer_id id_of(gateway_pointer self) {
-  const auto& arguments = self->state.arguments;
-  return arguments.self == any_peer ? gateway_of(arguments.config.island) : arguments.self;
-}
 
 /// What the gateway writes is at the line when the adapter has it.
 template <class Message>
@@ -178,7 +170,7 @@ struct gateway_performer {
   }
 
   void operator()(const serial::sent& x) const {
-    tell_done(x.id);
+    report_done(x.id);
     if (const auto input = self->state.inputs.extract(x.id); !input.empty()) {
       self->state.plain.on_sent();
       perform(self, self->state.gateway.on_plain_done(input.mapped(), true, now(self)));
@@ -186,18 +178,18 @@ struct gateway_performer {
   }
 
   void operator()(const serial::lost& x) const {
-    tell_done(x.id);
+    report_done(x.id);
     if (const auto input = self->state.inputs.extract(x.id); !input.empty()) {
       self->state.plain.on_lost(x.cause);
       perform(self, self->state.gateway.on_plain_done(input.mapped(), false, now(self)));
     }
     log(self, spdlog::level::warn, "event=lost packet={}", x.id.value);
     if (x.cause == serial::lost_cause::too_long)
-      tell_refused();
+      report_refused();
   }
 
   /// Once: who writes one such packet writes others.
-  void tell_refused() const {
+  void report_refused() const {
     auto& state = self->state;
     if (std::exchange(state.has_refused, true))
       return;
@@ -214,7 +206,7 @@ struct gateway_performer {
   void take(const serial::am_packet& x) const {
     auto& state = self->state;
     perform(self, state.gateway.on_packet(mote_id(x.source), x.am_type, x.payload, now(self)));
-    if (state.arguments.may_be_own_sink && state.gateway.has_own_sink())
+    if (state.arguments.may_be_own_sink && state.gateway.sink().has_own_sink())
       state.port.set_payload_max(serial::am_payload_max);
   }
 
@@ -227,7 +219,7 @@ struct gateway_performer {
   }
 
   /// Whoever has sent a packet beside the gateway sends the next one only then.
-  void tell_done(serial::packet_id x) const {
+  void report_done(serial::packet_id x) const {
     const auto found = self->state.foreign.find(x);
     if (found == self->state.foreign.end())
       return;
@@ -308,14 +300,7 @@ void on_tuple(gateway_pointer self, const tuple_event& x) {
 }
 
 void on_message(gateway_pointer self, const peis_message& x) {
-  auto& gateway = self->state.gateway;
-  if (x.port == gateway::announcement_port)
-    gateway.on_announcement(x.source, x.octets.view(), now(self));
-  else if (x.port == gateway::relay_port)
-    perform(self, gateway.on_relay(x.source, x.octets.view(), now(self)));
-  else
-    perform(self, gateway.on_message(x.source, x.octets.view(), now(self)));
-  follow(self);
+  perform(self, self->state.gateway.on_message(x.source, x.port, x.octets.view(), now(self)));
 }
 
 void on_timer(gateway_pointer self) {
@@ -327,101 +312,11 @@ void on_timer(gateway_pointer self) {
   perform_real(self, state.real_port.on_time(now(self)));
 }
 
-/// @param ends its life does
-void report_real_line(gateway_pointer self, bool ends) {
-  const auto& state = self->state;
-  const auto& counted = state.plain.counters();
-  real_line_status status{state.arguments.config.island, {}};
-  auto& real = status.real;
-  real.packets = counted.packets;
-  real.taken = counted.taken;
-  real.dropped = {counted.dropped.begin(), counted.dropped.end()};
-  real.inputs = counted.inputs;
-  real.inputs_sent = counted.inputs_sent;
-  real.inputs_failed = {counted.inputs_failed.begin(), counted.inputs_failed.end()};
-  if (ends && !state.inputs.empty())
-    real.inputs_failed["gateway_ended"] += state.inputs.size();
-  else
-    real.inputs_open = state.inputs.size();
-  self->send(state.arguments.ecology, std::move(status));
-  if (!state.arguments.real_line)
-    return;
-  const auto& port = state.real_port.counters();
-  const auto& frames = state.real_port.frames();
-  serial_status line{state.arguments.config.island, {}};
-  line.serial.frames_sent = port.attempts + port.acks_written;
-  line.serial.frames_received = frames.good;
-  line.serial.lost = {
-      {"real_crc", frames.bad_crc + frames.too_short + frames.too_long + frames.aborted},
-      {"real_no_ack", port.no_ack},
-      {"real_queue_full", port.queue_full},
-      {"real_refused", port.refused}};
-  self->send(state.arguments.ecology, std::move(line));
-}
-
-/// @param ends its life does
-void report_counters(gateway_pointer self, bool ends) {
-  const auto& state = self->state;
-  const auto island = state.arguments.config.island;
-  const auto& ecology = state.arguments.ecology;
-  self->send(ecology, serial_status{island, counted(state)});
-  if (!state.arguments.plain.motes.rules.empty() || state.plain.counters().packets > 0)
-    report_real_line(self, ends);
-  self->send(ecology, message_status{{island, no_mote},
-                                     false,
-                                     report_of(state.gateway.messages(), state.gateway.offers(),
-                                               state.gateway.outstanding(), ends)});
-  state.programs.report(self, ecology, state.arguments.name, now(self), ends);
-  report::cause_counts modules;
-  report::add_counters<gateway::gateway_counters>(modules, "gateway", state.gateway.counters());
-  report::add_counters<gateway::directory_counters>(modules, "directory",
-                                                    state.gateway.others().counters());
-  report::add_counters<transport::assembly_counters>(modules, "from_sink",
-                                                     state.gateway.from_sink().counters());
-  report::add_counters<communication::pc_counters>(modules, "pc", state.gateway.pc().counters());
-  report::add_counters<serial::host_port_counters>(modules, "serial", state.port.counters());
-  report::add_counters<serial::frame_counters>(modules, "frames", state.port.frames());
-  report::add_counters<serial::host_port_counters>(modules, "real_serial",
-                                                   state.real_port.counters());
-  report::add_counters<serial::frame_counters>(modules, "real_frames", state.real_port.frames());
-  report::add_counters<gateway::plain_line_counters>(modules, "plain_line", state.plain.counters());
-  add_layer(modules, state.gateway.above());
-  send_modules(self, ecology, state.arguments.name, std::move(modules));
-}
-
-/// @param ends its life does, so it leads no more
-void report_lead(gateway_pointer self, bool ends) {
-  const auto& state = self->state;
-  const auto& lead = state.gateway.lead();
-  if (lead.alone())
-    return;
-  self->send(state.arguments.ecology,
-             gateway_status{state.arguments.config.island,
-                            id_of(self),
-                            state.arguments.name,
-                            {lead.led(), lead.leading(now(self)), lead.leads() && !ends}});
-}
-
 } // namespace
-
-report::serial_report counted(const gateway_state& x) {
-  const auto& port = x.port.counters();
-  const auto& frames = x.port.frames();
-  report::serial_report sum;
-  sum.frames_sent = port.attempts + port.acks_written;
-  sum.frames_received = frames.good;
-  sum.lost = {{"gateway_crc", frames.bad_crc + frames.too_short + frames.too_long + frames.aborted},
-              {"gateway_no_ack", port.no_ack},
-              {"gateway_queue_full", port.queue_full},
-              {"gateway_refused", port.refused},
-              {"gateway_malformed", x.bad_packets}};
-  return sum;
-}
 
 gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_arguments arguments) {
   self->set_exit_handler([self](const caf::exit_msg& x) {
-    report_counters(self, true); // a life that a fault has ended counts as well
-    report_lead(self, true);
+    report_end(self); // a life that a fault has ended counts as well
     self->quit(x.reason);
   });
   auto& state = self->state;
@@ -492,14 +387,7 @@ gateway_actor::behavior_type gateway_behavior(gateway_pointer self, gateway_argu
                      self->state.programs.sample(x.sample, self->state.arguments.name));
           return;
         }
-        report_counters(self, false);
-        const auto& gateway = self->state.gateway;
-        report_lead(self, false);
-        if (gateway.lead().leads())
-          self->send(self->state.arguments.ecology,
-                     devices_status{self->state.arguments.config.island, gateway.devices(),
-                                    gateway.clock_offset().has_value(),
-                                    gateway.clock_offset().value_or(0s)});
+        report_gateway(self);
       },
   };
 }

@@ -22,7 +22,7 @@ void perform(object_proxy_pointer self, const proxy::object_proxy::outputs& todo
   self->state.wake.follow(self, self->state.core.deadline());
 }
 
-void tell(object_proxy_pointer self, std::string what) {
+void send_notable(object_proxy_pointer self, std::string what) {
   self->send(self->state.ecology, notable_event{self->path(), std::move(what)});
 }
 
@@ -32,7 +32,7 @@ void on_tuple(object_proxy_pointer self, const tuple_event& x) {
   perform(self, core.on_tuple(x.owner, x.key, x.value.view(), x.deleted, now(self)));
   const auto after = core.interface_name();
   if (!after.empty() && after != before)
-    tell(self, "seen by the reader " + after);
+    send_notable(self, "seen by the reader " + after);
 }
 
 void on_time(object_proxy_pointer self) {
@@ -40,7 +40,7 @@ void on_time(object_proxy_pointer self) {
   const bool was_there = core.is_active();
   perform(self, core.on_time(now(self)));
   if (was_there && !core.is_active())
-    tell(self, "seen by no reader");
+    send_notable(self, "seen by no reader");
 }
 
 void send_status(object_proxy_pointer self) {

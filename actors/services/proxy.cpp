@@ -151,7 +151,7 @@ void on_tuple(proxy_pointer self, const tuple_event& x) {
     perform(self, core.on_gateway_tuple(x.key, x.value.view(), now(self)));
 }
 
-/// @param ends its life does: what nobody has answered has failed
+/// @param ends its life does: what has no answer has failed
 void send_status(proxy_pointer self, bool ends) {
   const auto& core = self->state.arguments.core;
   const auto& counted = core.counters();

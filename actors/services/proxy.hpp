@@ -39,7 +39,7 @@ struct proxy_streams {
 struct proxy_actor_state {
   proxy_arguments arguments;
   std::vector<proxy::watch> watches; ///< watch n has the name n + 1
-  std::uint64_t failed_writes = 0;   ///< to the gateway; the core's timeout tells its user
+  std::uint64_t failed_writes = 0;   ///< to the gateway; the core's timeout notifies its user
   peer_id written_to = any_peer;     ///< the gateway whose answers count
   proxy_streams streams;
   timer wake;

@@ -49,7 +49,7 @@ std::string name_of(const proxy::proxy_identity& who) {
   return who.island_name + '/' + who.mote_name;
 }
 
-/// Notes whose the key is; tells if the proxy of another mote has it too.
+/// Notes whose the key is; reports if the proxy of another mote has it too.
 void claim_key(proxy_manager_pointer self, const std::string& prefix, const mote_address& mote) {
   auto& state = self->state;
   std::string folded = prefix;
@@ -144,7 +144,7 @@ void watch_gateways(proxy_manager_pointer self, const managed_island& island) {
 }
 
 /// Tells those of the island.
-void tell_gateway(proxy_manager_pointer self, island_id island, peer_id gateway) {
+void send_gateway(proxy_manager_pointer self, island_id island, peer_id gateway) {
   const auto& islands = self->state.arguments.islands;
   const auto name = gateway_name(*std::ranges::find(islands, island, &managed_island::id), gateway);
   log(self, spdlog::level::info, "event=gateway island={} id={}", to_string(island),
@@ -165,7 +165,7 @@ void on_tuple(proxy_manager_pointer self, const tuple_event& x) {
   else if (x.key == devices_key)
     changes = gateways.on_list_deleted(x.owner);
   if (gateways.current() != before)
-    tell_gateway(self, island, gateways.current());
+    send_gateway(self, island, gateways.current());
   for (const auto& each : changes)
     perform(self, each.deleted ? manager.on_gateway_gone(island, now(self))
                                : manager.on_gateway_tuple(island, each.key, each.value, now(self)));

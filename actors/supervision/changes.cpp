@@ -55,7 +55,7 @@ std::string radio_name(ecology_pointer self, const mote_address& x) {
 
 } // namespace
 
-/// Whoever writes the debug log is told by a remark: that is no part of the run.
+/// The writer of the debug log is notified by a remark: that is no part of the run.
 void select_debug(ecology_pointer self, const std::string& who, std::vector<std::string> patterns) {
   const auto& state = self->state;
   config::debug_names names(state.description);

@@ -1,4 +1,4 @@
-// What the root supervisor does to an ecology that is to be another way from now on (ACT-10).
+// What the root supervisor changes of an ecology while it runs (ACT-10).
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace rubicon {
 
-/// Applies changes, which are planned as faults are. Each is told in the event log.
+/// Applies changes, which are planned as faults are. Each is in the event log.
 struct change_applier {
   ecology_pointer self;
 

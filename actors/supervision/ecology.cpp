@@ -81,7 +81,7 @@ void carry(ecology_pointer self, mote_address from, const planned_end& plan) {
   self->send(mote.arguments->air, carry_away{mote.arguments->radio});
   mote.arguments = next;
   mote.in_transit = true;
-  mote.told.reset();
+  mote.last_listing.reset();
   entry.key() = next->address;
   state.motes.insert(std::move(entry));
   state.moved[from] = next->address;
@@ -219,7 +219,7 @@ void on_real_listing(ecology_pointer self, const config::island_description& isl
     judge->on_joined(x.mote, now(self));
 }
 
-/// A mote that has left because its battery ends, or by its own wish, is not missed.
+/// A mote that has left because its battery ends, or by its own request, is not missed.
 bool has_left_by_itself(network::leave_cause x) {
   return x == network::leave_cause::notice || x == network::leave_cause::battery;
 }
@@ -245,9 +245,9 @@ void on_listing(ecology_pointer self, const listing_changed& x) {
   }
   auto& mote = found->second;
   const std::pair news{x.listed, x.incarnation};
-  if (has_several_gateways(self, x.mote.island) && mote.told == news)
-    return; // another gateway has told so
-  mote.told = news;
+  if (has_several_gateways(self, x.mote.island) && mote.last_listing == news)
+    return; // another gateway has reported it
+  mote.last_listing = news;
   mote.changed = now(self);
   self->state.watch.on_listed(x.mote, x.listed, has_left_by_itself(x.cause), now(self));
   if (!x.listed) {

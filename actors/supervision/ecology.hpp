@@ -66,7 +66,7 @@ struct supervised_mote {
   bool flat = false;
   bool in_transit = false; ///< to another island, with a battery of which
   double used_mah = 0;     ///< so much is used
-  std::optional<std::pair<bool, std::uint32_t>> told; ///< listed, and its incarnation, last
+  std::optional<std::pair<bool, std::uint32_t>> last_listing; ///< and its incarnation
   std::string left_cause;
   instant changed; ///< when it was last started, flat, listed or unlisted
   std::vector<supervised_program> programs;
@@ -121,7 +121,7 @@ struct supervised_peer {
   std::optional<instant> away_since; ///< when its newest life but this one ended
 };
 
-/// What the process tells its peers about itself.
+/// What the process knows of itself.
 struct process_facts {
   std::string machine;                    ///< its name
   io::loop* loop = nullptr;               ///< of the real network; nullptr: there is none
@@ -131,15 +131,15 @@ struct process_facts {
   std::function<void()> on_inits_ended = {};
   /// Called when the run is to end before its time, and why; may be empty.
   std::function<void(const std::string& why)> on_end_wanted = {};
-  /// Told of each mote, `kitchen/climate-7`, when its battery is flat; may be empty.
+  /// Notified of each mote, `kitchen/climate-7`, when its battery is flat; may be empty.
   std::function<void(const std::string& mote)> on_flat = {};
-  /// Told of what goes wrong after the report was handed out; may be empty.
+  /// Notified of what goes wrong after the report was handed out; may be empty.
   std::function<void(report::violation)> on_late_violation = {};
-  /// Who judges the run; nullptr: nobody. Outlives the ecology.
+  /// Who judges the run; nullptr: none does. Outlives the ecology.
   report::expectations* judge = nullptr;
-  /// Told of each event as it is noted; may be empty.
+  /// Notified of each event as it is noted; may be empty.
   std::function<void(const report::logged_event&)> on_event = {};
-  /// Told of what a report is settled from, before each; may be empty.
+  /// Notified of what a report is settled from, before each; may be empty.
   std::function<void(const report::run_counters&)> on_counters = {};
   bool writes_debug_log = false;
   std::uint32_t starts = 0; ///< so often everything may have been started by earlier processes
@@ -219,7 +219,7 @@ struct ecology_state : collected_answers {
   std::vector<planned_end> planned_ends; ///< that are still to come
   std::vector<report::planned_fault> plan;
   message_ledger* messages = nullptr; ///< the account of all messages; outlives everybody
-  report::time_watch watch;           ///< is told of motes by whoever looks at them
+  report::time_watch watch;           ///< notified of motes by all that look at them
   bool ending = false;                ///< end_run has come
   std::size_t next_fault = 0;         ///< in `plan`
   std::size_t planned_faults = 0;     ///< of the description's; those behind are applied on request
@@ -233,7 +233,7 @@ struct ecology_state : collected_answers {
 };
 
 /// @param on_report called once, from the actor, when deliver_report comes
-/// @param observe_frames told of every frame on the air; may be empty
+/// @param observe_frames notified of every frame on the air; may be empty
 root_actor::behavior_type ecology(scheduler::actor_pointer<ecology_state, root_actor> self,
                                   config::ecology_description description,
                                   report_receiver on_report, frame_observer observe_frames,

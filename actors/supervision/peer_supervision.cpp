@@ -20,7 +20,7 @@ constexpr auto second = [](const auto& entry) -> const auto& {
   return entry.second;
 };
 
-void tell(ecology_pointer self, const supervised_peer& peer, std::string what) {
+void send_notable(ecology_pointer self, const supervised_peer& peer, std::string what) {
   self->send(self, notable_event{"peis_peer/" + peer.name, std::move(what)});
 }
 
@@ -32,7 +32,7 @@ void end_quietly(ecology_pointer self, const caf::strong_actor_ptr& who) {
   self->send_exit(who, caf::exit_reason::user_shutdown);
 }
 
-/// Whether the init of this component is told how it fares: not of a second peer with its id.
+/// Whether the init of this component is notified how it fares: not of a second peer with its id.
 bool is_watched(ecology_pointer self, const supervised_peer& peer) {
   return peer.component_of && &self->state.peers.at(peer.name) == &peer;
 }
@@ -57,7 +57,7 @@ init_actor init_of(ecology_pointer self, const supervised_peer& component) {
 }
 
 template <class Message>
-void tell_init(ecology_pointer self, const supervised_peer& component) {
+void notify_init(ecology_pointer self, const supervised_peer& component) {
   if (const auto init = init_of(self, component))
     self->send(init, Message{component.name, component.life});
 }
@@ -66,7 +66,7 @@ bool has_init(const supervised_peer& peer) {
   return peer.handle && peer.init;
 }
 
-void tell_when_inits_ended(ecology_pointer self) {
+void notify_when_inits_ended(ecology_pointer self) {
   const auto& state = self->state;
   if (std::ranges::none_of(state.peers, has_init, second) && state.process.on_inits_ended)
     state.process.on_inits_ended();
@@ -96,7 +96,7 @@ void end_process(ecology_pointer self, supervised_peer& peer) {
   peer.changed = now(self);
   peer.away_since = now(self);
   if (is_watched(self, peer))
-    tell_init<component_ended>(self, peer);
+    notify_init<component_ended>(self, peer);
   if (peer.init)
     end_init(self, peer);
 }
@@ -107,7 +107,7 @@ void end_init(ecology_pointer self, supervised_peer& peer) {
   for (auto* component : components_of(self, peer))
     end_process(self, *component);
   if (state.ending)
-    tell_when_inits_ended(self);
+    notify_when_inits_ended(self);
 }
 
 void restart_after(ecology_pointer self, const supervised_peer& peer,
@@ -162,21 +162,21 @@ void restart(ecology_pointer self, supervised_peer& peer) {
   }
   spawn_kernel(self, peer, "peis_peer/" + peer.name);
   spawn_programs(self, peer);
-  tell(self, peer,
-       again ? "started again, life " + std::to_string(peer.incarnation + 1) : "started");
+  send_notable(self, peer,
+               again ? "started again, life " + std::to_string(peer.incarnation + 1) : "started");
 }
 
 void start_component_peer(ecology_pointer self, const start_component& x) {
   auto& peer = self->state.peers.at(x.peer);
   peer.life = x.life;
   restart(self, peer);
-  tell_init<component_started>(self, peer);
+  notify_init<component_started>(self, peer);
 }
 
 void stop_component_peer(ecology_pointer self, const stop_component& x) {
   auto& peer = self->state.peers.at(x.peer);
   if (!peer.handle)
-    tell_init<component_ended>(self, peer);
+    notify_init<component_ended>(self, peer);
   else if (x.at_once)
     end_process(self, peer);
   else
@@ -190,7 +190,7 @@ void end_peers(ecology_pointer self) {
     if (peer.handle && !peer.component_of)
       self->send(peer.handle, leave_network{});
   }
-  tell_when_inits_ended(self);
+  notify_when_inits_ended(self);
 }
 
 void on_init_down(ecology_pointer self, const caf::actor_addr& init) {
@@ -227,7 +227,7 @@ void peer_fault_applier::operator()(const config::kill_fault& x) const {
   if (peer == nullptr)
     return;
   end_process(self, *peer);
-  tell(self, *peer, "killed" + lasting(x.length));
+  send_notable(self, *peer, "killed" + lasting(x.length));
   restart_after(self, *peer, x.length);
 }
 
@@ -242,7 +242,7 @@ void peer_fault_applier::operator()(const config::power_off_fault& x) const {
     set_power(self, each->station, false); // before it is seen to end
   }
   end_process(self, *peer);
-  tell(self, *peer, "power off" + lasting(x.length));
+  send_notable(self, *peer, "power off" + lasting(x.length));
   restart_after(self, *peer, x.length);
 }
 
@@ -279,7 +279,7 @@ void peer_fault_applier::operator()(const config::duplicate_id_fault& x) const {
   std::erase_if(state.reporters,
                 [&](const auto& each) { return each.first == added.handle.address(); });
   peer->changed = now(self) + x.length.value_or(state.description.length);
-  tell(self, *peer, "a second one with its id appears" + lasting(x.length));
+  send_notable(self, *peer, "a second one with its id appears" + lasting(x.length));
   if (x.length)
     self->delayed_send(self, *x.length, end_duplicate{name});
 }
@@ -289,9 +289,9 @@ void peer_fault_applier::operator()(const config::clock_step_fault& x) const {
   if (peer == nullptr)
     return;
   self->send(peer->handle, step_clock{x.by});
-  tell(self, *peer,
-       "clock set " + std::string(x.by < 0s ? "back by " : "forward by ") +
-           to_text(x.by < 0s ? -x.by : x.by));
+  send_notable(self, *peer,
+               "clock set " + std::string(x.by < 0s ? "back by " : "forward by ") +
+                   to_text(x.by < 0s ? -x.by : x.by));
 }
 
 void peer_fault_applier::operator()(const config::move_fault& x) const {
@@ -302,9 +302,9 @@ void peer_fault_applier::operator()(const config::move_fault& x) const {
   state.last_lan_fault = std::max(state.last_lan_fault, now(self));
   if (state.bluetooth)
     self->send(state.bluetooth, move_machine{peer->machine, x.to});
-  tell(self, *peer,
-       "carried to " + std::to_string(std::lround(x.to.x_m)) + ", " +
-           std::to_string(std::lround(x.to.y_m)));
+  send_notable(self, *peer,
+               "carried to " + std::to_string(std::lround(x.to.x_m)) + ", " +
+                   std::to_string(std::lround(x.to.y_m)));
 }
 
 } // namespace rubicon

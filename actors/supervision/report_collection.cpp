@@ -261,7 +261,7 @@ void deliver(ecology_pointer self) {
     add_violation(self, report::requests_are_met, "there is no island and no peer: nothing ran");
   report.complete = true;
   self->state.delivered = true;
-  self->state.on_report(report); // not moved: programs that end later still tell their counters
+  self->state.on_report(report); // not moved: programs that end later still send their counters
 }
 
 } // namespace rubicon

@@ -166,7 +166,7 @@ struct server::state {
       close(who, why);
   }
 
-  /// Empty as long as nobody knows who it is.
+  /// Empty as long as it is not authenticated.
   [[nodiscard]] std::string why_revoked(const connection& x) const {
     return x.at == phase::unknown || !own.revoked() ? "" : x.stream->why_revoked(*own.revoked());
   }
@@ -227,7 +227,7 @@ struct server::state {
     if (!octets.empty())
       return close(who, "sent a request before the answer to the previous one");
     if (x.reader.now() == frame_reader::state::header)
-      return; // a part of it, which makes nobody known
+      return; // a part of it, which does not change it
     if (x.at == phase::unknown) {
       on_known(who);
       if (!all.contains(who))

@@ -77,8 +77,8 @@ void place(config::ecology_description& out, const std::vector<host_place>& plac
 
 inline constexpr const char* loopback = "127.0.0.1";
 
-/// Puts all hosts on this computer, at ports that are nobody else's in the description, and
-/// nobody's on this computer as far as `is_free` says.
+/// Puts all hosts on this computer, at ports that no other one has in the description, and
+/// that are free on this computer as far as `is_free` says.
 [[nodiscard]] std::vector<host_place>
 places_on_one_computer(const config::ecology_description& all,
                        const std::function<bool(std::uint16_t port)>& is_free);

@@ -18,7 +18,7 @@ struct host_access {
 /// Relative, and not above or beside where it starts: `readings/kitchen.csv`.
 [[nodiscard]] bool is_inside(std::string_view path);
 
-/// Whether one of the patterns has it. A path with `..` in it is nobody's.
+/// Whether one of the patterns has it. A path with `..` in it is in none.
 [[nodiscard]] bool is_allowed(std::string_view device, const std::vector<std::string>& patterns);
 
 /// Paths that a part writes, of its own folder.

@@ -102,7 +102,7 @@ RUBICON_FIELDS(cause_fault, deployment, sentence);
 struct life_news {
   std::uint64_t life = 0; ///< no other has this number, on this host
   duration elapsed{};     ///< of the whole when it began
-  duration ended{};       ///< of the whole when it ended; 0: it runs, or nobody has seen its end
+  duration ended{};       ///< of the whole when it ended; 0: it runs, or its end is not known
   bool is_final = false;
   report::part_report newest; ///< without a name: nothing
 };

@@ -1,413 +1,262 @@
 #include "gateway/gateway.hpp"
 
-#include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "core/account/message_ledger.hpp"
-#include "gateway/gateway_parts.hpp"
-#include "gateway/strict.hpp"
-#include "network/am.hpp"
-#include "network/wire.hpp"
-#include "transport/segment.hpp"
+#include "gateway/tuples.hpp"
 
 namespace rubicon::gateway {
 
 namespace {
 
-constexpr std::size_t assemblies_max = 64; ///< long packets that come up at the same time
-
-/// Whether a message between islands asks for reliable transfer: its segment says so. An
-/// acknowledgement goes unreliably, since a lost one is asked for again end to end.
-bool wants_reliable(byte_view segment) {
-  const auto decoded = transport::decode_segment(segment);
-  return decoded && decoded->what == transport::segment::kind::reliable;
+/// `{20,21}`, in the order in which they take over.
+std::string text_of(const std::vector<peer_id>& gateways) {
+  std::string text;
+  for (const auto id : gateways)
+    text += (text.empty() ? "{" : ",") + to_string(id);
+  return text + '}';
 }
 
 } // namespace
 
-gateway::gateway() = default;
-gateway::gateway(gateway&& x) noexcept = default;
-gateway& gateway::operator=(gateway&& x) noexcept = default;
-gateway::~gateway() = default;
-
 gateway::gateway(gateway_config config, random_stream rng)
     : config_(std::move(config)),
       lead_({config_.gateways.empty(), config_.incarnation, config_.lead_lease}),
-      pc_(pc_of(config_, config_.incarnation), random_stream(rng.next())),
-      messages_(std::make_unique<device_messages>()), fragments_({.packets_max = assemblies_max}),
-      others_(config_.others, random_stream(rng.next())) {
-  rng_ = random_stream(rng.next());
-  pc_.set_line(false); // until the sink has sent
-  messages_->layer = pc_.attach_for_rest(*messages_);
+      motes_({config_.devices_max, config_.rejoin_wait, config_.has_real_line}),
+      sink_(silence_max()), inputs_(config_), plain_silence_(config_.line_silence_max) {
+  random_stream first_term(rng.next());
+  others_ = other_islands(config_, random_stream(rng.next()));
+  pc_ = island_pc(config_, first_term, random_stream(rng.next()));
 }
 
-void gateway::observe(std::function<void(const communication::program_note&)> observer) {
-  observer_ = std::move(observer);
-  pc_.observe(observer_);
+duration gateway::silence_max() const {
+  return lead_.alone() ? config_.line_silence_max : config_.shared_silence_max;
+}
+
+occasion gateway::begun(instant now, outputs& out) {
+  now_ = now;
+  return {now, out, counters_};
 }
 
 outputs gateway::start(instant now) {
-  now_ = now;
-  clock_valid_from_ = config_.incarnation > 0 ? now + config_.clock_wait : now;
-  outputs out{device_list(), text_tuple(std::string(device_line_key), line_text("silent", now)),
-              ask_about(broadcast_mote)}; // the sink may have run for long
+  outputs out;
+  const auto at = begun(now, out);
+  out.emplace_back(motes_.list_tuple());
+  out.emplace_back(text_tuple(std::string(device_line_key), line_text("silent", now)));
+  out.emplace_back(ask_about(broadcast_mote)); // the sink may have run for long
+  pc_.start(now);
   others_.start(now);
   requests_ = output_requests(config_.requests, config_.incarnation > 0, now);
-  if (!lead_.alone()) {
-    start_sharing(out);
-    return out;
+  if (lead_.alone()) {
+    take(pc_.term().start(now), at);
+  } else {
+    out.emplace_back(text_tuple(std::string(device_gateways_key), text_of(config_.gateways)));
+    out.emplace_back(text_tuple(std::string(device_role_key), device_role_text(false, now)));
   }
-  for (auto& x : take(pc_.start(now)))
-    out.push_back(std::move(x));
   return out;
 }
 
-communication::interface gateway::attach(communication::communication_events& events) {
-  return pc_.attach(events);
+outputs gateway::flush() {
+  outputs out;
+  take(pc_.term().flush(), begun(now_, out));
+  return out;
 }
 
 outputs gateway::on_packet(mote_id source, std::uint8_t am_type, byte_view payload, instant now) {
-  now_ = now;
   outputs out;
-  on_line_input(out);
-  refresh(source, out);
-  std::ranges::move(dispatch(source, am_type, payload, now), std::back_inserter(out));
+  const auto at = begun(now, out);
+  on_line_input(at);
+  motes_.refresh(source, at);
+  dispatch(source, am_type, payload, at);
   return out;
 }
 
-/// A packet of the sink, or what it might have said.
-outputs gateway::dispatch(mote_id source, std::uint8_t am_type, byte_view payload, instant now) {
-  outputs more;
-  const bool is_packet = am_type == network::am::to_gateway || am_type == network::am::packet;
-  if (is_packet && !lead_.leads()) { // its sender will repeat it to who does
-    ++counters_.undeliverable;
-    note_loss(loss::not_leading);
-  } else if (am_type == network::am::to_gateway) {
-    more = on_island_packet(payload, now);
-  } else if (am_type == network::am::packet) {
-    if (const auto whole = fragments_.on_fragment(source, payload, now))
-      more = on_island_packet(*whole, now);
-  } else if (am_type != network::am::sink_event) {
-    ++counters_.unknown_type;
-  } else if (const auto event = network::decode_sink_event(payload)) {
-    has_own_sink_ = has_own_sink_ || !is_plain_said_;
-    more = std::visit([this, now](const auto& x) { return on_event(x, now); }, *event);
-  } else {
-    ++counters_.malformed;
-  }
-  return more;
+outputs gateway::on_plain_packet(const sink_packet& x, instant now) {
+  outputs out;
+  auto at = begun(now, out);
+  at.of_plain = true;
+  if (!config_.has_real_line)
+    on_line_input(at);
+  plain_silence_.on_packet(now);
+  motes_.refresh(x.source, at);
+  dispatch(x.source, x.am_type, x.payload, at);
+  return out;
 }
 
-void gateway::on_line_input(outputs& out) {
-  const auto before = std::exchange(last_line_input_, now_);
-  if (std::exchange(line_up_, true))
-    return;
-  pc_.set_line(true);
-  out.emplace_back(text_tuple(std::string(device_line_key), line_text("up", now_)));
-  out.emplace_back(line_changed{true, before ? now_ - *before : duration{}});
+outputs gateway::on_plain_done(std::uint64_t number, bool acked, instant now) {
+  outputs out;
+  const bool is_sent = acked && !(config_.is_forwarded && plain_silence_.is_silent(now));
+  inputs_.on_plain_done(number, is_sent, begun(now, out));
+  return out;
 }
 
-/// A mote has sent: it is not stale.
-void gateway::refresh(mote_id mote, outputs& out) {
-  const auto listed = devices_.find(mote);
-  if (listed != devices_.end() && std::exchange(listed->second.stale, false))
-    out.emplace_back(presence_tuple(mote, {device_presence::listed, {}, now_}));
+outputs gateway::on_plain_line_lost(instant now) {
+  outputs out;
+  motes_.make_plain_stale(begun(now, out));
+  return out;
 }
 
-void gateway::make_stale(outputs& out) {
-  for (auto& [mote, x] : devices_)
-    if (!x.plain || !config_.has_real_line)
-      make_stale(x, mote, out);
-}
-
-void gateway::make_stale(device& x, mote_id mote, outputs& out) {
-  if (!std::exchange(x.stale, true))
-    out.emplace_back(presence_tuple(mote, {device_presence::stale, {}, now_}));
-}
-
-outputs gateway::on_island_packet(byte_view payload, instant now) {
-  auto packet = network::decode_island_packet(payload);
-  if (!packet) {
-    ++counters_.malformed;
-    note_loss(loss::malformed);
-    return {};
-  }
-  const bool here = is_here(packet->island);
-  if (here && packet->mote == no_mote)
-    return on_packet_for_us(*packet, now);
-  if (here) { // a sink sends these on itself; one of another make may not
-    outputs out;
-    packet->island = config_.island;
-    down(*packet, out);
+outputs gateway::on_message(peer_id source, std::uint16_t port, byte_view octets, instant now) {
+  outputs out;
+  if (port == announcement_port) {
+    others_.gateways().on_announcement(source, octets, now);
     return out;
   }
-  ++counters_.forwarded_out;
-  const bool reliable = wants_reliable(packet->body);
-  outputs out;
-  send_out(packet->island, {packet->mote, packet->channel, std::move(packet->body)}, reliable, out);
+  const auto at = begun(now, out);
+  if (port == relay_port)
+    on_relay(source, octets, at);
+  else if (auto x = others_.on_message(source, octets, at); !x)
+    return out;
+  else if (lead_.leads())
+    accept(x->source, std::move(x->packet), at);
+  else
+    pass_on(x->source, std::move(x->packet), at);
   return out;
-}
-
-wire_form gateway::form_with(peer_id peer) const {
-  return config_.form == wire_form::strict54 ? config_.form : others_.form_of(peer);
-}
-
-void gateway::send_out(island_id island, network::gateway_packet x, bool reliable, outputs& out) {
-  if (const auto meant = others_.meant_by(island); meant != island)
-    talks_.note(island, meant, x.mote, x.body);
-  const auto peer = others_.gateway_for(island);
-  auto said = std::optional(std::move(x));
-  if (form_with(peer) == wire_form::strict54)
-    said = to_strict(*std::move(said));
-  if (said) {
-    out.emplace_back(to_gateway{peer, encode(*said), reliable});
-  } else {
-    ++counters_.unsayable;
-    note_loss(loss::not_expressible);
-  }
-}
-
-outputs gateway::on_packet_for_us(const network::island_packet& x, instant now) {
-  const auto decoded = transport::decode_segment(x.body);
-  if (x.channel <= 0xff && decoded && !devices_.contains(decoded->source)) {
-    // Its join was lost on the serial line. Unacknowledged, a reliable message will come again.
-    ++counters_.undeliverable;
-    note_loss(loss::not_listed);
-    return {ask_about(decoded->source)};
-  }
-  return take(pc_.on_packet(config_.island, x.channel, x.body, now));
-}
-
-outputs gateway::on_message(peer_id source, byte_view octets, instant now) {
-  now_ = now;
-  auto packet = network::decode_gateway_packet(octets);
-  if (!packet || source.value <= 0) {
-    ++counters_.malformed;
-    return {};
-  }
-  if (form_with(source) == wire_form::strict54) {
-    auto said = from_strict(*std::move(packet), ++strict_counter_);
-    if (!said) {
-      ++counters_.unsayable;
-      note_loss(loss::not_expressible);
-      return {};
-    }
-    packet = *std::move(said);
-  }
-  const auto island = talks_.source_of(others_.island_of(source), packet->mote, packet->body);
-  return lead_.leads() ? accept(island, *std::move(packet)) : pass_on(island, *std::move(packet));
 }
 
 /// A message for this island, or for its PC.
-outputs gateway::accept(island_id source, network::gateway_packet x) {
-  if (x.mote == no_mote)
-    return take(pc_.on_packet(source, x.channel, x.body, now_));
-  if (x.mote != broadcast_mote && (!devices_.contains(x.mote) || is_plain(x.mote))) {
+void gateway::accept(island_id source, network::gateway_packet x, const occasion& at) {
+  if (x.mote == no_mote) {
+    take(pc_.term().on_packet(source, x.channel, x.body, at.now), at);
+  } else if (x.mote != broadcast_mote && (!motes_.is_listed(x.mote) || motes_.is_plain(x.mote))) {
     ++counters_.undeliverable;
     note_loss(loss::not_listed);
-    return {};
+  } else {
+    ++counters_.forwarded_in;
+    send({source, x.mote, x.channel, std::move(x.body)}, at);
   }
-  ++counters_.forwarded_in;
-  outputs out;
-  down({source, x.mote, x.channel, std::move(x.body)}, out);
-  return out;
 }
 
 outputs gateway::on_input(mote_id mote, std::uint16_t channel, byte_view octets, instant now) {
+  outputs out;
   begin(now);
-  const auto counter = input_sequences_.find({mote, channel});
-  if (counter == input_sequences_.end() && input_sequences_.size() >= config_.input_channels_max) {
-    ++counters_.inputs_refused;
-    return {};
-  }
-  ++counters_.inputs;
-  const auto sequence = ++input_sequences_[{mote, channel}];
-  const pending_input what{mote, channel, sequence};
-  outputs out{status_tuple(mote, channel, sequence, input_outcome::pending)};
-  const auto listed = devices_.find(mote);
-  if (listed == devices_.end()) {
+  const auto at = begun(now, out);
+  const auto what = inputs_.begin(mote, channel, at);
+  if (!what)
+    return out;
+  if (!motes_.is_listed(mote)) {
     ++counters_.undeliverable;
-    report_outcome(what, input_outcome::unreachable, out);
+    inputs_.report(*what, input_outcome::unreachable, at);
     return out;
   }
-  listed->second.input_channels.insert(channel);
-  if (listed->second.plain) {
-    ++counters_.plain_inputs;
-    plain_pending_[++plain_number_] = what;
-    out.emplace_back(to_plain{plain_number_, mote, channel, to_bytes(octets)});
-  } else if (lead_.leads())
-    submit(what, octets, out);
+  motes_.note_input(mote, channel);
+  if (motes_.is_plain(mote))
+    inputs_.send_to_plain(*what, octets, at);
+  else if (lead_.leads())
+    submit(*what, octets, at);
   else
-    pass_on(what, octets, out);
+    inputs_.pass_on(*what, others_.gateways().leader_of(config_.island), octets, at);
   return out;
 }
 
-void gateway::submit(const pending_input& x, byte_view octets, outputs& out) {
+void gateway::submit(const pending_input& x, byte_view octets, const occasion& at) {
   const auto number = x.channel > 0xff
                           ? std::nullopt // not an AM type: reserved for streams (WIR-01)
-                          : messages_->layer->send_numbered({config_.island, x.mote}, octets, true,
-                                                            static_cast<std::uint8_t>(x.channel));
+                          : pc_.send(x.mote, octets, static_cast<std::uint8_t>(x.channel));
   if (!number) {
-    report_outcome(x, input_outcome::failed, out);
+    inputs_.report(x, input_outcome::failed, at);
     return;
   }
-  pending_[*number] = x;
-  for (auto& each : flush())
-    out.push_back(std::move(each));
+  inputs_.sent(*number, x);
+  take(pc_.term().flush(), at);
 }
 
 void gateway::on_period(mote_id mote, std::uint16_t channel, std::string_view text, instant now) {
   const auto period = parse_output_period(text);
-  if (period && devices_.contains(mote) && !is_plain(mote))
+  if (period && motes_.is_listed(mote) && !motes_.is_plain(mote))
     requests_.on_period(mote, channel, *period, now);
   else
     ++(period ? counters_.undeliverable : counters_.bad_periods);
 }
 
-outputs gateway::on_time(instant now) {
-  now_ = now;
+outputs gateway::on_clock(duration offset, instant now) {
   outputs out;
-  change_lead(lead_.on_time(now), out);
+  take(pc_.on_clock(offset, now), begun(now, out));
+  return out;
+}
+
+outputs gateway::on_time(instant now) {
+  outputs out;
+  const auto at = begun(now, out);
+  change_lead(lead_.on_time(now), at);
   if (lead_.leads())
-    std::ranges::move(take(pc_.on_time(now)), std::back_inserter(out));
-  fail_waiting(now, out);
-  if (line_up_ && *last_line_input_ + silence_max() <= now) {
-    line_up_ = false;
-    pc_.set_line(false);
-    out.emplace_back(
-        text_tuple(std::string(device_line_key), line_text("silent", *last_line_input_)));
-    out.emplace_back(line_changed{});
-    make_stale(out);
+    take(pc_.term().on_time(now), at);
+  inputs_.on_time(at);
+  if (sink_.on_time(at)) {
+    pc_.term().set_line(false);
+    motes_.make_stale(at);
   }
-  if (others_.on_time(now))
+  if (others_.gateways().on_time(now))
     out.emplace_back(announce{
         encode(announcement{config_.island, config_.form, config_.incarnation,
                             lead_.alone() ? std::nullopt : std::optional(lead_.leads())})});
   if (lead_.leads())
-    ask_for_outputs(out, now);
+    request_outputs(at);
   return out;
 }
 
 std::optional<instant> gateway::deadline() const {
-  auto due = earliest(others_.deadline(), lead_.deadline());
+  auto due = earliest(others().deadline(), lead_.deadline());
   if (lead_.leads())
     due = earliest(due, earliest(pc_.deadline(), requests_.deadline()));
-  if (line_up_)
-    due = earliest(due, *last_line_input_ + silence_max());
-  for (const auto& [number, x] : waiting_)
-    due = earliest(due, x.expires);
-  return due;
+  return earliest(due, earliest(sink_.deadline(), inputs_.deadline()));
 }
 
-void gateway::ask_for_outputs(outputs& out, instant now) {
-  begin(now);
-  for (const auto& [mote, wanted] : requests_.due(now)) {
+void gateway::request_outputs(const occasion& at) {
+  begin(at.now);
+  for (const auto& [mote, wanted] : requests_.due(at.now)) {
     ++counters_.requests;
-    const auto number = messages_->layer->send_numbered({config_.island, mote}, encode(wanted),
-                                                        true, network::am::outputs_wanted);
-    if (number) {
-      asked_[*number] = mote;
+    if (const auto number = pc_.send(mote, encode(wanted), network::am::outputs_wanted)) {
+      requested_[*number] = mote;
     } else {
       ++counters_.requests_failed;
-      requests_.on_outcome(mote, false, now);
+      requests_.on_outcome(mote, false, at.now);
     }
   }
-  for (auto& x : flush())
-    out.push_back(std::move(x));
+  take(pc_.term().flush(), at);
 }
 
-outputs gateway::take(communication::outputs from_pc) {
-  outputs out;
+void gateway::take(communication::outputs from_pc, const occasion& at) {
   for (auto& x : from_pc) {
     const acting_on its(x.from);
     const auto [island, mote] = x.destination;
-    if (island == config_.island) {
-      down({island, mote, x.channel, std::move(x.segment)}, out);
+    if (island == config_.island)
+      send({island, mote, x.channel, std::move(x.segment)}, at);
+    else
+      others_.send(island, {mote, x.channel, std::move(x.segment)}, false, at);
+  }
+  for (const auto& x : pc_.take_received())
+    publish_output(x, at);
+  for (const auto& x : pc_.take_outcomes()) {
+    if (const auto request = requested_.extract(x.id); !request.empty()) {
+      counters_.requests_failed += x.acked ? 0 : 1;
+      requests_.on_outcome(request.mapped(), x.acked, at.now);
     } else {
-      send_out(island, {mote, x.channel, std::move(x.segment)}, false, out);
+      inputs_.on_outcome(x, at);
     }
   }
-  for (const auto& x : std::exchange(messages_->received, {}))
-    publish_output(x, out);
-  for (const auto& x : std::exchange(messages_->outcomes, {}))
-    publish_outcome(x, out);
-  return out;
 }
 
-void gateway::publish_output(const transport::received& x, outputs& out) {
-  const auto listed = devices_.find(x.source.mote);
-  if (x.source.island != config_.island || listed == devices_.end()) {
+void gateway::publish_output(const transport::received& x, const occasion& at) {
+  if (x.source.island != config_.island || !motes_.is_listed(x.source.mote)) {
     ++counters_.undeliverable;
     note_loss(loss::not_listed);
     return;
   }
   ++counters_.outputs_published;
   note_arrival(message_kind::message, x.source);
-  listed->second.output_channels.insert(x.am_type);
-  out.emplace_back(publish{device_output_key(x.source.mote, x.am_type), x.payload, false});
+  motes_.note_output(x.source.mote, x.am_type);
+  at.out.emplace_back(publish{device_output_key(x.source.mote, x.am_type), x.payload, false});
 }
 
-void gateway::publish_outcome(const transport::outcome& x, outputs& out) {
-  if (const auto asked = asked_.extract(x.id); !asked.empty()) {
-    counters_.requests_failed += x.acked ? 0 : 1;
-    requests_.on_outcome(asked.mapped(), x.acked, now_);
-    return;
-  }
-  const auto found = pending_.extract(x.id);
-  if (found.empty())
-    return;
-  report_outcome(found.mapped(), x.acked ? input_outcome::acknowledged : input_outcome::failed,
-                 out);
-}
-
-outputs gateway::remove(mote_id mote, network::leave_cause cause) {
-  const auto found = devices_.find(mote);
-  if (found == devices_.end())
-    return {};
-  const auto entry = std::move(found->second);
-  devices_.erase(found);
-  requests_.on_unlisted(mote);
-  outputs out{presence_tuple(mote, {device_presence::left, network::to_string(cause), now_}),
-              device_list(), erase{device_type_key(mote)}, erase{device_descriptor_key(mote)}};
-  for (const auto channel : entry.output_channels)
-    out.emplace_back(erase{device_output_key(mote, channel)});
-  for (const auto channel : entry.input_channels)
-    out.emplace_back(erase{device_input_status_key(mote, channel)});
-  out.emplace_back(member_changed{mote, false, entry.incarnation, cause});
-  return out;
-}
-
-publish gateway::device_list() const {
-  return text_tuple(std::string(devices_key), device_list_text(devices()));
-}
-
-to_sink gateway::ask_about(mote_id mote) {
-  return {mote, network::am::sink_event, network::encode(network::describe{mote})};
-}
-
-/// Whole if it fits one serial packet, or in fragments. @param x its island is where it comes from
-void gateway::down(const network::island_packet& x, outputs& out) {
-  if (is_plain(x.mote)) {
+/// @param x its island is where it comes from
+void gateway::send(const network::island_packet& x, const occasion& at) {
+  if (motes_.is_plain(x.mote)) {
     ++counters_.undeliverable;
     note_loss(loss::no_program);
     return;
   }
-  auto octets = encode(x);
-  if (octets.size() <= network::frame_payload_max) {
-    out.emplace_back(to_sink{x.mote, network::am::from_gateway, std::move(octets)});
-    return;
-  }
-  const auto fragments = transport::cut(octets, network::frame_payload_max, tag_++);
-  for (const auto& fragment : *fragments) // packet_max octets never are too many
-    out.emplace_back(to_sink{x.mote, network::am::packet, fragment});
-}
-
-std::vector<mote_id> gateway::devices() const {
-  std::vector<mote_id> ids;
-  for (const auto& [mote, entry] : devices_)
-    ids.push_back(mote);
-  return ids;
+  sink_.send(x, at);
 }
 
 } // namespace rubicon::gateway

@@ -1,121 +1,144 @@
-// The events that the sink sends its gateway.
+// What a gateway receives from its sink.
+#include <algorithm>
 #include <utility>
 
-#include "core/hash.hpp"
-#include "gateway/gateway_parts.hpp"
+#include "core/account/message_ledger.hpp"
+#include "gateway/gateway.hpp"
+#include "gateway/tuples.hpp"
 #include "network/am.hpp"
+#include "transport/segment.hpp"
 
 namespace rubicon::gateway {
 
-outputs gateway::on_event(const network::mote_joined& x, instant now) {
-  if (devices_.size() >= config_.devices_max && !devices_.contains(x.mote)) {
-    ++counters_.devices_refused;
-    return {};
-  }
-  const auto [listed, is_new] = devices_.try_emplace(x.mote);
-  const auto said = fold64().add(x.type).add(byte_view(x.descriptor)).value();
-  const bool restarted = listed->second.incarnation != x.incarnation;
-  if (restarted)
-    pc_.forget_incarnation({config_.island, x.mote});
-  // A mote is the same all its life: one of two that differ is a lie. The sink knows.
-  const bool contradicts = !is_new && !restarted && listed->second.said != said;
-  listed->second.incarnation = x.incarnation;
-  listed->second.said = said;
-  listed->second.stale = false;
-  listed->second.plain = is_plain_said_;
-  if (!is_plain_said_)
-    requests_.on_listed(x.mote, x.incarnation, now);
-  outputs out{publish{device_type_key(x.mote), device_type_octets(x.type), false},
-              publish{device_descriptor_key(x.mote), x.descriptor, false}, device_list(),
-              presence_tuple(x.mote, {device_presence::listed, {}, now})};
-  if (is_new || restarted) {
-    out.emplace_back(member_changed{x.mote, true, x.incarnation, {}});
-    for (auto& y : take(pc_.on_mote_joined(x.mote, x.descriptor, now)))
-      out.push_back(std::move(y));
-  }
-  if (contradicts)
-    out.emplace_back(ask_about(x.mote));
-  return out;
+namespace {
+
+/// Whether a message between islands asks for reliable transfer: its segment says so. An
+/// acknowledgement goes unreliably, since a lost one is asked for again end to end.
+bool wants_reliable(byte_view segment) {
+  const auto decoded = transport::decode_segment(segment);
+  return decoded && decoded->what == transport::segment::kind::reliable;
 }
 
-outputs gateway::on_event(const network::mote_left& x, instant) {
-  return remove(x.mote, x.cause);
+} // namespace
+
+void gateway::on_line_input(const occasion& at) {
+  if (sink_.on_packet(at))
+    pc_.term().set_line(true);
 }
 
-outputs gateway::on_event(const network::roster& x, instant now) {
-  if (roster_number_ != x.number) {
-    roster_number_ = x.number;
-    roster_seen_.clear();
-    roster_pages_seen_ = 0;
+/// A packet of the sink, or what it might have said.
+void gateway::dispatch(mote_id source, std::uint8_t am_type, byte_view payload,
+                       const occasion& at) {
+  const bool is_packet = am_type == network::am::to_gateway || am_type == network::am::packet;
+  if (is_packet && !lead_.leads()) { // its sender will repeat it to who does
+    ++counters_.undeliverable;
+    note_loss(loss::not_leading);
+  } else if (am_type == network::am::to_gateway) {
+    on_island_packet(payload, at);
+  } else if (am_type == network::am::packet) {
+    if (const auto whole = sink_.on_fragment(source, payload, at.now))
+      on_island_packet(*whole, at);
+  } else if (am_type != network::am::sink_event) {
+    ++counters_.unknown_type;
+  } else if (const auto event = network::decode_sink_event(payload)) {
+    if (!at.of_plain)
+      sink_.note_own_sink();
+    std::visit([this, &at](const auto& x) { on_event(x, at); }, *event);
+  } else {
+    ++counters_.malformed;
   }
-  ++roster_pages_seen_;
-  outputs out;
-  for (const auto& entry : x.entries) {
-    roster_seen_.insert(entry.mote);
-    const auto known = devices_.find(entry.mote);
-    if (known == devices_.end() || known->second.incarnation != entry.incarnation)
-      out.emplace_back(ask_about(entry.mote));
-    else
-      refresh(entry.mote, out);
-  }
-  if (roster_pages_seen_ < x.pages)
-    return out;
-  for (const auto& [mote, listed] : devices_) {
-    const bool may_rejoin = listed.stale && now < rejoin_until_;
-    if (!roster_seen_.contains(mote) && !may_rejoin && !listed.plain)
-      out.emplace_back(ask_about(mote));
-  }
-  roster_number_.reset();
-  return out;
 }
 
-outputs gateway::on_event(const network::describe&, instant) {
+void gateway::on_island_packet(byte_view payload, const occasion& at) {
+  auto packet = network::decode_island_packet(payload);
+  if (!packet) {
+    ++counters_.malformed;
+    note_loss(loss::malformed);
+    return;
+  }
+  const bool here = is_here(packet->island);
+  if (here && packet->mote == no_mote) {
+    on_packet_for_us(*packet, at);
+  } else if (here) { // a sink sends these on itself; one of another make may not
+    packet->island = config_.island;
+    send(*packet, at);
+  } else {
+    ++counters_.forwarded_out;
+    const bool reliable = wants_reliable(packet->body);
+    others_.send(packet->island, {packet->mote, packet->channel, std::move(packet->body)}, reliable,
+                 at);
+  }
+}
+
+bool gateway::is_here(island_id x) const {
+  return x == config_.island || x == own_island ||
+         std::ranges::find(config_.gateways, gateway_of(x)) != config_.gateways.end();
+}
+
+void gateway::on_packet_for_us(const network::island_packet& x, const occasion& at) {
+  const auto decoded = transport::decode_segment(x.body);
+  if (x.channel <= 0xff && decoded && !motes_.is_listed(decoded->source)) {
+    // Its join was lost on the serial line. Unacknowledged, a reliable message will come again.
+    ++counters_.undeliverable;
+    note_loss(loss::not_listed);
+    at.out.emplace_back(ask_about(decoded->source));
+    return;
+  }
+  take(pc_.term().on_packet(config_.island, x.channel, x.body, at.now), at);
+}
+
+void gateway::on_event(const network::mote_joined& x, const occasion& at) {
+  const auto how = motes_.on_joined(x, at);
+  if (!how)
+    return;
+  if (how->restarted)
+    pc_.term().forget_incarnation({config_.island, x.mote});
+  if (!at.of_plain)
+    requests_.on_listed(x.mote, x.incarnation, at.now);
+  if (how->is_new || how->restarted)
+    take(pc_.term().on_mote_joined(x.mote, x.descriptor, at.now), at);
+  if (how->contradicts)
+    at.out.emplace_back(ask_about(x.mote));
+}
+
+void gateway::on_event(const network::mote_left& x, const occasion& at) {
+  if (motes_.on_left(x, at))
+    requests_.on_unlisted(x.mote);
+}
+
+void gateway::on_event(const network::roster& x, const occasion& at) {
+  motes_.on_roster(x, at);
+}
+
+void gateway::on_event(const network::describe&, const occasion&) {
   ++counters_.unknown_type; // a question only gateways ask
-  return {};
 }
 
-/// Its motes are there as before, but it will know so only when they have joined again.
-outputs gateway::on_event(const network::sink_started&, instant now) {
-  outputs out;
-  rejoin_until_ = now + config_.rejoin_wait;
-  make_stale(out);
-  return out;
+void gateway::on_event(const network::sink_started&, const occasion& at) {
+  motes_.on_sink_started(at);
 }
 
-outputs gateway::on_clock(duration offset, instant now) {
-  clock_offset_ = offset;
-  return take(pc_.on_clock(offset, now));
+void gateway::on_event(const network::time_request& x, const occasion& at) {
+  if (const auto answer = pc_.answer_to(x, at.now))
+    at.out.emplace_back(answer_sink{*answer});
 }
 
-/// Without an answer a sink goes on with what it knows, which is better than a time that others are
-/// about to correct.
-outputs gateway::on_event(const network::time_request& x, instant now) {
-  if (!clock_offset_ || now < clock_valid_from_)
-    return {};
-  const auto time =
-      std::chrono::floor<std::chrono::microseconds>(now.time_since_epoch() + *clock_offset_);
-  return {answer_sink{network::time_answer{x.number, time}}};
-}
-
-outputs gateway::on_event(const network::gateway_poll& x, instant now) {
+void gateway::on_event(const network::gateway_poll& x, const occasion& at) {
   if (lead_.alone()) {
     ++counters_.unknown_type;
-    return {};
+    return;
   }
-  const auto change = lead_.on_poll(x, now);
-  outputs out{answer_sink{lead_.answer()}};
-  change_lead(change, out);
-  return out;
+  const auto change = lead_.on_poll(x, at.now);
+  at.out.emplace_back(answer_sink{lead_.answer()});
+  change_lead(change, at);
 }
 
-outputs gateway::on_event(const network::gateway_answer&, instant) {
+void gateway::on_event(const network::gateway_answer&, const occasion&) {
   ++counters_.unknown_type;
-  return {};
 }
 
-outputs gateway::on_event(const network::time_answer&, instant) {
+void gateway::on_event(const network::time_answer&, const occasion&) {
   ++counters_.unknown_type; // only gateways answer
-  return {};
 }
 
 } // namespace rubicon::gateway

@@ -90,9 +90,9 @@ using outputs = std::vector<output>;
 
 struct counters {
   std::uint64_t starts = 0;
-  std::uint64_t ends = 0;    ///< that nobody had asked for, failed starts included
+  std::uint64_t ends = 0;    ///< that were not requested, failed starts included
   std::uint64_t kills = 0;   ///< stops that came to SIGKILL
-  std::uint64_t refused = 0; ///< requests that nobody understands, or that come too late
+  std::uint64_t refused = 0; ///< requests that are not understood, or that come too late
 };
 
 /// Components are known by their place in the list. Each is

@@ -34,7 +34,7 @@ public:
     return choose();
   }
 
-  /// Nothing: nobody perceives it.
+  /// Nothing: none perceives it.
   [[nodiscard]] const std::optional<interface_id>& chosen() const { return chosen_; }
 
 private:

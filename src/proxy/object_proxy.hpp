@@ -68,7 +68,7 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const { return lost_at_; }
 
   [[nodiscard]] bool is_active() const { return active_; }
-  /// Who perceives it best; empty: nobody.
+  /// Which reader perceives it best; empty: none.
   [[nodiscard]] std::string interface_name() const;
   /// What it says of the object, by name.
   [[nodiscard]] const std::map<std::string, std::string>& values() const { return values_; }
@@ -95,7 +95,7 @@ private:
   std::optional<bytes> memory_; ///< as last read
   std::map<std::string, std::string> values_;
   bool active_ = true;
-  std::optional<instant> lost_at_; ///< if nobody perceives it until then
+  std::optional<instant> lost_at_; ///< if no reader perceives it until then
   object_counters counters_;
 };
 

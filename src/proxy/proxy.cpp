@@ -337,7 +337,7 @@ void proxy::say_prior_information(outputs& out) {
   }
 }
 
-/// A mote that nobody reaches is perceived by no interface; where it was put it still is.
+/// An unreachable mote is perceived by no interface; where it was put it still is.
 void proxy::say_indirect_information(outputs& out) {
   const bool perceived = state_ != state::lost && !who_.interface_name.empty();
   say(key_of("interface"), perceived ? who_.interface_name : std::string(nothing_word), out);

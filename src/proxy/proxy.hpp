@@ -76,7 +76,7 @@ struct watch {
   friend bool operator==(const watch&, const watch&) = default;
 };
 
-/// In tuples: there is nothing to say, or nobody has said anything yet.
+/// In tuples: there is nothing to say, or nothing was received yet.
 inline constexpr std::string_view nothing_word = "none";
 
 /// What a proxy did, for the report. Every request has one outcome:

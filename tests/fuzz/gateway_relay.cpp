@@ -1,7 +1,7 @@
 // What decodes encodes back to the same octets.
 #include <cstdlib>
 
-#include "gateway/relay.hpp"
+#include "gateway/others/relay.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace rubicon::gateway;

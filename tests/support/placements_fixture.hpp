@@ -99,7 +99,7 @@ public:
 
   [[nodiscard]] const communication::layer& layer_of(mote_address x) {
     if (is_gateway(x))
-      return gateway_at(x.island).above();
+      return gateway_at(x.island).pc().above();
     return is_pc(x) ? pc(x.island).above() : island(x.island).at(x.mote).above();
   }
 
@@ -235,7 +235,7 @@ private:
     agenda_.add(now_ + 3ms, [this, from, to, x = std::move(octets)] {
       if (const auto gate = gateways_.find(to); gate != gateways_.end())
         perform(island_id(static_cast<std::uint32_t>(to.value)),
-                gate->second.on_message(from, x, now_));
+                gate->second.on_message(from, communication::island_message_port, x, now_));
       else if (const auto pc = pcs_.find(to); pc != pcs_.end())
         perform(to, pc->second.on_message(from, x, now_));
     });

@@ -43,7 +43,7 @@ std::optional<std::uint16_t> number_in_octets(byte_view x) {
   return in.ok() && in.remaining() == 0 ? std::optional(number) : std::nullopt;
 }
 
-/// @returns nothing if the payload ends before the address, or it is nobody's
+/// @returns nothing if the payload ends before the address, or it is no mote's
 std::optional<mote_id> address_by(const plain_rule& rule, mote_id source, byte_view payload) {
   if (!rule.id_offset)
     return source;

@@ -57,7 +57,7 @@ public:
   [[nodiscard]] std::optional<plain_packet> on_input(mote_id mote, std::uint16_t channel,
                                                      byte_view octets);
 
-  /// Whether the line to them is there. While it is not, nobody leaves because of silence.
+  /// Whether the line to them is there. While it is not, no mote leaves because of silence.
   void on_line(bool there, instant now);
 
   [[nodiscard]] std::size_t size() const { return members_.size(); } ///< at most motes_max

@@ -21,7 +21,7 @@ struct address_range {
 enum class plain_form : std::uint8_t {
   octets,       ///< as they are
   count,        ///< of RadioCountToLeds: the number
-  blink,        ///< of BlinkToRadio: an address, which nobody looks at, and the number
+  blink,        ///< of BlinkToRadio: an address, which no program reads, and the number
   oscilloscope, ///< of Oscilloscope: the number is its interval in ms
   mviz,         ///< of MViz, whose packets are shorter: the same
 };

@@ -22,7 +22,7 @@ constexpr duration day = 24h;
 } // namespace
 
 instant next_daily(duration daily, const std::vector<clock_change>& changes, instant from) {
-  const auto time_of = [&changes](duration shown) { // by a clock that nobody changes
+  const auto time_of = [&changes](duration shown) { // by a clock that is never set
     auto begin = instant::min();
     duration ahead{};
     for (const auto& x : changes) {
@@ -415,7 +415,7 @@ void rules::replace(const std::string& key, const std::string& word) {
     notify(key + " = " + x->word + " is replaced by " + word + " before its owner had it");
 }
 
-/// The queue of notices is bounded, in case nobody takes them.
+/// The queue of notices is bounded, in case they are not taken.
 void rules::notify(std::string what) {
   constexpr std::size_t notices_max = 1000;
   if (notices_.size() < notices_max)

@@ -53,7 +53,7 @@ RUBICON_FIELDS(rules_counters, values, bad_values, unwatched, writes, repeats, m
 enum class write_end : std::uint8_t {
   accepted,
   refused,
-  unreached, ///< nobody knows whether it has it
+  unreached, ///< unknown whether it has it
 };
 
 /// Each rule is a Schmitt trigger with delays and writes only on a crossing:
@@ -77,7 +77,7 @@ enum class write_end : std::uint8_t {
 ///      ^                          | unreached                      | owner gone within `unsure`
 ///      +--------------------------+--------------------------------+
 ///
-/// One that waits is written when its owner is there (again). Where nobody could be reached, or a
+/// One that waits is written when its owner is there (again). Where no owner could be reached, or a
 /// proxy reports by `KEY.outcome` that the word has failed, is unreachable or timed out, it is
 /// written again after `retry`, then after twice that, up to retry_max.
 class rules {
@@ -124,7 +124,7 @@ public:
   /// The owner of `key` is there no more, or has the tuple no more.
   void on_owner_gone(std::string_view key, instant now);
 
-  /// The word that stands could not be written: nobody is known to have `key`.
+  /// The word that stands could not be written: no owner of `key` is known.
   void on_unowned(std::string_view key, instant now);
 
   /// What has become of the newest write to `key`. @param cause of what was not accepted

@@ -1,4 +1,4 @@
-#include "gateway/directory.hpp"
+#include "gateway/others/directory.hpp"
 #include "support/catch.hpp"
 #include "unit/gateway/fixture.hpp"
 

@@ -151,11 +151,11 @@ TEST_CASE("an input is sent reliably and its status told", "[gateway][GW-05][GW-
   SECTION("acknowledged") {
     const auto done = accept(x, fan, command);
     CHECK(published(done, "devices.7.input.2.status") == "1 acknowledged");
-    CHECK(x.outstanding() == 0);
+    CHECK(x.pc().outstanding() == 0);
   }
   SECTION("never acknowledged") {
     std::string last;
-    while (x.outstanding() > 0) {
+    while (x.pc().outstanding() > 0) {
       const auto later = x.on_time(*x.deadline());
       if (!pick<publish>(later).empty())
         last = published(later, "devices.7.input.2.status");
@@ -200,7 +200,8 @@ TEST_CASE("messages between islands change only their header, and stay as reliab
 
   auto other = make_gateway();
   join(other, mote_id{5});
-  const auto down = other.on_message(peer_id{2}, across.octets, {});
+  const auto down =
+      other.on_message(peer_id{2}, communication::island_message_port, across.octets, {});
   REQUIRE(pick<to_sink>(down).size() == 1);
   CHECK(to_hex(pick<to_sink>(down)[0].payload) == "000000020005000a" + to_hex(encode(segment)));
   CHECK(pick<to_sink>(down)[0].mote == mote_id{5});
@@ -209,12 +210,16 @@ TEST_CASE("messages between islands change only their header, and stay as reliab
 TEST_CASE("messages of other islands for absent motes or nobody are dropped and counted",
           "[gateway][RTG-05]") {
   auto x = make_gateway();
-  CHECK(x.on_message(peer_id{2}, *from_hex("0005000a"), {}).empty());
+  CHECK(x.on_message(peer_id{2}, communication::island_message_port, *from_hex("0005000a"), {})
+            .empty());
   CHECK(x.counters().undeliverable == 1);
-  CHECK(x.on_message(peer_id{2}, bytes{0}, {}).empty());
-  CHECK(x.on_message(peer_id{-1}, *from_hex("0005000a"), {}).empty());
+  CHECK(x.on_message(peer_id{2}, communication::island_message_port, bytes{0}, {}).empty());
+  CHECK(x.on_message(peer_id{-1}, communication::island_message_port, *from_hex("0005000a"), {})
+            .empty());
   CHECK(x.counters().malformed == 2);
-  CHECK(pick<to_sink>(x.on_message(peer_id{2}, *from_hex("ffff000a"), {})).size() == 1);
+  CHECK(pick<to_sink>(
+            x.on_message(peer_id{2}, communication::island_message_port, *from_hex("ffff000a"), {}))
+            .size() == 1);
 }
 
 TEST_CASE("an output of another island's mote is not that of ours with its number",
@@ -222,7 +227,7 @@ TEST_CASE("an output of another island's mote is not that of ours with its numbe
   auto x = make_gateway();
   join(x, fan);
   const auto output = encode(network::gateway_packet{no_mote, 2, encode(plain(fan, 2, bytes{1}))});
-  CHECK(x.on_message(peer_id{2}, output, {}).empty());
+  CHECK(x.on_message(peer_id{2}, communication::island_message_port, output, {}).empty());
   CHECK(x.counters().undeliverable == 1);
   CHECK(x.counters().outputs_published == 0);
 }
@@ -339,7 +344,8 @@ TEST_CASE("packets longer than a serial packet go up and down in fragments",
   CHECK(published(out, "devices.7.output.2") == to_hex(reading));
 
   const auto message = encode(network::gateway_packet{fan, 10, encode(plain(fan, 10, reading))});
-  const auto down = pick<to_sink>(x.on_message(peer_id{2}, message, {}));
+  const auto down =
+      pick<to_sink>(x.on_message(peer_id{2}, communication::island_message_port, message, {}));
   REQUIRE(down.size() == 3);
   transport::assembly sink;
   std::optional<bytes> whole;

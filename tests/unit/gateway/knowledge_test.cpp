@@ -12,10 +12,12 @@ namespace {
 std::vector<std::filesystem::path> sources() {
   const std::filesystem::path root(RUBICON_SOURCE_DIR);
   std::vector<std::filesystem::path> all{root / "actors/services/gateway.hpp",
-                                         root / "actors/services/gateway.cpp"};
-  for (const auto& each : std::filesystem::directory_iterator(root / "src/gateway"))
-    if (each.path().extension() == ".cpp" || each.path().extension() == ".hpp")
-      all.push_back(each.path());
+                                         root / "actors/services/gateway.cpp",
+                                         root / "actors/services/gateway_report.cpp"};
+  for (const auto* folder : {"src/gateway", "src/gateway/others"})
+    for (const auto& each : std::filesystem::directory_iterator(root / folder))
+      if (each.path().extension() == ".cpp" || each.path().extension() == ".hpp")
+        all.push_back(each.path());
   return all;
 }
 

@@ -44,8 +44,9 @@ gateway::outputs lead(gateway::gateway& x, std::uint32_t term = 1, instant now =
 
 /// That another gateway says it leads.
 void hear_leader(gateway::gateway& x, peer_id who) {
-  x.on_announcement(who, encode(gateway::announcement{shared_kitchen, wire_form::segment, 0, true}),
-                    {});
+  static_cast<void>(
+      x.on_message(who, gateway::announcement_port,
+                   encode(gateway::announcement{shared_kitchen, wire_form::segment, 0, true}), {}));
 }
 
 gateway::outputs send_up(gateway::gateway& x, const transport::segment& segment) {
@@ -134,10 +135,10 @@ TEST_CASE("its output tuples and what was in flight end with the lead", "[gatewa
   CHECK(pick<gateway::erase>(out)[0].key == "devices.7.output.1");
   CHECK(x.devices() == std::vector{fan});
   static_cast<void>(lead(x, 2, instant{2s}));
-  const auto counted = x.messages(); // every reliable message has an end
+  const auto counted = x.pc().messages(); // every reliable message has an end
   CHECK(counted.reliable_sent == 1);
   CHECK(counted.reliable_failed == 1);
-  CHECK(x.outstanding() == 0);
+  CHECK(x.pc().outstanding() == 0);
 }
 
 TEST_CASE("each term is another incarnation of the PC of the island", "[gateway][GW-14][MCK-11]") {
@@ -172,16 +173,18 @@ TEST_CASE("who stands by passes inputs on and tells their outcomes", "[gateway][
     const auto relays = pick<relay_to>(asked);
     REQUIRE(relays.size() == 1);
     CHECK(relays[0].peer == first);
-    const auto down = first_segment_down(leader.on_relay(second, relays[0].octets, {}));
+    const auto down =
+        first_segment_down(leader.on_message(second, gateway::relay_port, relays[0].octets, {}));
     CHECK(down.what == kind::hello);
     auto answered = send_up(leader, test::acknowledgement(fan, down));
     answered = send_up(leader, test::acknowledgement(fan, first_segment_down(answered)));
     const auto back = pick<relay_to>(answered);
     REQUIRE(back.size() == 1);
     CHECK(back[0].peer == second);
-    CHECK(published(standby.on_relay(first, back[0].octets, {}), "devices.7.input.2.status") ==
-          "1 acknowledged");
-    CHECK(standby.on_relay(first, back[0].octets, {}).empty()); // one outcome
+    CHECK(published(standby.on_message(first, gateway::relay_port, back[0].octets, {}),
+                    "devices.7.input.2.status") == "1 acknowledged");
+    CHECK(
+        standby.on_message(first, gateway::relay_port, back[0].octets, {}).empty()); // one outcome
   }
   SECTION("the one that led has ended") {
     hear_leader(standby, first);
@@ -191,7 +194,7 @@ TEST_CASE("who stands by passes inputs on and tells their outcomes", "[gateway][
   }
   SECTION("who is asked does not lead either") {
     const auto asked = encode(gateway::relay(gateway::relayed_input{4, fan, 2, bytes{1}}));
-    const auto back = pick<relay_to>(standby.on_relay(first, asked, {}));
+    const auto back = pick<relay_to>(standby.on_message(first, gateway::relay_port, asked, {}));
     REQUIRE(back.size() == 1);
     CHECK(*gateway::decode_relay(back[0].octets) ==
           gateway::relay(gateway::relayed_outcome{4, input_outcome::unreachable}));
@@ -206,16 +209,20 @@ TEST_CASE("a message to either gateway arrives", "[gateway][GW-14]") {
   static_cast<void>(lead(leader));
   const auto message =
       encode(network::gateway_packet{fan, 10, encode(test::plain(mote_id{3}, 10, bytes{9}))});
-  CHECK(standby.on_message(peer_id{30}, message, {}).empty()); // nobody is known to lead
+  CHECK(standby.on_message(peer_id{30}, communication::island_message_port, message, {})
+            .empty()); // nobody is known to lead
   hear_leader(standby, first);
-  const auto relays = pick<relay_to>(standby.on_message(peer_id{30}, message, {}));
+  const auto relays = pick<relay_to>(
+      standby.on_message(peer_id{30}, communication::island_message_port, message, {}));
   REQUIRE(relays.size() == 1);
-  const auto down = pick<to_sink>(leader.on_relay(second, relays[0].octets, {}));
+  const auto down =
+      pick<to_sink>(leader.on_message(second, gateway::relay_port, relays[0].octets, {}));
   REQUIRE(down.size() == 1);
   CHECK(down[0].mote == fan);
   CHECK(network::decode_island_packet(down[0].payload)->island == island_id{30});
-  CHECK(standby.on_relay(first, relays[0].octets, {}).empty()); // does not go round
-  CHECK(leader.on_relay(peer_id{30}, relays[0].octets, {}).empty());
+  CHECK(standby.on_message(first, gateway::relay_port, relays[0].octets, {})
+            .empty()); // does not go round
+  CHECK(leader.on_message(peer_id{30}, gateway::relay_port, relays[0].octets, {}).empty());
   CHECK(leader.counters().malformed == 1);
 }
 

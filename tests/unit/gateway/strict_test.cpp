@@ -43,7 +43,7 @@ TEST_CASE("messages to a gateway of another make are the bytes of D1.1 5.4",
   const bool by_discovery = GENERATE(true, false);
   auto x = with_fan(by_discovery ? wire_form::segment : wire_form::strict54);
   if (by_discovery)
-    x.on_announcement(peer_id{2}, bytes{'?'}, {});
+    static_cast<void>(x.on_message(peer_id{2}, gateway::announcement_port, bytes{'?'}, {}));
   const auto sent = pick<to_gateway>(send_up(x, plain(fan, 1, bytes{'h', 'i'}), 1));
   REQUIRE(sent.size() == 1);
   CHECK(sent[0].peer == peer_id{2});
@@ -57,9 +57,10 @@ TEST_CASE("messages to a gateway of another make are the bytes of D1.1 5.4",
 TEST_CASE("messages from a gateway of another make reach their mote as from an unknown one",
           "[gateway][WIR-04]") {
   auto x = with_fan(wire_form::segment);
-  x.on_announcement(peer_id{2}, bytes{'?'}, {});
+  static_cast<void>(x.on_message(peer_id{2}, gateway::announcement_port, bytes{'?'}, {}));
   const auto said = *from_hex("000700016869");
-  const auto first = pick<to_sink>(x.on_message(peer_id{2}, said, {}));
+  const auto first =
+      pick<to_sink>(x.on_message(peer_id{2}, communication::island_message_port, said, {}));
   REQUIRE(first.size() == 1);
   const auto packet = network::decode_island_packet(first[0].payload);
   REQUIRE(packet);
@@ -70,10 +71,12 @@ TEST_CASE("messages from a gateway of another make reach their mote as from an u
   CHECK(segment->source == no_mote);
   CHECK(segment->am_type == 1);
   CHECK(segment->payload == bytes{'h', 'i'});
-  const auto second = pick<to_sink>(x.on_message(peer_id{2}, said, {}));
+  const auto second =
+      pick<to_sink>(x.on_message(peer_id{2}, communication::island_message_port, said, {}));
   REQUIRE(second.size() == 1);
   CHECK(second[0].payload != first[0].payload); // not a repetition
-  CHECK(x.on_message(peer_id{2}, *from_hex("0007012c6869"), {}).empty());
+  CHECK(x.on_message(peer_id{2}, communication::island_message_port, *from_hex("0007012c6869"), {})
+            .empty());
   CHECK(x.counters().unsayable == 1);
 }
 
@@ -85,7 +88,8 @@ TEST_CASE("two gateways told to speak 5.4 to the letter understand each other",
   REQUIRE(sent.size() == 1);
   auto octets = sent[0].octets;
   octets[1] = 7; // b's mote
-  const auto down = pick<to_sink>(b.on_message(peer_id{1}, octets, {}));
+  const auto down =
+      pick<to_sink>(b.on_message(peer_id{1}, communication::island_message_port, octets, {}));
   REQUIRE(down.size() == 1);
   CHECK(transport::decode_segment(network::decode_island_packet(down[0].payload)->body)->payload ==
         bytes{1, 2, 3});
@@ -93,15 +97,18 @@ TEST_CASE("two gateways told to speak 5.4 to the letter understand each other",
 
 TEST_CASE("an island is left through any gateway of the other one", "[gateway][GW-14]") {
   auto x = with_fan(wire_form::segment);
-  x.on_announcement(peer_id{102}, encode(gateway::announcement{bedroom}), {});
+  static_cast<void>(x.on_message(peer_id{102}, gateway::announcement_port,
+                                 encode(gateway::announcement{bedroom}), {}));
   CHECK(pick<to_gateway>(send_up(x, plain(fan, 1, bytes{1}), 1))[0].peer == peer_id{102});
-  x.on_announcement(peer_id{2}, encode(gateway::announcement{bedroom}), {});
+  static_cast<void>(x.on_message(peer_id{2}, gateway::announcement_port,
+                                 encode(gateway::announcement{bedroom}), {}));
   CHECK(pick<to_gateway>(send_up(x, plain(fan, 1, bytes{1}), 1))[0].peer == peer_id{2});
   x.on_unreachable(peer_id{2});
   CHECK(pick<to_gateway>(send_up(x, plain(fan, 1, bytes{1}), 1))[0].peer == peer_id{102});
   const auto message =
       encode(network::gateway_packet{fan, 1, encode(plain(mote_id{5}, 1, bytes{1}))});
-  const auto down = pick<to_sink>(x.on_message(peer_id{102}, message, {}));
+  const auto down =
+      pick<to_sink>(x.on_message(peer_id{102}, communication::island_message_port, message, {}));
   REQUIRE(down.size() == 1);
   CHECK(network::decode_island_packet(down[0].payload)->island == bedroom);
 }

@@ -11,7 +11,7 @@
 #include "core/describe/fields.hpp"
 #include "core/numbers/random.hpp"
 #include "core/time.hpp"
-#include "gateway/announcement.hpp"
+#include "gateway/others/announcement.hpp"
 
 namespace rubicon::gateway {
 
@@ -68,7 +68,7 @@ public:
   /// announced for it.
   [[nodiscard]] peer_id gateway_for(island_id island) const;
 
-  /// The one that says it leads, the last to say so; nothing: nobody does.
+  /// The one that says it leads, the last to say so; nothing: none does.
   [[nodiscard]] std::optional<peer_id> leader_of(island_id island) const;
 
   /// The island that is meant by an id of it, or by the id of one of its gateways.

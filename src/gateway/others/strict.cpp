@@ -1,4 +1,4 @@
-#include "gateway/strict.hpp"
+#include "gateway/others/strict.hpp"
 
 #include "transport/segment.hpp"
 

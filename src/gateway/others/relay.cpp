@@ -1,4 +1,4 @@
-#include "gateway/relay.hpp"
+#include "gateway/others/relay.hpp"
 
 #include <cassert>
 

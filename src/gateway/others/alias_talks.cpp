@@ -1,4 +1,4 @@
-#include "gateway/alias_talks.hpp"
+#include "gateway/others/alias_talks.hpp"
 
 #include <algorithm>
 
@@ -19,7 +19,7 @@ bool is_answer(kind x) {
 void alias_talks::note(island_id alias, island_id island, mote_id mote, byte_view segment) {
   const auto said = transport::decode_segment(segment);
   if (!said || (said->what != kind::reliable && said->what != kind::hello))
-    return; // nobody waits for an answer
+    return; // no answer is expected
   if (talks_.size() == talks_max)
     talks_.pop_front();
   talks_.push_back({alias, {island, mote}, said->source, said->counter});

@@ -1,4 +1,4 @@
-#include "gateway/announcement.hpp"
+#include "gateway/others/announcement.hpp"
 
 #include "core/codec.hpp"
 
