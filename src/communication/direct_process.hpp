@@ -1,21 +1,19 @@
-// A program in the actor of its node: its commands are calls of the node's layer.
+// A program in the actor of its node: its commands are calls of the ports of the node's layer.
 #pragma once
 
+#include <cstddef>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "communication/process.hpp"
-#include "transport/messenger.hpp"
 
 namespace rubicon::communication {
 
-class layer;
-class communication_events;
+struct layer_ports;
 
 class direct_process final : public process {
 public:
-  direct_process(layer& below, std::size_t number) : below_(below), number_(number) {}
+  /// @param ports outlive this
+  direct_process(layer_ports& ports, std::size_t program) : ports_(ports), program_(program) {}
 
   status refuse() override;
 
@@ -54,21 +52,8 @@ public:
   void leave() override;
 
 private:
-  friend class layer;
-
-  [[nodiscard]] bool wants_ticks() const;
-
-  /// A reliable send that has not been reported to its program by ack().
-  struct pending_send {
-    transport::ticket number = 0;
-    std::optional<bool> acked; ///< nothing: it has not ended
-  };
-
-  layer& below_;
-  std::size_t number_;
-  communication_events* events_ = nullptr; ///< nullptr: it has left
-  std::string name_;                       ///< for layer::observe(); empty: not observed
-  std::vector<pending_send> sends_;        ///< ack() keeps their order
+  layer_ports& ports_;
+  std::size_t program_; ///< number in program_list
 };
 
 } // namespace rubicon::communication

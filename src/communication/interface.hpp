@@ -4,9 +4,10 @@
 // wherever the other end is: only addresses differ.
 //
 // A program may be in the actor of its node, or in an actor of its own that exchanges messages with
-// the node's (mote/remote_process.hpp). There too commands return at once, by what the program's
-// side knows; what the node refuses later, because another program was first, because what ended
-// there has not been reported, or for want of room, is reported by the event that the command has:
+// the node's (communication/remote_process.hpp). There too commands return at once, by what the
+// program's side knows; what the node refuses later, because another program was first, because
+// what ended there has not been reported, or for want of room, is reported by the event that the
+// command has:
 //   create_syn_channel_*   createSynChannelOutDone, createSynChannelInDone with FAIL
 //   open_*                 openRemoteDone with FAIL; a sensor or local stream, which has no event,
 //                          fails at its first read or write

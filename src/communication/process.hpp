@@ -1,5 +1,6 @@
 // What carries out the commands of one program: its node's layer in the same actor
-// (mote/direct_process.hpp), or messages to the node's actor (mote/remote_process.hpp).
+// (communication/direct_process.hpp), or messages to the node's actor
+// (communication/remote_process.hpp).
 #pragma once
 
 #include <cstddef>
@@ -39,7 +40,7 @@ struct stream_end {
 };
 RUBICON_FIELDS(stream_end, writes_to_self, other, name, rate_ms, qos, buffer_size);
 
-/// The commands of mote/communication.hpp, one each. What the arguments alone show has
+/// The commands of communication/interface.hpp, one each. What the arguments alone show has
 /// been checked there.
 class process {
 public:

@@ -264,7 +264,7 @@ node_outputs node::on_time(instant now) {
     if (!x.on_time(now))
       continue;
     out.emplace_back(actuator_arrived{name, x.target()});
-    use_layer().on_actuator_arrived(name, x.target(), now);
+    use_layer().devices().on_actuator_arrived(name, x.target(), now);
   }
   send_paced(out, now);
   send_slotted(out, now);
@@ -298,10 +298,11 @@ void node::tick(instant now) {
   }
   const network::tick_plan plan(setting->period);
   const auto slot = plan.begin(slot_);
-  use_layer().set_slot(slot.value_or(plan.has_free_part() ? plan.free_from(plan.shares) : 0ns));
+  use_layer().vectors().set_slot(
+      slot.value_or(plan.has_free_part() ? plan.free_from(plan.shares) : 0ns));
   if (const auto next = clock_.update(now, shared.at(now), *setting)) {
     slot_left_ = slot ? slot_.units * plan.unit : 0ns;
-    use_layer().on_tick(next->number, now);
+    use_layer().vectors().on_tick(next->number, now);
   }
   watch_slots(now);
 }
@@ -322,7 +323,7 @@ std::optional<instant> node::take_slot(duration passage, instant now) {
 std::uint16_t node::units_wanted(instant now) {
   std::vector<vector_flow> flows;
   bool all_connected = true;
-  for (const auto& x : layer_->vector_ends()) {
+  for (const auto& x : layer_->ports().synaptic.vector_ends()) {
     const auto hops = x.channel ? packets_.router().paths().hops(channel_of(*x.channel)) : 0;
     if (x.connected)
       flows.push_back({x.size, hops.value_or(1)});
@@ -334,7 +335,7 @@ std::uint16_t node::units_wanted(instant now) {
     settles_ = now + settle_wait;
   if (settles_ && now < *settles_)
     return units_told_;
-  return units_of(flows, layer_->synaptic().config().packet_max, config_->access);
+  return units_of(flows, layer_->ports().synaptic.core().config().packet_max, config_->access);
 }
 
 /// Ticks count from now on, or no more. @returns whether that is new
@@ -378,12 +379,13 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
       [&](const network::channel_connected& x) {
         tell_latency(x.channel);
         if (const auto who = connecting_.extract(x.channel); who)
-          use_layer().on_connected(*who, handle_of(x.channel), now);
+          use_layer().channels().on_connected(*who, handle_of(x.channel), now);
       },
       [&](const network::channel_accepted& x) {
         if (joined()) { // before that nobody here knows our address
           tell_latency(x.channel);
-          use_layer().on_accepted(handle_of(x.channel), {island_, x.channel.source}, now);
+          use_layer().channels().on_accepted(handle_of(x.channel), {island_, x.channel.source},
+                                             now);
         } else {
           take(packets_.router().refuse(x.channel, now), out, now);
         }
@@ -391,13 +393,13 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
       [&](const network::channel_reserved& x) { duty_.reserve(x); },
       [&](const network::channel_received& x) {
         duty_.on_received(x.channel);
-        use_layer().on_channel_octets(handle_of(x.channel), x.content, now);
+        use_layer().channels().on_octets(handle_of(x.channel), x.content, now);
       },
       [&](const network::channel_ended& x) {
         if (const auto who = connecting_.extract(x.channel); who)
-          use_layer().on_connect_failed(*who, now);
+          use_layer().channels().on_connect_failed(*who, now);
         else
-          use_layer().on_channel_closed(handle_of(x.channel), now);
+          use_layer().channels().on_closed(handle_of(x.channel), now);
       },
   };
   for (auto& x : from_packets)
@@ -410,7 +412,7 @@ void node::take(packet_service_outputs from_packets, node_outputs& out, instant 
 
 void node::tell_latency(network::channel_id channel) {
   if (const auto bound = packets_.router().paths().latency_bound(channel))
-    use_layer().set_latency_bound(handle_of(channel), *bound);
+    use_layer().channels().set_latency_bound(handle_of(channel), *bound);
 }
 
 void node::take(network::router_outputs from_router, node_outputs& out, instant now) {
@@ -446,7 +448,7 @@ std::optional<instant> node::layer_deadline() const {
 }
 
 bool node::layer_wants_ticks() const {
-  return layer_used_ ? layer_->wants_ticks() : layer_wants_ticks_;
+  return layer_used_ ? layer_->ports().synaptic.wants_ticks() : layer_wants_ticks_;
 }
 
 void node::settle(node_outputs& out, instant now) {
@@ -455,7 +457,7 @@ void node::settle(node_outputs& out, instant now) {
       ++program_turns_;
       auto wanted = layer_->take_outputs();
       layer_deadline_ = layer_->deadline();
-      layer_wants_ticks_ = layer_->wants_ticks();
+      layer_wants_ticks_ = layer_->ports().synaptic.wants_ticks();
       for (auto& x : wanted)
         perform(x, out, now);
     }
@@ -648,14 +650,15 @@ std::uint32_t node::time_ms(instant now) const {
 void node::carry_out(const communication::sample_wanted& x, instant now) {
   const auto ahead = crystal_.own({}) - instant{}; // streams go by the mote's crystal
   const auto count = read(static_cast<device::quantity>(x.transducer), now - ahead);
-  use_layer().on_sample(x.stream, {{island_, config_->id}, time_ms(now), count.value_or(0)}, now);
+  use_layer().devices().on_sample(x.stream,
+                                  {{island_, config_->id}, time_ms(now), count.value_or(0)}, now);
 }
 
 void node::carry_out(const communication::transducers_wanted& x, instant now) {
   std::vector<std::int16_t> counts;
   for (const auto kind : x.kinds)
     counts.push_back(read(kind, crystal_.real(now)).value_or(0));
-  use_layer().on_transducers(x.process, std::move(counts), time_ms(now), now);
+  use_layer().devices().on_transducers(x.process, std::move(counts), time_ms(now), now);
 }
 
 void node::carry_out(const communication::actuator_wanted& x, node_outputs& out, instant now) {
@@ -664,7 +667,7 @@ void node::carry_out(const communication::actuator_wanted& x, node_outputs& out,
   const auto state = actuator_state(x.name, now).value_or(0);
   if (obeyed && state == x.state)
     out.emplace_back(actuator_arrived{x.name, state});
-  use_layer().on_actuator(x.process, x.name, state, obeyed, now);
+  use_layer().devices().on_actuator(x.process, x.name, state, obeyed, now);
 }
 
 std::optional<std::uint8_t> node::actuator_state(const std::string& name, instant now) const {
