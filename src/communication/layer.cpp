@@ -11,19 +11,19 @@ layer::~layer() = default;
 layer::layer(const layer_config& config, random_stream rng) : ports_(config, rng) {}
 
 interface layer::attach(communication_events& events, std::string name) {
-  return interface(*processes_[add_program(events, std::move(name))]);
+  return interface(processes_[add_program(events, std::move(name))]->commands);
 }
 
 interface layer::attach_for_rest(communication_events& events) {
   const auto program = add_program(events, {});
   ports_.messages.provide_rest(program);
-  return interface(*processes_[program]);
+  return interface(processes_[program]->commands);
 }
 
 std::size_t layer::add_program(communication_events& events, std::string name) {
   const auto program = ports_.programs.attach(events, std::move(name));
   if (program == processes_.size())
-    processes_.push_back(std::make_unique<direct_process>(ports_, program));
+    processes_.push_back(std::make_unique<direct_process>(direct_program{ports_, program}));
   ports_.messages.attach(program);
   return program;
 }
