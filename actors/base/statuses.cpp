@@ -109,10 +109,13 @@ report::message_report report_of(const transport::messenger_counters& x,
 
 void add_layer(report::cause_counts& to, const communication::layer& x) {
   report::add_counters<communication::layer_counters>(to, "layer", x.counters());
-  report::add_counters<stream::streams_counters>(to, "streams", x.streams().counters());
-  report::add_counters<synaptic::channels_counters>(to, "synaptic", x.synaptic().counters());
+  report::add_counters<stream::streams_counters>(to, "streams",
+                                                 x.ports().streams.core().counters());
+  report::add_counters<synaptic::channels_counters>(to, "synaptic",
+                                                    x.ports().synaptic.core().counters());
   report::add_counters<transport::messenger_counters>(to, "transport", x.messages().counters());
-  report::add_counters<transport::tunnels_counters>(to, "tunnels", x.tunnels().counters());
+  report::add_counters<transport::tunnels_counters>(to, "tunnels",
+                                                    x.ports().channels.tunnels().counters());
 }
 
 message_status messages_of(mote_address who, const communication::layer& x, bool ended) {

@@ -7,7 +7,9 @@
 
 #include "actors/base/failure.hpp"
 #include "actors/base/log.hpp"
-#include "actors/base/statuses.hpp"
+#include "actors/island/mote_groups.hpp"
+#include "actors/island/mote_report.hpp"
+#include "actors/island/mote_shell.hpp"
 #include "actors/island/network_radio.hpp"
 #include "actors/island/program_note.hpp"
 #include "actors/messages/air.hpp"
@@ -23,27 +25,14 @@ namespace rubicon {
 
 namespace {
 
-using mote_pointer = scheduler::actor_pointer<mote_state, mote_actor>;
-
-void perform(mote_pointer self, mote::node_outputs todo);
-void perform(mote_pointer self, smepp::node_outputs todo);
 void die(mote_pointer self);
 
-void tell_state(mote_pointer self, const std::string& actuator, std::uint8_t state) {
-  const auto how = state == 0 ? " off" : state == 1 ? " on" : " at " + std::to_string(state);
-  self->send(self->state.arguments->ecology, notable_event{self->path(), actuator + how});
-}
-
-void change_radio(mote_pointer self, const radio_wish& wish) {
-  const bool was_on = std::exchange(self->state.radio, wish).is_on();
-  if (wish.is_on() != was_on)
-    self->send(self->state.arguments->air,
-               radio_power{self->state.arguments->radio,
-                           wish.is_on() ? radio::power::on : radio::power::off});
+void perform(mote_pointer self, mote::node_outputs todo) {
+  mote_shell{self}.perform(std::move(todo));
 }
 
 instant own_time(mote_pointer self) {
-  return self->state.crystal.own(now(self));
+  return mote_shell{self}.own_time();
 }
 
 struct mote_performer {
@@ -59,13 +48,18 @@ struct mote_performer {
       self->send(arguments.air, request_of(arguments.radio, std::move(x)));
   }
 
-  void operator()(const mote::actuator_arrived& x) const { tell_state(self, x.name, x.state); }
+  void operator()(const mote::actuator_arrived& x) const {
+    const auto how = x.state == 0   ? " off"
+                     : x.state == 1 ? " on"
+                                    : " at " + std::to_string(x.state);
+    mote_shell{self}.notify_ecology(x.name + how);
+  }
 
   void operator()(const mote::radio_switch& x) const {
-    auto wish = self->state.radio;
-    wish.stack = x.on;
-    wish.silenced = false;
-    change_radio(self, wish);
+    auto demand = self->state.radio;
+    demand.stack = x.on;
+    demand.silenced = false;
+    mote_shell{self}.set_radio(demand);
   }
 
   void operator()(const mote::store_nonvolatile& x) const {
@@ -75,11 +69,10 @@ struct mote_performer {
 
   void operator()(mote::address_taken) const {
     log(self, spdlog::level::warn, "event=address_taken");
-    auto wish = self->state.radio;
-    wish.silenced = true;
-    change_radio(self, wish);
-    self->send(self->state.arguments->ecology,
-               notable_event{self->path(), "is silent: another mote has its id"});
+    auto demand = self->state.radio;
+    demand.silenced = true;
+    mote_shell{self}.set_radio(demand);
+    mote_shell{self}.notify_ecology("is silent: another mote has its id");
   }
 
   void operator()(const mote::membership& x) const {
@@ -88,99 +81,18 @@ struct mote_performer {
 };
 
 /// Why a mote that is away is not back yet: searches become rare, which nothing else shows.
-void tell_search(mote_pointer self) {
+void report_search(mote_pointer self) {
   auto& since = self->state.rests_since;
-  const auto& search = self->state.node->search();
-  const auto tell = [self](std::string what) {
-    self->send(self->state.arguments->ecology, notable_event{self->path(), std::move(what)});
-  };
+  const auto& search = self->state.node->packets().router().search();
+  const mote_shell mote{self};
   if (!since && search.rests()) {
     since = now(self);
-    tell("finds no neighbour that knows the time: sleeps, and searches less and less often");
+    mote.notify_ecology(
+        "finds no neighbour that knows the time: sleeps, and searches less and less often");
   } else if (since && !search.is_lost()) {
-    tell("knows the time again, after resting for " +
-         to_text(now(self) - *std::exchange(since, {})));
+    mote.notify_ecology("knows the time again, after resting for " +
+                        to_text(now(self) - *std::exchange(since, {})));
   }
-}
-
-void perform(mote_pointer self, mote::node_outputs todo) {
-  auto& state = self->state;
-  // Programs that have had no turn have nothing to tell: most frames are none of theirs.
-  const bool had_turns = state.program_turns != state.node->program_turns();
-  state.program_turns = state.node->program_turns();
-  if (had_turns) {
-    state.reports.tell(self, state.arguments->ecology);
-    state.programs.tell(self, state.arguments->ecology);
-    state.programs_due = state.programs.deadline();
-  }
-  for (auto& output : todo)
-    std::visit(mote_performer{self}, output);
-  state.separate.send_events(self);
-  tell_search(self);
-  const auto due = *earliest(state.node->deadline(), state.programs_due);
-  if (std::exchange(state.due, due) != due)
-    state.due_real = state.crystal.real(due);
-  state.wake.follow(self, state.due_real);
-  if (!had_turns)
-    return;
-  if (const auto report = state.reports.deadline())
-    state.reports_wake.follow(self, std::max(*report, now(self)));
-  else
-    state.reports_wake.stop();
-}
-
-/// What SMEPP Light of the mote wants done.
-struct group_performer {
-  mote_pointer self;
-
-  void operator()(smepp::send_frame& x) const {
-    const acting_on its(x.from);
-    self->state.groups->psdu_size = x.octets.size() + radio::overhead;
-    self->send(self->state.arguments->air, request_of(self->state.arguments->radio, std::move(x)));
-  }
-  void operator()(smepp::store_state& x) const {
-    *self->state.arguments->smepp_state = std::move(x.content);
-  }
-  void operator()(const smepp::set_radio& x) const {
-    auto wish = self->state.radio;
-    wish.groups = x.on;
-    change_radio(self, wish);
-  }
-  void operator()(const smepp::forward_event& x) const {
-    auto& node = *self->state.node;
-    node.begin(own_time(self));
-    self->state.groups->relay->forward(x.channel, x.value);
-    perform(self, node.settle(own_time(self)));
-  }
-  void operator()(const smepp::computes& x) const {
-    const auto& arguments = *self->state.arguments;
-    self->send(arguments.air, computation{arguments.radio, x.length});
-  }
-  void operator()(smepp::notable& x) const {
-    self->send(self->state.arguments->ecology, notable_event{self->path(), std::move(x.what)});
-  }
-};
-
-void perform(mote_pointer self, smepp::node_outputs todo) {
-  for (auto& x : todo)
-    std::visit(group_performer{self}, x);
-  auto& state = self->state;
-  if (const auto due = state.groups->node.deadline())
-    state.groups_wake.follow(self, std::max(now(self), state.groups->crystal.real(*due)));
-  else
-    state.groups_wake.stop();
-}
-
-/// @returns whether the frame was SMEPP's
-bool take_group_frame(mote_pointer self, const radio::frame& x, byte_view psdu) {
-  if (x.am_type != network::am::smepp)
-    return false;
-  auto& groups = self->state.groups;
-  if (groups && !self->state.flat)
-    perform(self,
-            groups->node.on_frame(x.source, x.destination, x.payload,
-                                  groups->own(sfd_of(psdu, now(self))), groups->own(now(self))));
-  return true;
 }
 
 /// Where there are many motes, the memory of one has left the processor's cache since its last
@@ -208,7 +120,7 @@ void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
     return;
   if (self->state.plain && !self->state.flat)
     self->state.plain->take(self, *frame);
-  if (self->state.flows.take(self, *frame) || take_group_frame(self, *frame, psdu))
+  if (self->state.flows.take(self, *frame) || mote_groups(self).accept_frame(*frame, psdu))
     return;
   if (auto& node = self->state.node; node && !self->state.flat) {
     const auto time = own_time(self);
@@ -219,21 +131,11 @@ void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
   }
 }
 
-void on_group_frame_sent(mote_pointer self, std::uint64_t id, const radio_done& x) {
-  auto& state = self->state;
-  if (state.flat)
-    return;
-  auto& groups = *state.groups;
-  const auto sfd = sfd_of(groups.psdu_size, now(self)); // of a broadcast, which nobody acknowledges
-  perform(self, groups.node.on_sent(id, x.status == radio::send_status::sent, groups.own(sfd),
-                                    groups.own(now(self))));
-}
-
 void on_done(mote_pointer self, const radio_done& x) {
   if (self->state.plain && self->state.plain->on_done(x))
     return;
   if (const auto id = smepp_id_of(x)) {
-    on_group_frame_sent(self, *id, x);
+    mote_groups(self).on_sent(*id, x);
     return;
   }
   const auto token = token_of(x);
@@ -247,7 +149,7 @@ void on_done(mote_pointer self, const radio_done& x) {
 void move_to(mote_pointer self, position place) {
   auto& state = self->state;
   if (state.node)
-    state.node->move(place);
+    state.node->devices().move(place);
   if (state.plain)
     state.plain->move(place);
   self->send(state.arguments->air, move_radio{state.arguments->radio, place});
@@ -277,7 +179,7 @@ void on_timer(mote_pointer self, const timer_expired& x) {
   if (state.reports_wake.accepts(x) && !state.flat)
     perform(self, state.reports.on_time(*state.node, own_time(self), now(self)));
   if (state.groups_wake.accepts(x) && !state.flat)
-    perform(self, state.groups->node.on_time(state.groups->own(now(self))));
+    mote_groups(self).on_time();
   const bool stays = state.flat && state.arguments->stays_when_flat; // else it is carried on
   if (state.moves && state.moves->wake.accepts(x) && !stays)
     go(self);
@@ -320,7 +222,7 @@ void die(mote_pointer self) {
   attach_to_backbone(self, {});
   self->state.separate.send_detached(self);
   log(self, spdlog::level::info, "event=battery_flat");
-  self->send(self->state.arguments->ecology, notable_event{self->path(), "battery flat"});
+  mote_shell{self}.notify_ecology("battery flat");
   self->send(self->state.arguments->ecology, mote_flat{self->state.arguments->address});
   self->state.flows.stop(self);
   if (self->state.plain)
@@ -331,49 +233,6 @@ void on_battery_low(mote_pointer self) {
   log(self, spdlog::level::info, "event=battery_low");
   if (self->state.node && !self->state.flat)
     perform(self, self->state.node->on_battery_low(own_time(self)));
-}
-
-void report_messages(mote_pointer self, bool is_alive) {
-  const auto& state = self->state;
-  auto status = messages_of(state.arguments->address, state.node->above(), !is_alive);
-  status.messages.refused["off"] = 0; // its programs stop with it
-  self->send(state.arguments->ecology, std::move(status));
-}
-
-/// The clock of a life that has ended is compared with nothing, and its place in the tree is
-/// nobody's.
-void report_network(mote_pointer self, bool is_alive) {
-  const auto& arguments = *self->state.arguments;
-  auto status = status_of(arguments.address, *self->state.node, own_time(self), now(self));
-  if (!is_alive) {
-    status.has_clock = false;
-    status.network.synchronised = 0;
-    status.network.aligned = 0;
-    status.network.hops_max = 0;
-    status.parent = {};
-    status.channels.clear();
-  } else if (const auto dbm = self->state.node->read(device::quantity::signal, now(self))) {
-    status.has_signal = *dbm != mote::node::signal_unknown;
-    status.signal_dbm = *dbm;
-  }
-  report::add_counters<communication::program_port_counters>(status.network.counters, "programs",
-                                                             self->state.separate.counters());
-  self->send(arguments.ecology, std::move(status));
-}
-
-void report_node(mote_pointer self, bool is_alive) {
-  const auto& state = self->state;
-  report_messages(self, is_alive);
-  report_network(self, is_alive);
-  state.programs.report(self, state.arguments->ecology, state.arguments->name, own_time(self),
-                        !is_alive);
-}
-
-void report_groups(mote_pointer self, life_state life) {
-  const auto& state = self->state;
-  if (state.groups)
-    self->send(state.arguments->ecology,
-               status_of(state.arguments->address.island, state.groups->node, life));
 }
 
 void on_clock_step(mote_pointer self, duration by) {
@@ -398,34 +257,14 @@ void on_period(mote_pointer self, const set_period& x) {
   perform(self, state.reports.on_time(*state.node, own_time(self), now(self)));
 }
 
-void report_plain(mote_pointer self) {
-  if (const auto& plain = self->state.plain)
-    send_modules(self, self->state.arguments->ecology, self->state.arguments->name,
-                 plain->counted());
-}
-
 /// An exception ends the mote. What this life has counted must not go with it. Reliable messages
-/// that were still open have failed; nobody will know about flows' requests, so they stay open.
+/// that were still open have failed; the outcome of flows' requests is not known, so they stay
+/// open.
 void report_failures(mote_pointer self) {
   self->set_exception_handler([self](std::exception_ptr& x) {
-    self->state.flows.report(self, self->state.arguments->ecology);
-    report_plain(self);
-    report_groups(self, life_state::replaced);
-    if (self->state.node)
-      report_node(self, false);
+    mote_report(self).send(life_state::replaced);
     return scheduler::failure_of(x);
   });
-}
-
-void tell_sample(mote_pointer self, std::uint64_t number) {
-  const auto& state = self->state;
-  if (!state.node || state.flat)
-    return;
-  const auto& arguments = *state.arguments;
-  auto x = sample_of(number, status_of(arguments.address, *state.node, own_time(self), now(self)));
-  x.who = arguments.name;
-  x.missed = state.programs.vectors_missed();
-  self->send(arguments.ecology, std::move(x));
 }
 
 /// Starts what reports to others and obeys them.
@@ -441,7 +280,7 @@ struct report_starter {
     begin(path, std::move(program));
   }
   void operator()(const apps::actuator_config& x) const {
-    const auto state = self->state.node->actuator_state(x.actuator, {}).value_or(0);
+    const auto state = self->state.node->devices().state(x.actuator, {}).value_or(0);
     begin(path_of("actuator", x.actuator), std::make_unique<apps::actuator>(x, state));
   }
   void operator()(const apps::messenger_config& x) const {
@@ -490,35 +329,6 @@ void start_plain(mote_pointer self, const std::string& life) {
   state.plain->start(self);
 }
 
-/// SMEPP Light, beside the stack if there is one.
-void start_groups(mote_pointer self, const std::string& life, const mote::crystal& crystal) {
-  auto& state = self->state;
-  const auto& arguments = *state.arguments;
-  if (!arguments.smepp)
-    return;
-  state.groups = std::make_unique<smepp_shell>(smepp_shell{
-      smepp::node(*arguments.smepp, random_stream(arguments.seed, life + "/smepp"),
-                  crystal.own(instant{}), crystal.own(now(self)), *arguments.smepp_state),
-      crystal});
-  auto& groups = *state.groups;
-  const auto octets = groups.node.own().footprint() + (state.node ? state.node->footprint() : 0);
-  if (const auto most = arguments.smepp->settings.memory_max;
-      octets > most && state.store.starts == 0)
-    self->send(arguments.ecology,
-               notable_event{self->path(), fmt::format("needs {} octets of memory with all tables "
-                                                       "full, more than {}",
-                                                       octets, most)});
-  if (state.node) {
-    groups.node.set_reader(
-        [self](device::quantity x) { return self->state.node->read(x, now(self)); });
-    auto relay = std::make_unique<event_relay>();
-    groups.relay = relay.get();
-    state.reports.start_as(*state.node, "mote_app/" + arguments.name + "/event_relay",
-                           std::move(relay), now(self));
-  }
-  perform(self, groups.node.start(groups.own(now(self))));
-}
-
 void start(mote_pointer self) {
   auto& state = self->state;
   const auto& arguments = *state.arguments;
@@ -546,16 +356,58 @@ void start(mote_pointer self) {
   }
   state.flows.start(self, arguments.apps, arguments.address, arguments.radio, arguments.air,
                     random_stream(arguments.seed, life + "/flows"));
-  start_groups(self, life, crystal);
+  mote_groups(self).start(life);
   // Who has groups and no other use for its radio leaves it to them.
   if (state.groups && !state.node && !state.flows.is_used()) {
-    auto wish = state.radio;
-    wish.stack = false;
-    change_radio(self, wish);
+    auto demand = state.radio;
+    demand.stack = false;
+    mote_shell{self}.set_radio(demand);
   }
 }
 
 } // namespace
+
+instant mote_shell::own_time() const {
+  return self->state.crystal.own(now(self));
+}
+
+void mote_shell::set_radio(const radio_demand& x) const {
+  const bool was_on = std::exchange(self->state.radio, x).is_on();
+  if (x.is_on() != was_on)
+    self->send(self->state.arguments->air,
+               radio_power{self->state.arguments->radio,
+                           x.is_on() ? radio::power::on : radio::power::off});
+}
+
+void mote_shell::notify_ecology(std::string what) const {
+  self->send(self->state.arguments->ecology, notable_event{self->path(), std::move(what)});
+}
+
+void mote_shell::perform(mote::node_outputs todo) const {
+  auto& mote = self->state;
+  // Programs that have had no turn have nothing to report: most frames are not for them.
+  const bool had_turns = mote.program_turns != mote.node->program_turns();
+  mote.program_turns = mote.node->program_turns();
+  if (had_turns) {
+    mote.reports.send_notices(self, mote.arguments->ecology);
+    mote.programs.send_notices(self, mote.arguments->ecology);
+    mote.programs_due = mote.programs.deadline();
+  }
+  for (auto& output : todo)
+    std::visit(mote_performer{self}, output);
+  mote.separate.send_events(self);
+  report_search(self);
+  const auto due = *earliest(mote.node->deadline(), mote.programs_due);
+  if (std::exchange(mote.due, due) != due)
+    mote.due_real = mote.crystal.real(due);
+  mote.wake.follow(self, mote.due_real);
+  if (!had_turns)
+    return;
+  if (const auto report = mote.reports.deadline())
+    mote.reports_wake.follow(self, std::max(*report, now(self)));
+  else
+    mote.reports_wake.stop();
+}
 
 mote_actor::behavior_type mote_behavior(mote_pointer self,
                                         std::shared_ptr<const mote_arguments> arguments,
@@ -598,26 +450,17 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
       },
       [self](const step_clock& x) { on_clock_step(self, x.by); },
       [self](const set_period& x) { on_period(self, x); },
-      [self](const set_network_keys& x) {
-        if (self->state.groups && !self->state.flat)
-          perform(self, self->state.groups->node.set_network_keys(
-                            *x.keys, self->state.groups->own(now(self))));
-      },
+      [self](const set_network_keys& x) { mote_groups(self).set_keys(x); },
       [self](end_battery) {
         on_battery_low(self);
         const auto left = self->state.node ? last_words_time : duration{};
         self->state.last_words.follow(self, now(self) + left);
       },
       [self](const status_request& x) {
-        if (x.sample > 0) {
-          tell_sample(self, x.sample);
-          return;
-        }
-        self->state.flows.report(self, self->state.arguments->ecology);
-        report_plain(self);
-        report_groups(self, self->state.flat ? life_state::ended : life_state::goes_on);
-        if (self->state.node)
-          report_node(self, !self->state.flat);
+        if (x.sample > 0)
+          mote_report(self).send_sample(x.sample);
+        else
+          mote_report(self).send(self->state.flat ? life_state::ended : life_state::goes_on);
       },
   };
 }

@@ -66,7 +66,7 @@ struct mote_state {
   flow_host flows;
   std::unique_ptr<plain_host> plain;   ///< nullptr: no plain programs of TinyOS
   std::unique_ptr<smepp_shell> groups; ///< nullptr: none, as in most motes; it is large
-  radio_wish radio;
+  radio_demand radio;
   /// How it moves.
   struct moving {
     device::walk walk;
@@ -88,7 +88,7 @@ struct mote_state {
   separate_programs separate;
   std::uint32_t program_turns = 0;     ///< of the node, when programs were last asked,
   std::optional<instant> programs_due; ///< and what those in the mote's time said
-  std::optional<instant> rests_since;  ///< it has searched in vain for who knows the time
+  std::optional<instant> rests_since;  ///< no search has found a neighbour that knows the time
   bool flat = false;
 };
 

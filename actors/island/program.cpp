@@ -22,7 +22,7 @@ void perform(program_pointer self, std::optional<communication::remote::commands
   if (commands)
     self->send(state.mote, program_commands{static_cast<std::uint32_t>(arguments.number),
                                             *std::move(commands)});
-  state.programs.tell(self, arguments.ecology);
+  state.programs.send_notices(self, arguments.ecology);
   if (const auto due = state.programs.deadline())
     state.wake.follow(self, arguments.crystal.real(*due));
 }

@@ -95,9 +95,9 @@ public:
     return on_time(node, now, now);
   }
 
-  /// Passes on what programs have to tell, and writes what they have for their files.
+  /// Sends the notices of programs, and writes what they have for their files.
   template <class Self>
-  void tell(Self* self, const ecology_actor& ecology) {
+  void send_notices(Self* self, const ecology_actor& ecology) {
     for (auto& x : programs_) {
       const auto& who = x.path.empty() ? self->path() : x.path;
       for (auto& what : x.program->take_notices())

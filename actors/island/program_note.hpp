@@ -1,4 +1,4 @@
-// What programs do and are told inside the actor of their node, for who observes the run.
+// What programs send and receive inside the actor of their node, for who observes the run.
 #pragma once
 
 #include <any>

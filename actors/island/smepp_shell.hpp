@@ -1,4 +1,4 @@
-// SMEPP Light inside a mote's actor: its clock, its store, its radio, and the way to its gateway.
+// SMEPP Light inside a mote's actor: its clock, its store, its radio, and the route to its gateway.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ namespace rubicon {
 inline constexpr std::uint64_t smepp_token = 1ULL << 62U;
 
 /// A radio with several users is on while any of them wants it.
-struct radio_wish {
+struct radio_demand {
   bool stack = true;     ///< Network and measuring flows
   bool groups = false;   ///< SMEPP Light
   bool silenced = false; ///< another mote has this one's address
@@ -41,7 +41,7 @@ private:
 
 struct smepp_shell {
   smepp::node node;
-  /// Runs on while the mote's other clock is set: it counts, and tells nobody the time.
+  /// Runs on while the mote's other clock is set: it counts, and no other clock follows it.
   mote::crystal crystal;
   event_relay* relay = nullptr; ///< with the full stack
   std::size_t psdu_size = 0;    ///< of the frame at the radio

@@ -30,7 +30,7 @@ void perform(pc_pointer self, communication::outputs todo) {
                                                        payload(std::move(x.octets)),
                                                        false});
   }
-  state.programs.tell(self, state.arguments.ecology);
+  state.programs.send_notices(self, state.arguments.ecology);
   state.separate.send_events(self);
   state.wake.follow(self, earliest(state.pc.deadline(), state.programs.deadline()));
 }

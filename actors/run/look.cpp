@@ -50,8 +50,8 @@ void add_route(report::mote_sample& to, const mote::node& from) {
     return;
   to.parent = router.tree().parent();
   to.hops = router.tree().hops();
-  if (from.parent_dbm() != mote::node::signal_unknown)
-    to.signal_dbm = from.parent_dbm();
+  if (from.devices().parent_dbm() != mote::mote_devices::signal_unknown)
+    to.signal_dbm = from.devices().parent_dbm();
   if (const auto etx = router.links().etx(to.parent))
     to.etx = static_cast<double>(*etx) / network::etx_one;
 }
@@ -125,7 +125,7 @@ private:
       x.used_mah = use.used_mah;
       x.battery_mah = use.battery_mah;
     }
-    x.joined = x.alive && (!state->node || state->node->joined());
+    x.joined = x.alive && (!state->node || state->node->member().joined());
     if (state != nullptr && state->node) {
       if (x.alive) {
         add_route(x, *state->node);

@@ -241,7 +241,7 @@ void follow(gateway_pointer self) {
 void perform(gateway_pointer self, gateway::outputs todo) {
   for (auto& output : todo)
     std::visit(gateway_performer{self}, output);
-  self->state.programs.tell(self, self->state.arguments.ecology);
+  self->state.programs.send_notices(self, self->state.arguments.ecology);
   follow(self);
 }
 

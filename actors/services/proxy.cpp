@@ -78,7 +78,7 @@ void perform(proxy_pointer self, std::optional<communication::remote::commands_b
   if (commands)
     self->send(state.arguments.layer,
                program_commands{number_of_streams(self), *std::move(commands)});
-  streams.programs.tell(self, state.arguments.ecology);
+  streams.programs.send_notices(self, state.arguments.ecology);
   for (const auto& x : streams.tap->take_values())
     perform(self, state.arguments.core.on_record(x.stream, x.count, x.time_ms, now(self)));
   perform(self, proxy::proxy::outputs{}); // its deadline may be another

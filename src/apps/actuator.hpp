@@ -36,7 +36,7 @@ private:
   std::uint8_t state_ = 0;
   bool in_island_ = false;
   bool begins_ = false;        ///< its periods do, at the next on_time()
-  duration period_{};          ///< 0: nobody has asked for one
+  duration period_{};          ///< 0: none was requested
   std::optional<instant> due_; ///< when the state is sent again
 };
 

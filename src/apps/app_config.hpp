@@ -24,7 +24,7 @@ struct sampler_config {
   std::uint16_t channel = 1;    ///< output channel of section 5.4; equals the AM type, 0..255
   bool reliable = false;        ///< ask for an end-to-end acknowledgement
   bool only_subscribed = false; ///< send while somebody subscribes to the channel only (GW-10)
-  duration every_min = 100ms;   ///< at most `every`: nobody may ask for a shorter period (IF-04)
+  duration every_min = 100ms;   ///< at most `every`: no shorter period may be requested (IF-04)
   bool stamped = true;          ///< after the counts: uint32, when that was, as in sensor_record
   /// How many counts of each transducer are averaged here, for a proxy's field with
   /// `computed_by = "mote"` (PXY-17); none: no count is averaged.

@@ -56,7 +56,7 @@ struct counter {
   }
   void operator()(const stream_switch_config&) { ++sum.streams_in; }
   void operator()(const recorder_config& x) { sum.streams_in += x.streams.size(); }
-  void operator()(const custom_config& x) { // which of them are read, nobody knows
+  void operator()(const custom_config& x) { // which of them are read is unknown
     sum.channels += x.kind->streams;
     sum.streams_in += x.kind->streams;
   }

@@ -33,32 +33,32 @@ status interface::create_syn_channel_in(std::uint16_t src, std::uint8_t size, sy
 
 int interface::create_syn_channel_out(mote_address dest, std::uint8_t size,
                                       const synaptic::parameters& params) {
-  return below_->create_syn_channel(true, dest, size, params);
+  return below_->synaptic.create(true, dest, size, params);
 }
 
 int interface::create_syn_channel_in(mote_address src, std::uint8_t size,
                                      const synaptic::parameters& params) {
-  return below_->create_syn_channel(false, src, size, params);
+  return below_->synaptic.create(false, src, size, params);
 }
 
 status interface::dispose_syn_channel(int channel) {
-  return below_->dispose_syn_channel(channel);
+  return below_->synaptic.dispose(channel);
 }
 
 status interface::start_syn_channel(int channel) {
-  return below_->start_syn_channel(channel);
+  return below_->synaptic.start(channel);
 }
 
 status interface::stop_syn_channel(int channel) {
-  return below_->stop_syn_channel(channel);
+  return below_->synaptic.stop(channel);
 }
 
 status interface::write_output(int channel, std::uint8_t k, float val) {
-  return below_->write_output(channel, k, val);
+  return below_->synaptic.write_output(channel, k, val);
 }
 
 float interface::read_input(int channel, std::uint8_t index) {
-  return below_->read_input(channel, index);
+  return below_->synaptic.read_input(channel, index);
 }
 
 // 5.3.2
@@ -80,42 +80,42 @@ status interface::open_write_end(mote_address to, std::uint16_t symbolic_name,
 
 int interface::open_end(const stream_end& end) {
   if (end.other.island.value > 0 && end.rate_ms <= stream_rate_max_ms)
-    return below_->open_end(end);
-  below_->refuse();
+    return below_->streams.open_end(end);
+  below_->node.refuse();
   return -1;
 }
 
 int interface::open_sensor(std::uint8_t sensor_tid, std::uint32_t stream_rate,
                            stream::sampling sampling_type) {
   if (stream_rate > stream_rate_max_ms) {
-    below_->refuse();
+    below_->node.refuse();
     return -1;
   }
-  return below_->open_sensor(sensor_tid, stream_rate, sampling_type);
+  return below_->streams.open_sensor(sensor_tid, stream_rate, sampling_type);
 }
 
 int interface::open_local() {
-  return below_->open_local();
+  return below_->streams.open_local();
 }
 
 status interface::close(int desc) {
-  return below_->close(desc);
+  return below_->streams.close(desc);
 }
 
 status interface::read(int desc, std::size_t nbytes) {
-  return below_->read(desc, nbytes);
+  return below_->streams.read(desc, nbytes);
 }
 
 int interface::write(int desc, byte_view buf) {
-  return below_->write(desc, buf) == SUCCESS ? static_cast<int>(buf.size()) : -1;
+  return below_->streams.write(desc, buf) == SUCCESS ? static_cast<int>(buf.size()) : -1;
 }
 
 bool interface::has_ended(int desc) const {
-  return below_->has_ended(desc);
+  return below_->streams.has_ended(desc);
 }
 
 std::optional<duration> interface::latency_bound(int desc) const {
-  return below_->latency_bound(desc);
+  return below_->streams.latency_bound(desc);
 }
 
 // 5.3.3
@@ -127,55 +127,55 @@ status interface::send(island_octet island_addr, std::uint16_t mote_addr, byte_v
 
 std::optional<std::uint32_t> interface::send_numbered(mote_address to, byte_view buf, bool reliable,
                                                       std::uint8_t am_type) {
-  return below_->send(to, buf, reliable, am_type);
+  return below_->messages.send(to, buf, reliable, am_type);
 }
 
 status interface::provide(std::uint8_t am_type) {
-  return is_reserved(am_type) ? below_->refuse() : below_->provide(am_type);
+  return is_reserved(am_type) ? below_->node.refuse() : below_->messages.provide(am_type);
 }
 
 void interface::hold(std::uint8_t am_type) {
-  below_->hold(am_type);
+  below_->messages.hold(am_type);
 }
 
 void interface::release(std::uint8_t am_type) {
-  below_->release(am_type);
+  below_->messages.release(am_type);
 }
 
 // What the mote carries.
 
 status interface::read_transducers(std::span<const device::quantity> kinds) {
-  return below_->read_transducers(kinds);
+  return below_->node.read_transducers(kinds);
 }
 
 status interface::set_actuator(std::string_view name, std::uint8_t state) {
-  return below_->set_actuator(name, state);
+  return below_->node.set_actuator(name, state);
 }
 
 // 5.3.4
 
 status interface::initCommunications() {
-  return below_->init();
+  return below_->node.init();
 }
 
 status interface::joinIsland(byte_view description) {
-  return below_->join(description);
+  return below_->node.join(description);
 }
 
 instant interface::now() const {
-  return below_->now();
+  return below_->node.now();
 }
 
 std::optional<duration> interface::network_time() const {
-  return below_->network_time();
+  return below_->node.network_time();
 }
 
 std::optional<mote_address> interface::address() const {
-  return below_->address();
+  return below_->node.address();
 }
 
 void interface::leave() {
-  below_->leave();
+  below_->node.leave();
 }
 
 } // namespace rubicon::communication

@@ -4,9 +4,10 @@
 // wherever the other end is: only addresses differ.
 //
 // A program may be in the actor of its node, or in an actor of its own that exchanges messages with
-// the node's (mote/remote_process.hpp). There too commands return at once, by what the program's
-// side knows; what the node refuses later, because another program was first, because what ended
-// there has not been reported, or for want of room, is reported by the event that the command has:
+// the node's (communication/remote_process.hpp). There too commands return at once, by what the
+// program's side knows; what the node refuses later, because another program was first, because
+// what ended there has not been reported, or for want of room, is reported by the event that the
+// command has:
 //   create_syn_channel_*   createSynChannelOutDone, createSynChannelInDone with FAIL
 //   open_*                 openRemoteDone with FAIL; a sensor or local stream, which has no event,
 //                          fails at its first read or write
@@ -78,7 +79,7 @@ public:
   virtual void ackOf(std::uint32_t /*number*/, status /*success*/) {}
   virtual void receive(island_octet /*src_island_addr*/, std::uint16_t /*src_mote_addr*/,
                        byte_view /*buf*/, std::uint8_t /*am_type*/, status /*success*/) {}
-  /// Extension: the same from anybody; PCs may have ids beyond one octet. Calls receive().
+  /// Extension: the same from any node; PCs may have ids beyond one octet. Calls receive().
   virtual void receiveFrom(mote_address source, byte_view buf, std::uint8_t am_type) {
     receive(octet_of(source.island), source.mote.value, buf, am_type, status::SUCCESS);
   }
@@ -113,7 +114,7 @@ public:
   /// @param dest mote; its island is params[0..1]
   status create_syn_channel_out(std::uint16_t dest, std::uint8_t size, syn_params params);
   status create_syn_channel_in(std::uint16_t src, std::uint8_t size, syn_params params);
-  /// Extension: to or from anybody; the descriptor of the Done event, or -1.
+  /// Extension: to or from any node; the descriptor of the Done event, or -1.
   int create_syn_channel_out(mote_address dest, std::uint8_t size,
                              const synaptic::parameters& params);
   int create_syn_channel_in(mote_address src, std::uint8_t size,

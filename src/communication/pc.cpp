@@ -117,7 +117,7 @@ void pc::tick(instant now) {
     return;
   const auto since = std::chrono::floor<island_clock::duration>(now.time_since_epoch() + *ahead_);
   if (const auto next = clock_.update(now, island_time(since), {0, {}, config_.tick_period}))
-    layer_->on_tick(next->number, now);
+    layer_->vectors().on_tick(next->number, now);
 }
 
 outputs pc::flush() {
@@ -141,10 +141,10 @@ void pc::perform(layer_output& x, outputs& out) {
           },
           [&](const sample_wanted& y) {
             ++counters_.no_transducer; // open_sensor() refuses: a PC has none
-            layer_->on_sample(y.stream, {}, now_);
+            layer_->devices().on_sample(y.stream, {}, now_);
           },
           [&](const channel_wanted& y) { // a PC is in no island
-            layer_->on_connect_failed(y.request, now_);
+            layer_->channels().on_connect_failed(y.request, now_);
           },
           [&](const init_wanted&) { layer_->on_initialised(line_up_, now_); },
           [&](const join_wanted&) { layer_->on_joined(island_of(config_.self), now_); },

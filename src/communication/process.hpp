@@ -1,5 +1,6 @@
-// What carries out the commands of one program: its node's layer in the same actor
-// (mote/direct_process.hpp), or messages to the node's actor (mote/remote_process.hpp).
+// What carries out the commands of one program: the ports of its node's layer in the same actor
+// (communication/direct_process.hpp), or messages to the node's actor
+// (communication/remote_process.hpp).
 #pragma once
 
 #include <cstddef>
@@ -39,26 +40,32 @@ struct stream_end {
 };
 RUBICON_FIELDS(stream_end, writes_to_self, other, name, rate_ms, qos, buffer_size);
 
-/// The commands of mote/communication.hpp, one each. What the arguments alone show has
-/// been checked there.
-class process {
-public:
-  process() = default;
-  process(const process&) = delete; // programs point to it
-  process& operator=(const process&) = delete;
-  virtual ~process() = default;
+// The commands of communication/interface.hpp, one each. What the arguments alone show has been
+// checked there.
 
-  /// Counts a command that fails.
-  virtual status refuse() = 0;
+class synaptic_commands {
+public:
+  synaptic_commands() = default;
+  synaptic_commands(const synaptic_commands&) = delete;
+  synaptic_commands& operator=(const synaptic_commands&) = delete;
+  virtual ~synaptic_commands() = default;
 
   /// @returns a descriptor, or -1
-  virtual int create_syn_channel(bool is_out, mote_address other, std::uint8_t size,
-                                 const synaptic::parameters& params) = 0;
-  virtual status dispose_syn_channel(int channel) = 0;
-  virtual status start_syn_channel(int channel) = 0;
-  virtual status stop_syn_channel(int channel) = 0;
+  virtual int create(bool is_out, mote_address other, std::uint8_t size,
+                     const synaptic::parameters& params) = 0;
+  virtual status dispose(int channel) = 0;
+  virtual status start(int channel) = 0;
+  virtual status stop(int channel) = 0;
   virtual status write_output(int channel, std::uint8_t k, float value) = 0;
   virtual float read_input(int channel, std::uint8_t index) = 0;
+};
+
+class stream_commands {
+public:
+  stream_commands() = default;
+  stream_commands(const stream_commands&) = delete;
+  stream_commands& operator=(const stream_commands&) = delete;
+  virtual ~stream_commands() = default;
 
   virtual int open_end(const stream_end& end) = 0;
   virtual int open_sensor(std::uint8_t transducer, std::uint32_t period_ms,
@@ -69,12 +76,32 @@ public:
   virtual status write(int desc, byte_view record) = 0;
   [[nodiscard]] virtual bool has_ended(int desc) const = 0;
   [[nodiscard]] virtual std::optional<duration> latency_bound(int desc) const = 0;
+};
+
+class message_commands {
+public:
+  message_commands() = default;
+  message_commands(const message_commands&) = delete;
+  message_commands& operator=(const message_commands&) = delete;
+  virtual ~message_commands() = default;
 
   virtual std::optional<std::uint32_t> send(mote_address to, byte_view octets, bool reliable,
                                             std::uint8_t am_type) = 0;
   virtual status provide(std::uint8_t am_type) = 0;
   virtual void hold(std::uint8_t am_type) = 0;
   virtual void release(std::uint8_t am_type) = 0;
+};
+
+/// Devices and membership of the node.
+class node_commands {
+public:
+  node_commands() = default;
+  node_commands(const node_commands&) = delete;
+  node_commands& operator=(const node_commands&) = delete;
+  virtual ~node_commands() = default;
+
+  /// Counts a command that fails.
+  virtual status refuse() = 0;
 
   virtual status read_transducers(std::span<const device::quantity> kinds) = 0;
   virtual status set_actuator(std::string_view name, std::uint8_t state) = 0;
@@ -86,6 +113,14 @@ public:
   [[nodiscard]] virtual std::optional<duration> network_time() const = 0;
 
   virtual void leave() = 0;
+};
+
+/// One program's commands, by what they are about.
+struct process {
+  synaptic_commands& synaptic;
+  stream_commands& streams;
+  message_commands& messages;
+  node_commands& node;
 };
 
 } // namespace rubicon::communication

@@ -30,11 +30,11 @@ std::optional<std::uint16_t> program_port::numbering::program(int layer) const {
 }
 
 remote::limits program_port::limits_of(const layer& x) {
-  const auto& streams = x.streams().config();
-  const auto& synaptic = x.synaptic().config();
+  const auto& streams = x.ports().streams.core().config();
+  const auto& synaptic = x.ports().synaptic.core().config();
   const auto& messages = x.messages().config();
   remote::limits limits;
-  limits.transducer_mask = x.config().transducer_mask;
+  limits.transducer_mask = x.ports().node.config.transducer_mask;
   limits.streams_max = static_cast<std::uint32_t>(streams.streams_max);
   limits.record_max = static_cast<std::uint32_t>(streams.record_max);
   limits.channels_max = static_cast<std::uint32_t>(synaptic.channels_max);
@@ -45,7 +45,7 @@ remote::limits program_port::limits_of(const layer& x) {
 }
 
 void program_port::catch_up(const layer& x) {
-  if (x.initialised())
+  if (x.ports().node.initialised)
     send_event(remote::initialised{true});
   if (const auto self = layer_.address())
     send_event(remote::joined{*self, true});

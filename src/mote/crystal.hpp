@@ -18,7 +18,7 @@ struct crystal_config {
   duration phase{};             ///< into that period at real time zero; 0..wander_period
 };
 
-/// What a mote's clock shows more than real time when it starts: nobody knows. Up to an hour.
+/// What a mote's clock shows more than real time when it starts: unknown, up to an hour.
 [[nodiscard]] duration boot_time(random_stream rng);
 
 /// All timing of a mote is by its own crystal; only whoever feeds it knows the real time.

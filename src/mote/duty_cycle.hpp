@@ -28,9 +28,9 @@ using duty_output = std::variant<network::frame_out, radio_switch>;
 using duty_outputs = std::vector<duty_output>;
 
 /// The radio is on in the common window and around each packet that a channel through this mote
-/// expects, longer by twice the doubt in the clock: the sender's may be as wrong as ours. While the
-/// island's time is not known well enough it is always on, as a sink's is, unless a search has
-/// found nobody who knows (network::time_search).
+/// expects, longer by twice the uncertainty of the clock: the sender's may be as wrong as ours.
+/// While the island's time is not known well enough it is always on, as a sink's is, unless a
+/// search has found no mote that knows (network::time_search).
 ///
 /// Frames without a schedule come when their turn is (network/turns.hpp). A packet of a channel
 /// goes on when the next mote expects it, or at once if it is late.

@@ -9,7 +9,7 @@ gateway_lines::gateway_lines(gateway_lines_config config, instant now, std::uint
   if (config.lines < 2)
     return;
   lines_.resize(config.lines);
-  lines_.front().heard = now; // it is waited for before another one is taken
+  lines_.front().last_answer = now; // it is waited for before another one is taken
   lines_.front().steady_since = now;
   due_ = now;
 }
@@ -25,10 +25,10 @@ void gateway_lines::on_answer(std::size_t line, const network::gateway_answer& x
   const bool is_new = from.life != x.life;
   if (is_new || !is_there(line, now))
     from.steady_since = now;
-  from.heard = now;
+  from.last_answer = now;
   if (is_new) {
     if (from.life && line == leader_)
-      begin_term(line, now); // it knows nothing of what its earlier life has heard
+      begin_term(line, now); // it knows nothing of what its earlier life has received
     from.life = x.life;
     due_ = now;
   }
@@ -51,8 +51,8 @@ std::optional<instant> gateway_lines::deadline() const {
 }
 
 bool gateway_lines::is_there(std::size_t line, instant now) const {
-  const auto& heard = lines_[line].heard;
-  return heard && now - *heard < config_.slowness * config_.silence_max;
+  const auto& last = lines_[line].last_answer;
+  return last && now - *last < config_.slowness * config_.silence_max;
 }
 
 /// The lead goes to who is there if the leader is not, and back to an earlier line that is steady.

@@ -18,7 +18,7 @@ struct gateway_lines_config {
   duration poll_gap = 500ms; ///< between two questions to each gateway
   duration silence_max = 2s; ///< a gateway that has not answered for so long is not there
   duration steadiness = 15s; ///< one that has answered for so long takes the lead back: longer
-                             ///< than it needs to hear its ecology after a start
+                             ///< than it needs to learn of its ecology after a start
 };
 
 /// Send this event up that line.
@@ -27,13 +27,14 @@ struct line_event {
   network::gateway_poll what;
 };
 
-/// Asks each gateway whether it is there, and tells one of them that it leads: the first that is.
-/// The lead is lost by silence or a restart, and goes back to an earlier line that has been steady.
+/// Asks each gateway whether it is there, and notifies one of them that it leads: the first that
+/// is. The lead is lost by silence or a restart, and goes back to an earlier line that has been
+/// steady.
 ///
 /// Every handing over begins a new term. A gateway that leads is another incarnation of the PC of
-/// its island, which Transport tells apart by the term; so none of its messages is passed up twice.
-/// A gateway that has not heard for a while that it leads holds itself for deposed, before another
-/// one is told to lead (gateway::leadership).
+/// its island, which Transport distinguishes by the term; so none of its messages is passed up
+/// twice. A gateway that was not notified for a while that it leads holds itself for deposed,
+/// before another one is notified (gateway::leadership).
 ///
 /// With one line there is nothing to ask.
 class gateway_lines {
@@ -54,9 +55,9 @@ public:
 
 private:
   struct state {
-    std::optional<instant> heard;      ///< nothing: never
-    instant steady_since;              ///< it has answered all the time since then
-    std::optional<std::uint32_t> life; ///< of its gateway
+    std::optional<instant> last_answer; ///< nothing: never
+    instant steady_since;               ///< it has answered all the time since then
+    std::optional<std::uint32_t> life;  ///< of its gateway
   };
 
   [[nodiscard]] bool is_there(std::size_t line, instant now) const;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,9 +24,14 @@
 #include "mote/crystal.hpp"
 #include "mote/duty_cycle.hpp"
 #include "mote/join/descriptor.hpp"
+#include "mote/join/island_member.hpp"
 #include "mote/join/join_client.hpp"
 #include "mote/nonvolatile.hpp"
 #include "mote/packet_service.hpp"
+#include "mote/stack/cached_layer.hpp"
+#include "mote/stack/channel_pacer.hpp"
+#include "mote/stack/mote_devices.hpp"
+#include "mote/stack/slot_client.hpp"
 #include "mote/vector_slot.hpp"
 #include "synaptic/rubicon_clock.hpp"
 
@@ -43,8 +47,8 @@ struct node_config {
   mote_id id;
   std::uint32_t type = 0;
   std::uint32_t device = 0; ///< as in descriptor
-  /// Promised in the descriptor: it is heard about this often. It says that it is there when it has
-  /// sent nothing for half as long again, so that reports on time make that unnecessary.
+  /// Promised in the descriptor: it sends about this often. It sends a keep-alive when it has sent
+  /// nothing for half as long again, so that reports on time make that unnecessary.
   duration keep_alive = 2s;
   bool joins_alone = true; ///< else its programs call initCommunications and joinIsland
   shared_list<device::transducer_config> transducers;
@@ -62,12 +66,6 @@ struct node_config {
 struct membership {
   bool joined = false;
   island_id island;
-};
-
-/// An actuator has come to where it was sent.
-struct actuator_arrived {
-  std::string name;
-  std::uint8_t state = 0;
 };
 
 /// Its sink has another mote with this address: it is silent, its radio off, and asks again later.
@@ -108,12 +106,10 @@ public:
                                                 std::string name = {});
 
   /// As layer::observe().
-  void observe(std::function<void(const communication::program_note&)> observer) {
-    layer_->observe(std::move(observer));
-  }
+  void observe(communication::program_observer observer) { layer_.observe(std::move(observer)); }
 
   /// Carries out commands that programs have given at `now`; begin() sets the time they see.
-  void begin(instant now) { use_layer().set_time(now); }
+  void begin(instant now) { layer_.use().set_time(now); }
   [[nodiscard]] node_outputs settle(instant now);
 
   /// Radio and, at a sink, serial line are up (D1.1 5.3.4). A mote that joins alone begins to, and
@@ -124,27 +120,15 @@ public:
   /// Says goodbye and ends every outstanding send as failed.
   [[nodiscard]] node_outputs leave(instant now);
 
-  /// One reading, as a count; nothing if the mote has no such transducer. Of
-  /// device::quantity::signal the newest frame of its parent, or signal_unknown.
-  /// @param now by the world's time
-  [[nodiscard]] std::optional<std::int16_t> read(device::quantity kind, instant now);
-
-  /// What a datum of now is stamped with: the time that peers share if it is known, else the
-  /// island's, else our own; the low 32 bits of its milliseconds (IF-06, CLK-08).
-  [[nodiscard]] std::uint32_t time_ms(instant now) const;
-
-  /// No frame of a parent has come yet; no radio receives that much.
-  static constexpr std::int16_t signal_unknown = 127;
+  /// As mote_devices::read(). @param now by the world's time
+  [[nodiscard]] std::optional<std::int16_t> read(device::quantity kind, instant now) {
+    return devices_.read(kind, now, rng_);
+  }
+  [[nodiscard]] mote_devices& devices() { return devices_; }
+  [[nodiscard]] const mote_devices& devices() const { return devices_; }
 
   /// Its clock has leapt forward by so much, or back; its timers have not.
   void on_clock_leapt(duration by) { packets_.router().sync().on_clock_leapt(in_us(by)); }
-
-  /// The mote is somewhere else from now on.
-  void move(position x) { place_ = x; }
-
-  /// Where it is; nothing: there is no such actuator.
-  [[nodiscard]] std::optional<std::uint8_t> actuator_state(const std::string& name,
-                                                           instant now) const;
 
   /// The radio, or a backbone, has delivered a frame for this mote.
   /// @param sfd as in network::router::on_frame()
@@ -155,7 +139,7 @@ public:
   /// How strongly the frame that was delivered last has come.
   [[nodiscard]] node_outputs on_signal(mote_id source, int rssi_dbm, instant now);
 
-  /// The battery will be flat soon; the sink is told (IF-13).
+  /// The battery will be flat soon; the sink is notified (IF-13).
   [[nodiscard]] node_outputs on_battery_low(instant now);
 
   /// A network::frame_out has ended.
@@ -165,22 +149,13 @@ public:
   [[nodiscard]] node_outputs on_time(instant now); ///< harmless before deadline()
   [[nodiscard]] instant deadline() const;
 
-  /// How it looks for who knows the island's time.
-  [[nodiscard]] const network::time_search& search() const { return packets_.router().search(); }
+  /// Grows whenever programs have received or done something: while it does not, none of them has
+  /// anything new to report, nor another deadline.
+  [[nodiscard]] std::uint32_t program_turns() const { return layer_.turns(); }
 
-  /// Grows whenever programs have heard or done something: while it does not, none of them has
-  /// anything new to tell, nor another deadline.
-  [[nodiscard]] std::uint32_t program_turns() const { return program_turns_; }
-
-  [[nodiscard]] bool joined() const { return join_.current() == join_client::state::joined; }
-
-  /// PEIS ids by which the island is addressed, that of the island first (NFR-05); empty before the
-  /// first join.
-  [[nodiscard]] const std::vector<peer_id>& gateways() const { return gateways_; }
-  [[nodiscard]] std::uint32_t incarnation() const { return store_.starts; } ///< lives before this
-  [[nodiscard]] const communication::layer& above() const { return *layer_; }
+  [[nodiscard]] const island_member& member() const { return member_; }
+  [[nodiscard]] const communication::layer& above() const { return layer_.view(); }
   [[nodiscard]] const packet_service& packets() const { return packets_; }
-  [[nodiscard]] std::int16_t parent_dbm() const { return parent_dbm_; } ///< or signal_unknown
   [[nodiscard]] const node_counters& counters() const { return counters_; }
 
   /// Octets of protocol state on a mote with these tables (SMP-30).
@@ -193,22 +168,16 @@ private:
   void perform(communication::layer_output& x, node_outputs& out, instant now);
   void on_management(const management_in& x, node_outputs& out, instant now);
   void on_packet(const network::island_packet& x, instant now);
-  void route(transport::to_network& x, bool in_slot, node_outputs& out, instant now);
-  void connect(const communication::channel_wanted& x, node_outputs& out, instant now);
-  void carry_out(const communication::sample_wanted& x, instant now);
-  void carry_out(const communication::transducers_wanted& x, instant now);
-  void carry_out(const communication::actuator_wanted& x, node_outputs& out, instant now);
-  void tell_latency(network::channel_id channel);
   void ask_to_join(bytes description, node_outputs& out, instant now);
+
+  // The RUBICON clock, and the slot of its ticks.
   void tick(instant now);
-  bool heed_ticks(instant now);
-  [[nodiscard]] std::optional<instant> take_slot(duration passage, instant now);
-  [[nodiscard]] std::uint16_t units_wanted(instant now);
-  void on_grant(const slot_grant& x, instant now);
-  [[nodiscard]] std::optional<instant> next_notice(instant now);
-  void watch_slots(instant now);
-  void tell_slot(node_outputs& out, instant now);
+  bool follow_ticks(instant now);
+  void update_slot(instant now);
+  void send_slot_notice(node_outputs& out, instant now);
   void send_slotted(node_outputs& out, instant now);
+
+  // Packets of programs.
   void pace(communication::channel_packet x, node_outputs& out, instant now);
   [[nodiscard]] duration passage_of(const communication::channel_packet& x) const;
   [[nodiscard]] duration passage_of(const transport::to_network& x) const;
@@ -219,55 +188,35 @@ private:
   void send_paced(node_outputs& out, instant now);
   void send_on(stream::channel_handle channel, bytes octets, network::departure how,
                node_outputs& out, instant now);
-  void heed_waits(instant now);
+  void route(transport::to_network& x, bool in_slot, node_outputs& out, instant now);
+  void connect(const communication::channel_wanted& x, node_outputs& out, instant now);
+  void set_latency_bound(network::channel_id channel);
+  void update_slack(instant now);
+
+  // Devices.
+  void carry_out(const communication::sample_wanted& x, instant now);
+  void carry_out(const communication::transducers_wanted& x, instant now);
+  void carry_out(const communication::actuator_wanted& x, node_outputs& out, instant now);
+  [[nodiscard]] std::uint32_t time_ms(instant now) const;
+
   void settle(node_outputs& out, instant now);
-  communication::layer& use_layer();
-  [[nodiscard]] std::optional<instant> layer_deadline() const;
-  [[nodiscard]] bool layer_wants_ticks() const;
 
   std::shared_ptr<const node_config> config_;
   crystal crystal_;
-  position place_; ///< where it is now
+  nonvolatile store_; ///< as it was before this life
   random_stream rng_;
+  cached_layer layer_; ///< made before packets_: the order of random numbers
   packet_service packets_;
-  join_client join_;
-  mote_condition condition_;
-  std::int16_t parent_dbm_ = signal_unknown; ///< of its newest frame
-  nonvolatile store_;                        ///< as it was before this life
-  bool refused_ = false;                     ///< its radio is off whatever its duty cycle says,
-  bool radio_wanted_ = true;                 ///< which is this
-  bool wants_to_join_ = false;               ///< there is no route to the sink yet
-  std::optional<instant> joins_at_;
-  island_id island_;
-  std::vector<peer_id> gateways_;
-  network::slot_run slot_;          ///< as the sink has granted it
-  duration slot_left_{};            ///< at this tick, for packets that begin
-  instant slot_at_;                 ///< at this time
-  std::uint16_t units_told_ = 0;    ///< needed, as the sink is to know
-  std::optional<instant> tells_at_; ///< the sink how long a slot its vectors need
-  std::optional<instant> settles_;  ///< channels that are not open yet are not waited for
-  struct slotted {
-    instant due;
-    std::variant<communication::channel_packet, transport::to_network> what;
-  };
-  std::vector<slotted> slotted_; ///< further packets of vectors, for their part of the slot
-  std::optional<communication::layer>
-      layer_; ///< always there once constructed; programs point to it
-  /// Most frames do not concern the layer: what it last said is kept while nobody uses it.
-  bool layer_used_ = false;
-  std::uint32_t program_turns_ = 0; ///< how often it was used
-  bool layer_wants_ticks_ = false;
-  std::optional<instant> layer_deadline_;
+  island_member member_;
+  bool is_silenced_ = false; ///< its radio is off whatever its duty cycle says,
+  bool radio_wanted_ = true; ///< which is this
+  slot_client slot_;
   synaptic::rubicon_clock clock_;
   duty_cycle duty_;
-  struct paced {
-    instant due;                                       ///< the channel's turn
-    std::vector<std::pair<bytes, provenance>> packets; ///< few, the oldest first
-  };
-  small_map<stream::channel_handle, paced> paced_; ///< none without packets
-  duration slack_{};                               ///< as told to the layer
+  channel_pacer pacer_;
+  duration slack_{}; ///< as the layer has it
   small_map<network::channel_id, communication::channel_request> connecting_;
-  small_map<std::string, device::actuator> actuators_;
+  mote_devices devices_;
   node_counters counters_;
 };
 

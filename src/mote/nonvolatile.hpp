@@ -18,7 +18,7 @@ struct nonvolatile {
 };
 RUBICON_FIELDS(nonvolatile, starts, term, era);
 
-/// The store is to hold this from now on. Comes before all that needs it: what others are told of a
+/// The store is to hold this from now on. Comes before all that needs it: what others are sent of a
 /// life must be in the store already.
 struct store_nonvolatile {
   nonvolatile content;

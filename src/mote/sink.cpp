@@ -122,7 +122,7 @@ to_gateway sink::question(const network::sink_event& x, std::size_t line) const 
   return out;
 }
 
-/// The island's clock tells what the gateway says the time is (CLK-08).
+/// The island's clock shows the time that the gateway has sent (CLK-08).
 void sink::tell_time(instant now) {
   if (const auto time = time_.at(now))
     packets_.router().sync().set_network_time(*time, time_.drift().value_or(0), now);
@@ -191,7 +191,7 @@ sink_outputs sink::take(packet_service_outputs from_packets, instant now) {
 /// A packet says where it is to go, in which island; `own_island` is ours.
 sink_outputs sink::from_island(const packet_in& x, instant now) {
   const auto origin = x.origin.value_or(self_);
-  auto out = take(registrar_.on_heard(origin, now), now);
+  auto out = take(registrar_.on_received(origin, now), now);
   const auto& packet = x.packet;
   const bool is_local = packet.island == island_ || packet.island == own_island;
   if (!is_local || packet.mote == no_mote) {

@@ -48,7 +48,7 @@ struct streams_counters {
   std::uint64_t repeated = 0;      ///< records that arrived twice or late
   std::uint64_t missed = 0;        ///< times of sampling that on_time() came too late for
   std::uint64_t refused = 0;       ///< accepted channels given back: no room, or the name is taken
-  std::uint64_t expired = 0;       ///< accepted channels whose stream nobody opened
+  std::uint64_t expired = 0;       ///< accepted channels whose stream was not opened here
   std::uint64_t resent = 0;        ///< records of reliable streams
   std::uint64_t busy = 0;          ///< writes to them refused: nothing but waits for acks
   std::uint64_t throttled = 0;     ///< arrived records of them not taken: the queue is full
@@ -160,7 +160,7 @@ private:
     mote_address other{};        ///< the other end
     duration far_slack{};        ///< of its island
     std::uint16_t sequence = 0;  ///< of the next record
-    std::vector<bytes> recent{}; ///< the last ones that went out, while nobody acks
+    std::vector<bytes> recent{}; ///< the last ones that went out, without acks
     instant last_write{};
     instant gives_up{}; ///< asking, and connecting
     bool is_reliable = false;

@@ -46,7 +46,7 @@ struct channels_counters {
   std::uint64_t bad_reads = 0; ///< read_input() without a value
   std::uint64_t leaps = 0;     ///< ticks that did not follow the one before
   std::uint64_t refused = 0;   ///< accepted channels given back: no room, or another is there
-  std::uint64_t expired = 0;   ///< accepted channels that nobody has created here
+  std::uint64_t expired = 0;   ///< accepted channels that no program here has created
   std::uint64_t malformed = 0;
   std::uint64_t strays = 0; ///< well-formed, but nothing that its channel waits for
 };

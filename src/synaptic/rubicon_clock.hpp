@@ -26,7 +26,7 @@ public:
   [[nodiscard]] std::optional<tick> update(instant now, island_time shared,
                                            const tick_setting& setting);
 
-  /// Nobody needs ticks; the next update() begins anew. That is no leap.
+  /// Ticks are not needed; the next update() begins anew. That is no leap.
   void stop() { due_.reset(); }
 
   [[nodiscard]] std::optional<instant> deadline() const { return due_; }

@@ -31,7 +31,7 @@ struct to_network {
   mote_address destination;
   std::uint16_t channel = 0; ///< equals the AM type (WIR-01)
   bytes segment;
-  bool in_slot = false; ///< never of messenger's: nobody near sends now
+  bool in_slot = false; ///< never of messenger's: no node near sends now
   provenance from = {};
 };
 
@@ -77,7 +77,7 @@ struct messenger_counters {
   std::uint64_t reliable_acked = 0;
   std::uint64_t reliable_failed = 0;
   std::uint64_t unreliable_sent = 0;
-  std::uint64_t failed_unanswered = 0; ///< of those: nobody has acknowledged any attempt
+  std::uint64_t failed_unanswered = 0; ///< of those: no attempt was acknowledged
   std::uint64_t failed_refused = 0;    ///< the receiver was another incarnation by then
   std::uint64_t failed_no_program = 0; ///< no program of the receiver has their AM type
   std::uint64_t failed_left = 0;       ///< this node has left its island (fail_all)
@@ -89,8 +89,8 @@ struct messenger_counters {
   std::uint64_t duplicates = 0; ///< not passed up
   std::uint64_t throttled = 0;  ///< answered with busy
   std::uint64_t strangers =
-      0; ///< answered with refused: for another incarnation, or from nobody known
-  std::uint64_t no_program = 0; ///< answered so: reliable ones of AM types that nobody has here
+      0; ///< answered with refused: for another incarnation, or from an unknown source
+  std::uint64_t no_program = 0; ///< answered so: reliable ones of AM types without a program here
   std::uint64_t malformed = 0;
   std::uint64_t stray_answers = 0; ///< to nothing that is in flight
 };

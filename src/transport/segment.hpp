@@ -21,12 +21,12 @@ inline constexpr std::uint16_t counter_max = 0x0fff;
 /// network byte order.
 struct segment {
   enum class kind : std::uint8_t {
-    plain = 0,           ///< nobody waits for an answer; no incarnations
+    plain = 0,           ///< no answer is expected; no incarnations
     reliable = 1,        ///< for this incarnation of the receiver only
     acknowledgement = 2, ///< of the reliable one with this counter, or of a hello
     no_program = 3,      ///< not taken, and never will be: no program here has this AM type
     hello = 5,           ///< who are you? From here on I count from this counter
-    busy = 6,            ///< not taken: nobody has room for this AM type now; ask again
+    busy = 6,            ///< not taken: no room for this AM type now; ask again
     refused = 7,         ///< not taken: I am another incarnation, or do not know you
   };
 

@@ -27,7 +27,7 @@ struct tunnel_message {
   enum class kind : std::uint8_t {
     connect = 1, ///< from the opener, which does not know the acceptor's life
     accept = 2,  ///< from the acceptor
-    refuse = 3,  ///< from the acceptor: wanted by nobody, or no room
+    refuse = 3,  ///< from the acceptor: not wanted, or no room
     data = 4,
     keep_alive = 5,
     close = 6, ///< the sender knows no such tunnel, or no longer
@@ -54,7 +54,7 @@ inline constexpr std::size_t tunnel_content_max = 256 + 6 - tunnel_header_size;
 [[nodiscard]] bytes encode(const tunnel_message& x);
 
 /// Errors: truncated, too_long (content above tunnel_content_max), unsupported (unknown kind),
-/// bad_value (a kind from the wrong end, a life that cannot be, a sender that is nobody, content
+/// bad_value (a kind from the wrong end, a life that cannot be, a sender that is no node, content
 /// where there is none).
 [[nodiscard]] result<tunnel_message> decode_tunnel_message(byte_view octets);
 

@@ -28,7 +28,7 @@ using tunnel_id = strong_id<tunnel_tag, std::uint32_t>;
 /// Why a tunnel is not, or no longer, there.
 enum class tunnel_end : std::uint8_t {
   refused,     ///< the other end does not want it or has no room; or there is no room here
-  unreachable, ///< nobody has answered
+  unreachable, ///< no answer came
   closed,      ///< by the other end, or it has been started again
   silent,      ///< nothing has been received from the other end for too long
 };

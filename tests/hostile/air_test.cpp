@@ -93,7 +93,7 @@ std::string looks(island& x) {
   for (int i = 2; i <= motes; ++i) {
     const auto& node = x.world.at(id(i));
     const auto& router = node.packets().router();
-    text << i << ": joined " << node.joined() << ", root " << router.tree().root().value
+    text << i << ": joined " << node.member().joined() << ", root " << router.tree().root().value
          << ", parent " << router.tree().parent().value << ", hops " << int(router.tree().hops())
          << ", cost " << router.tree().cost() << ", clock " << router.clock().synchronised();
     for (const auto& each : router.links().all())

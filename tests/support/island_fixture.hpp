@@ -88,7 +88,7 @@ public:
   /// Those that have joined.
   [[nodiscard]] int joined() const {
     return static_cast<int>(std::ranges::count_if(
-        places_, [](const auto& x) { return x.second.node && x.second.node->joined(); }));
+        places_, [](const auto& x) { return x.second.node && x.second.node->member().joined(); }));
   }
 
   /// A program on a mote sends. @returns whether it was accepted

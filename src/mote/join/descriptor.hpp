@@ -12,19 +12,19 @@
 namespace rubicon::mote {
 
 /// Fields: tag 1, uint32 type; tag 2, uint32 transducer mask; tag 3, uint32 actuator mask; tag 4,
-/// uint32 keep-alive period in ms; tag 5, uint32 device, if told. One octet tag, one octet length,
+/// uint32 keep-alive period in ms; tag 5, uint32 device, if known. One octet tag, one octet length,
 /// value in network byte order.
 struct descriptor {
   std::uint32_t type = 0;            ///< signature of the mote's proxy class (PXY-13)
   std::uint32_t transducer_mask = 0; ///< bit n: device::quantity n
   std::uint32_t actuator_mask = 0;   ///< bit n: device::actuator_kind n
-  std::uint32_t keep_alive_ms = 0;   ///< the mote is heard about this often; 0: not promised
-  std::uint32_t device = 0; ///< the low bits of the serial number of its hardware; 0: not told
+  std::uint32_t keep_alive_ms = 0;   ///< the mote sends about this often; 0: not promised
+  std::uint32_t device = 0; ///< the low bits of the serial number of its hardware; 0: unknown
 
   friend bool operator==(const descriptor&, const descriptor&) = default;
 };
 
-inline constexpr std::size_t device_field_size = 6; ///< which comes last, if it is told
+inline constexpr std::size_t device_field_size = 6; ///< which comes last, if it is known
 
 [[nodiscard]] bytes encode(const descriptor& x);
 

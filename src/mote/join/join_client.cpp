@@ -23,10 +23,10 @@ join_outputs join_client::start(unsigned hops, instant now) {
 }
 
 join_outputs join_client::leave() {
-  const bool told = state_ == state::joined;
+  const bool was_joined = state_ == state::joined;
   state_ = state::off;
   deadline_.reset();
-  if (!told)
+  if (!was_joined)
     return {};
   return {to_registrar{leave_notice{}}};
 }
@@ -86,7 +86,7 @@ join_outputs join_client::on_time(instant now) {
   return request(now);
 }
 
-join_outputs join_client::tell(const mote_condition& x, instant now) {
+join_outputs join_client::report(const mote_condition& x, instant now) {
   if (x == std::exchange(condition_, x) || state_ != state::joined)
     return {};
   deadline_ = next_keep_alive(now);

@@ -74,10 +74,10 @@ public:
 
   /// @param hops of the route to the sink
   [[nodiscard]] join_outputs start(unsigned hops, instant now);
-  [[nodiscard]] join_outputs leave(); ///< tells the sink, then off
+  [[nodiscard]] join_outputs leave(); ///< notifies the sink, then off
 
   /// A component management message from `source`.
-  /// @param root of the tree: its prompts count too, lest a false reply make a mote deaf to them
+  /// @param root of the tree: its prompts count too, or a false reply would make a mote ignore them
   [[nodiscard]] join_outputs on_message(mote_id source, const management& message, instant now,
                                         mote_id root = no_mote);
 
@@ -86,7 +86,7 @@ public:
   void set_turn_wait(duration x) { turn_wait_ = x; }
 
   /// What the mote's sink is to know in case it falls silent.
-  [[nodiscard]] join_outputs tell(const mote_condition& x, instant now);
+  [[nodiscard]] join_outputs report(const mote_condition& x, instant now);
 
   void on_sent(instant now); ///< the mote has sent its sink something: no keep-alive needed yet
 

@@ -52,7 +52,7 @@ struct leave_notice {
 /// What may be why a mote falls silent (IF-13).
 struct mote_condition {
   bool battery_low = false;
-  bool links_weak = false; ///< its parent's frames come with little more power than it can hear
+  bool links_weak = false; ///< its parent's frames come with little more power than it can receive
 
   friend bool operator==(const mote_condition&, const mote_condition&) = default;
 };
@@ -61,7 +61,7 @@ struct mote_condition {
 struct keep_alive {
   std::uint32_t incarnation = 0;
   mote_condition condition;
-  std::uint32_t device = 0; ///< as in descriptor; 0: not told
+  std::uint32_t device = 0; ///< as in descriptor; 0: unknown
 
   friend bool operator==(const keep_alive&, const keep_alive&) = default;
 };

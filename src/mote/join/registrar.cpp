@@ -70,7 +70,7 @@ registrar_outputs registrar::on_frame(mote_id source, byte_view payload, instant
   if (const auto* notice = std::get_if<slot_notice>(&*message))
     return on_slot_notice(source, *notice, now);
   if (std::holds_alternative<keep_alive>(*message))
-    return on_heard(source, now);
+    return on_received(source, now);
   return {}; // a reply or a prompt of another sink within earshot
 }
 
@@ -83,7 +83,7 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
   }
   const auto found = members_.find(source);
   registrar_outputs out;
-  if (found != members_.end() && found->second.heard + found->second.window > now) {
+  if (found != members_.end() && found->second.last_received + found->second.window > now) {
     if (differ(found->second.device, description->device)) {
       out = on_double(source, description->device);
       out.emplace_back(to_mote{source, join_refusal{x.sequence}});
@@ -113,7 +113,7 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
   entry.window =
       std::max<duration>(config_.keep_alive_window,
                          keep_alives_max * std::chrono::milliseconds(description->keep_alive_ms));
-  entry.heard = now;
+  entry.last_received = now;
   entry.replies = 1;
   entry.confirm_wait = config_.confirm_wait * static_cast<int>(std::max<std::size_t>(hops, 1));
   entry.reply_due = now + entry.confirm_wait;
@@ -129,19 +129,19 @@ registrar_outputs registrar::on_request(mote_id source, const join_request& x, i
 
 registrar_outputs registrar::on_double(mote_id source, std::uint32_t device) {
   ++counters_.doubles;
-  if (!doubles_told_.contains(source) && doubles_told_.size() >= config_.members_max)
+  if (!doubles_reported_.contains(source) && doubles_reported_.size() >= config_.members_max)
     return {};
-  if (std::exchange(doubles_told_[source], device) == device)
+  if (std::exchange(doubles_reported_[source], device) == device)
     return {};
   return {double_refused{source, device}};
 }
 
 /// A full list loses whoever has been silent longest, if for longer than a mote may be by default;
-/// should it live, it is asked to join when it is heard again.
+/// should it live, it is asked to join when it sends again.
 bool registrar::make_room(registrar_outputs& out, instant now) {
   const auto silent =
-      std::ranges::min_element(members_, {}, [](const auto& x) { return x.second.heard; });
-  if (silent == members_.end() || silent->second.heard + config_.keep_alive_window > now)
+      std::ranges::min_element(members_, {}, [](const auto& x) { return x.second.last_received; });
+  if (silent == members_.end() || silent->second.last_received + config_.keep_alive_window > now)
     return false;
   if (silent->second.announced)
     out.emplace_back(network::mote_left{silent->first, cause_of_silence(silent->second)});
@@ -163,9 +163,9 @@ registrar_outputs registrar::prompt(mote_id mote, instant now) {
 registrar_outputs registrar::on_confirm(mote_id source, const join_confirm& x, instant now) {
   const auto found = members_.find(source);
   if (found == members_.end() || found->second.incarnation != x.incarnation)
-    return on_heard(source, now);
+    return on_received(source, now);
   auto& entry = found->second;
-  entry.heard = now;
+  entry.last_received = now;
   wake_at(now + entry.window);
   return announce(source, entry);
 }
@@ -178,19 +178,19 @@ registrar_outputs registrar::announce(mote_id mote, member& entry) {
   return {event_of(mote, entry)};
 }
 
-registrar_outputs registrar::on_heard(mote_id source, instant now) {
+registrar_outputs registrar::on_received(mote_id source, instant now) {
   const auto found = members_.find(source);
   if (found == members_.end())
     return prompt(source, now);
   auto& entry = found->second;
-  entry.heard = now;
+  entry.last_received = now;
   return announce(source,
                   entry); // its confirm may be lost, but only a mote with our reply sends this
 }
 
-/// Who has moved aside for it is told, too.
+/// Who has moved aside for it is notified, too.
 registrar_outputs registrar::on_slot_notice(mote_id source, const slot_notice& x, instant now) {
-  auto out = on_heard(source, now);
+  auto out = on_received(source, now);
   if (!members_.contains(source))
     return out;
   for (const auto mote : slots_.on_notice(source, x.units, x.slot, now))
@@ -227,7 +227,7 @@ registrar_outputs registrar::expire(instant now) {
   next_expiry_.reset();
   for (auto x = members_.begin(); x != members_.end();) {
     auto& [mote, entry] = *x;
-    if (entry.confirmed && entry.heard + entry.window <= now) {
+    if (entry.confirmed && entry.last_received + entry.window <= now) {
       out.emplace_back(network::mote_left{mote, cause_of_silence(entry)});
       x = members_.erase(x);
       continue;
@@ -243,7 +243,7 @@ registrar_outputs registrar::expire(instant now) {
       entry.reply_due = now + entry.confirm_wait;
       out.emplace_back(reply_to(mote, entry, now));
     }
-    wake_at(entry.confirmed ? entry.heard + entry.window : entry.reply_due);
+    wake_at(entry.confirmed ? entry.last_received + entry.window : entry.reply_due);
     ++x;
   }
   return out;

@@ -24,7 +24,7 @@ struct to_mote {
   management message;
 };
 
-/// A second mote with the id of a member wants to join, and is refused (ADR-04). Told once of each.
+/// A second mote with the id of a member wants to join, and is refused (ADR-04). Once for each.
 struct double_refused {
   mote_id mote;
   std::uint32_t device = 0; ///< of the second one
@@ -35,7 +35,7 @@ using registrar_outputs = std::vector<registrar_output>;
 
 struct registrar_config {
   island_id island;
-  std::vector<island_id> aliases = {}; ///< at most aliases_max; motes are told at their join
+  std::vector<island_id> aliases = {}; ///< at most aliases_max; motes receive them at their join
   duration keep_alive_window = 10s;    ///< a mote silent for longer has left
   duration confirm_wait = 500ms;       ///< for each hop of the route: the reply is repeated until
   unsigned replies_max = 5;            ///< confirmed, this often; then the mote is none we know
@@ -56,15 +56,15 @@ struct registrar_counters {
 };
 RUBICON_FIELDS(registrar_counters, malformed, refused, doubles, outdated);
 
-/// A mote that is silent for so many of the times at which it is heard has left.
+/// A mote that is silent for so many of its keep-alive periods has left.
 inline constexpr int keep_alives_max = 3;
 
-/// A member's device is told apart from others by its serial number, where motes tell theirs: who
-/// has its id and another number is a second mote, and is refused as long as the member is heard;
+/// A member's device is distinguished from others by its serial number, where motes send theirs:
+/// who has its id and another number is a second mote, and is refused as long as the member sends;
 /// who has its number is itself, in a later life if that is higher.
 ///
-/// Keeps the list of members, tells the gateway of each change, and repeats the whole list now and
-/// then, because the serial line may lose an event.
+/// Keeps the list of members, notifies the gateway of each change, and repeats the whole list now
+/// and then, because the serial line may lose an event.
 class registrar {
 public:
   registrar() = default;
@@ -78,9 +78,9 @@ public:
                                            std::size_t hops = 1);
 
   /// Any other frame from `source`: it lives; an unknown mote is asked to join.
-  [[nodiscard]] registrar_outputs on_heard(mote_id source, instant now);
+  [[nodiscard]] registrar_outputs on_received(mote_id source, instant now);
 
-  /// The gateway wants to be told about this mote again.
+  /// The gateway requests the description of this mote again.
   [[nodiscard]] registrar_outputs on_describe(mote_id mote, instant now);
 
   [[nodiscard]] registrar_outputs on_time(instant now); ///< harmless before deadline()
@@ -101,11 +101,11 @@ private:
     std::uint16_t sequence = 0;
     std::uint32_t incarnation = 0;
     std::uint32_t type = 0;
-    std::uint32_t device = 0; ///< 0: not told
+    std::uint32_t device = 0; ///< 0: unknown
     bytes descriptor;
     duration window{};
-    mote_condition condition; ///< as it has told last
-    instant heard;
+    mote_condition condition; ///< as last reported
+    instant last_received;
     unsigned replies = 0;
     instant reply_due;
     duration confirm_wait{};
@@ -129,8 +129,8 @@ private:
 
   registrar_config config_;
   std::map<mote_id, member> members_;
-  std::map<mote_id, std::uint32_t> doubles_told_; ///< devices, of which the last is remembered
-  std::map<mote_id, instant> prompted_;           ///< when an unknown mote was last asked to join
+  std::map<mote_id, std::uint32_t> doubles_reported_; ///< devices, of which the last is remembered
+  std::map<mote_id, instant> prompted_; ///< when an unknown mote was last asked to join
   std::uint16_t roster_number_ = 0;
   std::deque<network::roster> roster_pages_; ///< that are still to be sent
   instant roster_began_;

@@ -31,7 +31,7 @@ std::vector<mote_id> slot_table::on_notice(mote_id mote, std::uint16_t units, ne
   return changed;
 }
 
-/// The lowest units in a row that nobody has.
+/// The lowest units in a row that are free.
 std::optional<std::uint16_t> slot_table::gap(std::uint16_t units) const {
   std::vector<network::slot_run> taken;
   for (const auto& [mote, x] : slots_)

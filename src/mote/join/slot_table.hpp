@@ -32,7 +32,7 @@ public:
   void set_room(std::size_t units) { room_ = units; }
 
   /// A mote needs so many units, 0: none, and holds `has` for its slot.
-  /// @returns motes that are to be told their slot_of(), ascending
+  /// @returns motes that are to be sent their slot_of(), ascending
   [[nodiscard]] std::vector<mote_id> on_notice(mote_id mote, std::uint16_t units,
                                                network::slot_run has, instant now);
   void forget(mote_id mote) { slots_.erase(mote); }

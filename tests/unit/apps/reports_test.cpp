@@ -105,7 +105,7 @@ private:
     if (const auto* wanted = std::get_if<communication::transducers_wanted>(&x)) {
       readings.push_back(now);
       kinds = wanted->kinds;
-      core.on_transducers(wanted->process, counts, time_ms, now);
+      core.devices().on_transducers(wanted->process, counts, time_ms, now);
     } else if (const auto* move = std::get_if<communication::actuator_wanted>(&x)) {
       moves.push_back(*move);
     } else if (const auto* packet = std::get_if<transport::to_network>(&x)) {

@@ -362,7 +362,7 @@ TEST_CASE("commands return at once, and events that a program does not handle do
   deaf program;
   auto api = x.core.attach(program);
   join(x);
-  x.core.on_tick(1, x.now);
+  x.core.vectors().on_tick(1, x.now);
   CHECK(api.provide(user_am_type) == SUCCESS);
   CHECK(api.send(255, 65534, bytes{1}, true, user_am_type) == SUCCESS);
   CHECK(x.core.messages().counters().received == 0); // the command has only begun it

@@ -203,10 +203,10 @@ private:
       });
     if (what == 19 && channels_ > 0) {
       const stream::channel_handle gone{1 + static_cast<std::uint32_t>(rng_.below(channels_))};
-      return input([gone](auto& x, instant now) { x.on_channel_closed(gone, now); });
+      return input([gone](auto& x, instant now) { x.channels().on_closed(gone, now); });
     }
     if (what == 20)
-      input([this](auto& x, instant now) { x.on_tick(tick_, now); });
+      input([this](auto& x, instant now) { x.vectors().on_tick(tick_, now); });
     if (what == 21)
       ask_for_outputs();
     tick_ += what == 20 ? 1 : 0;
@@ -240,17 +240,20 @@ private:
     if (const auto* channel = std::get_if<communication::channel_wanted>(&x)) {
       const auto who = channel->request;
       if (rng_.chance(0.3))
-        return input([who](auto& y, instant now) { y.on_connect_failed(who, now); });
+        return input([who](auto& y, instant now) { y.channels().on_connect_failed(who, now); });
       const stream::channel_handle handle{++channels_};
-      input([=](auto& y, instant now) { y.on_connected(who, handle, now); });
+      input([=](auto& y, instant now) { y.channels().on_connected(who, handle, now); });
     } else if (const auto* wanted = std::get_if<communication::sample_wanted>(&x)) {
-      input([=](auto& y, instant now) { y.on_sample(wanted->stream, {self, 1, 2}, now); });
+      input([=](auto& y, instant now) {
+        y.devices().on_sample(wanted->stream, {self, 1, 2}, now);
+      });
     } else if (const auto* packet = std::get_if<communication::channel_packet>(&x)) {
       const auto name = stream::decode_message(packet->octets);
       const auto* open = name ? std::get_if<stream::open_message>(&*name) : nullptr;
       if (open != nullptr && rng_.chance(0.7))
         input([&](auto& y, instant now) {
-          y.on_channel_octets(packet->channel, encode(stream::open_ack_message{open->name}), now);
+          y.channels().on_octets(packet->channel, encode(stream::open_ack_message{open->name}),
+                                 now);
         });
     }
   }
@@ -347,8 +350,8 @@ TEST_CASE("what is closed while its answer is on its way has failed, once",
   CHECK(program.outs == std::vector{std::pair(1, false)});
   CHECK(program.ins == std::vector{std::pair(2, true)});
   CHECK(program.failed == std::vector{2}); // its out end is no more
-  CHECK(x.here.core.streams().open_streams() == 0);
-  CHECK(x.here.core.synaptic().open_channels() == 1);
+  CHECK(x.here.core.ports().streams.core().open_streams() == 0);
+  CHECK(x.here.core.ports().synaptic.core().open_channels() == 1);
 }
 
 TEST_CASE("a write that the node refuses is told as the end of the stream",
@@ -429,7 +432,7 @@ TEST_CASE("a program that takes no events gets no reliable messages and loses ti
   port.on_commands(*process.flush());
   static_cast<void>(here.core.take_outputs());
   for (std::uint32_t tick = 1; tick <= 20; ++tick)
-    here.core.on_tick(tick, here.now);
+    here.core.vectors().on_tick(tick, here.now);
   const auto batch = port.take_events();
   REQUIRE(batch);
   CHECK(batch->all.size() == 10); // the join included
@@ -477,11 +480,11 @@ TEST_CASE("of a program that is gone nothing stays at its node",
   x.api(0).hold(user_am_type);
   CHECK(x.api(0).send(3, 8, bytes{1}, true, user_am_type) == SUCCESS);
   x.settle();
-  CHECK(x.here.core.streams().open_streams() == 2);
+  CHECK(x.here.core.ports().streams.core().open_streams() == 2);
   x.sides[0]->port.leave();
   x.sides.erase(x.sides.begin());
-  CHECK(x.here.core.streams().open_streams() == 0);
-  CHECK(x.here.core.synaptic().open_channels() == 0);
+  CHECK(x.here.core.ports().streams.core().open_streams() == 0);
+  CHECK(x.here.core.ports().synaptic.core().open_channels() == 0);
   x.here.core.on_left(x.here.now);
   x.here.core.on_joined(self.island, x.here.now);
   x.settle();
@@ -500,12 +503,12 @@ TEST_CASE("of a program that is gone nothing stays at its node",
   CHECK(next.layer->open_local() == 1);
   next.layer->leave();
   x.settle();
-  CHECK(x.here.core.streams().open_streams() == 0);
+  CHECK(x.here.core.ports().streams.core().open_streams() == 0);
 
   program last; // takes its place, which is not closed a second time
   x.sides.push_back(std::make_unique<remote_program>(x.here, last));
   CHECK(x.sides.back()->layer.open_local() == 1);
   x.settle();
   x.sides[x.sides.size() - 2]->port.leave();
-  CHECK(x.here.core.streams().open_streams() == 1);
+  CHECK(x.here.core.ports().streams.core().open_streams() == 1);
 }

@@ -86,7 +86,7 @@ TEST_CASE("records come in order over a stream opened in either order, in all pl
     CHECK(s.reader.readings[i].record == bytes(i % 12U + 1, i));
   }
   CHECK(s.write(bytes(17)) == -1); // the default buffer size is 16
-  const auto& counters = s.world.layer_of(s.x.to).streams().counters();
+  const auto& counters = s.world.layer_of(s.x.to).ports().streams.core().counters();
   CHECK(counters.stored == 20);
   CHECK(counters.lost == 0);
   CHECK(counters.repeated == 0);
@@ -154,8 +154,8 @@ TEST_CASE("the reader hears that the writer has closed, in all placements",
   CHECK(s.world.act(s.x.to, read) == communication::FAIL);
   CHECK(s.world.act(s.x.to, [&] { return s.reader.layer->close(s.drain()); }) ==
         communication::SUCCESS);
-  CHECK(s.world.layer_of(s.x.from).streams().open_streams() == 0);
-  CHECK(s.world.layer_of(s.x.to).streams().open_streams() == 0);
+  CHECK(s.world.layer_of(s.x.from).ports().streams.core().open_streams() == 0);
+  CHECK(s.world.layer_of(s.x.to).ports().streams.core().open_streams() == 0);
 }
 
 TEST_CASE("the writer hears that the reader has closed, in all placements",
@@ -171,7 +171,7 @@ TEST_CASE("the writer hears that the reader has closed, in all placements",
   CHECK_FALSE(s.reader.readings[0].success);
   s.world.run_for(3s);
   CHECK(s.write(bytes{1}) == -1);
-  CHECK(s.world.layer_of(s.x.to).streams().open_streams() == 0);
+  CHECK(s.world.layer_of(s.x.to).ports().streams.core().open_streams() == 0);
 }
 
 TEST_CASE("opening towards nobody fails after the timeout and leaves nothing, in all placements",
@@ -187,8 +187,8 @@ TEST_CASE("opening towards nobody fails after the timeout and leaves nothing, in
   CHECK_FALSE(s.writer.openings[0].success);
   s.world.run_for(10s);
   CHECK(s.writer.openings.size() == 1);
-  CHECK(s.world.layer_of(s.x.from).streams().open_streams() == 0);
-  CHECK(s.world.layer_of(s.x.from).tunnels().size() == 0);
+  CHECK(s.world.layer_of(s.x.from).ports().streams.core().open_streams() == 0);
+  CHECK(s.world.layer_of(s.x.from).ports().channels.tunnels().size() == 0);
 }
 
 TEST_CASE("a reader that nobody writes to gives up, as does a writer that is closed, in all "
@@ -205,13 +205,13 @@ TEST_CASE("a reader that nobody writes to gives up, as does a writer that is clo
   const auto& layer = s.world.layer_of(s.x.to);
   REQUIRE(s.reader.openings.size() == 1);
   if (s.reader.openings[0].success) { // the write end got as far as that
-    REQUIRE(layer.streams().open_streams() == 1);
+    REQUIRE(layer.ports().streams.core().open_streams() == 1);
     CHECK(s.world.act(s.x.to, [&] { return s.reader.layer->close(s.drain()); }) ==
           communication::SUCCESS);
   }
-  CHECK(layer.streams().open_streams() == 0);
-  CHECK(layer.streams().early_channels() == 0);
-  CHECK(layer.tunnels().size() == 0);
+  CHECK(layer.ports().streams.core().open_streams() == 0);
+  CHECK(layer.ports().streams.core().early_channels() == 0);
+  CHECK(layer.ports().channels.tunnels().size() == 0);
 }
 
 TEST_CASE("over lossy ways records come in order and once, and those lost are counted, in all "
@@ -231,7 +231,7 @@ TEST_CASE("over lossy ways records come in order and once, and those lost are co
     s.world.run_for(500ms);
   }
   s.world.run_for(5s);
-  const auto& counters = s.world.layer_of(s.x.to).streams().counters();
+  const auto& counters = s.world.layer_of(s.x.to).ports().streams.core().counters();
   std::vector<std::uint8_t> records;
   for (const auto& each : s.reader.readings) {
     REQUIRE(each.success);

@@ -102,7 +102,7 @@ TEST_CASE("a remote stream is not opened towards nowhere or twice",
   CHECK(channel.interval == 500ms);
   CHECK(x.api().open_remote(3, 8, 1, 500, 0) == FAIL);
   CHECK(x.api().open_remote(3, 8, 2, 500, 0) == SUCCESS);
-  x.core.on_connect_failed(channel.request, x.now);
+  x.core.channels().on_connect_failed(channel.request, x.now);
   static_cast<void>(x.core.take_outputs());
   REQUIRE(x.program.openings.size() == 1);
   CHECK(x.program.openings[0].name == 1);
@@ -114,13 +114,13 @@ TEST_CASE("accepted channels that carry nothing are bounded", "[communication][S
   lone_layer x;
   join(x);
   for (std::uint32_t i = 1; i <= 6; ++i)
-    x.core.on_accepted(stream::channel_handle(i), {island_id{3}, mote_id{8}}, x.now);
+    x.core.channels().on_accepted(stream::channel_handle(i), {island_id{3}, mote_id{8}}, x.now);
   const auto given_up = x.core.take_outputs();
   REQUIRE(given_up.size() == 2);
   CHECK(std::get<communication::channel_unwanted>(given_up[0]).channel ==
         stream::channel_handle(1));
   CHECK(x.core.counters().unclaimed == 2);
-  x.core.on_channel_octets(stream::channel_handle(1), bytes{1, 2}, x.now); // late
+  x.core.channels().on_octets(stream::channel_handle(1), bytes{1, 2}, x.now); // late
   CHECK(x.core.take_outputs().empty());
 }
 
@@ -187,8 +187,8 @@ TEST_CASE("records taken before the join leave with the island that the mote has
     core.on_time(at);
     const auto wanted = core.take_outputs();
     REQUIRE(count<communication::sample_wanted>(wanted) == 1);
-    core.on_sample(std::get<communication::sample_wanted>(wanted[0]).stream,
-                   {{island, mote_id{7}}, 1000, value}, at);
+    core.devices().on_sample(std::get<communication::sample_wanted>(wanted[0]).stream,
+                             {{island, mote_id{7}}, 1000, value}, at);
   };
   const auto read = [&](std::size_t octets) {
     REQUIRE(api.read(stream, octets) == SUCCESS);
@@ -395,8 +395,8 @@ TEST_CASE("a latency that the way cannot promise is not granted",
   REQUIRE(count<communication::channel_wanted>(wanted) == 1);
   const auto request = std::get<communication::channel_wanted>(wanted[0]).request;
   const stream::channel_handle channel(5);
-  x.core.set_latency_bound(channel, 4s); // class 6 is 3.2 s, class 7 is 6.4 s
-  x.core.on_connected(request, channel, x.now);
+  x.core.channels().set_latency_bound(channel, 4s); // class 6 is 3.2 s, class 7 is 6.4 s
+  x.core.channels().on_connected(request, channel, x.now);
   const auto next = x.core.take_outputs();
   CHECK(count<communication::channel_unwanted>(next) == (granted ? 0 : 1));
   CHECK(count<communication::channel_packet>(next) == (granted ? 1 : 0)); // it goes on

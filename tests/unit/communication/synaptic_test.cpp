@@ -88,7 +88,7 @@ TEST_CASE("a vector comes at every tick over a channel created in either order, 
   s.world.run_until([&, n = s.source.ticks.size()] { return s.source.ticks.size() > n; }, 1s);
   const auto first = s.source.ticks.back().first + 1;
   CHECK(s.out_end(start) == communication::SUCCESS);
-  const auto& counters = s.world.layer_of(s.x.from).synaptic().counters();
+  const auto& counters = s.world.layer_of(s.x.from).ports().synaptic.core().counters();
   s.world.run_until([&] { return counters.sent == 20; }, 12s);
   CHECK(s.out_end(stop) == communication::SUCCESS);
   CHECK(s.out_end(stop) == communication::FAIL);
@@ -141,8 +141,8 @@ TEST_CASE("the in end hears that the out end is disposed of, which may be create
   CHECK(std::isnan(s.sink.layer->read_input(s.in(), 0)));
   CHECK(s.world.act(s.x.to, [&] { return s.sink.layer->dispose_syn_channel(s.in()); }) ==
         communication::SUCCESS);
-  CHECK(s.world.layer_of(s.x.from).synaptic().open_channels() == 0);
-  CHECK(s.world.layer_of(s.x.to).synaptic().open_channels() == 0);
+  CHECK(s.world.layer_of(s.x.from).ports().synaptic.core().open_channels() == 0);
+  CHECK(s.world.layer_of(s.x.to).ports().synaptic.core().open_channels() == 0);
   s.source.outs.clear();
   s.sink.ins.clear();
   s.create_both(false);
@@ -160,8 +160,8 @@ TEST_CASE("sizes that differ fail both ends, in all placements", "[communication
   REQUIRE(s.sink.ins.size() == 1);
   CHECK_FALSE(s.source.outs[0].second);
   CHECK_FALSE(s.sink.ins[0].second);
-  CHECK(s.world.layer_of(s.x.from).synaptic().open_channels() == 0);
-  CHECK(s.world.layer_of(s.x.to).synaptic().open_channels() == 0);
+  CHECK(s.world.layer_of(s.x.from).ports().synaptic.core().open_channels() == 0);
+  CHECK(s.world.layer_of(s.x.to).ports().synaptic.core().open_channels() == 0);
 }
 
 TEST_CASE("the death of the out end is told as missed vectors and then as failure, in all "
@@ -182,7 +182,7 @@ TEST_CASE("the death of the out end is told as missed vectors and then as failur
   s.world.run_for(1min);
   CHECK(s.sink.missed == 20 * size); // no more
   CHECK(s.sink.failed.size() == 1);
-  CHECK(s.world.layer_of(s.x.to).tunnels().size() == 0);
+  CHECK(s.world.layer_of(s.x.to).ports().channels.tunnels().size() == 0);
 }
 
 TEST_CASE("the out end hears that the in end has died, in all placements",
@@ -199,6 +199,6 @@ TEST_CASE("the out end hears that the in end has died, in all placements",
   CHECK(s.source.failed == std::vector{s.out()});
   CHECK(s.out_end(start) == communication::FAIL);
   CHECK(s.out_end(dispose) == communication::SUCCESS);
-  CHECK(s.world.layer_of(s.x.from).synaptic().open_channels() == 0);
-  CHECK(s.world.layer_of(s.x.from).tunnels().size() == 0);
+  CHECK(s.world.layer_of(s.x.from).ports().synaptic.core().open_channels() == 0);
+  CHECK(s.world.layer_of(s.x.from).ports().channels.tunnels().size() == 0);
 }

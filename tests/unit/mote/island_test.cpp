@@ -57,10 +57,10 @@ TEST_CASE("motes join over three hops", "[mote][network][NET-11][DIS-08]") {
 TEST_CASE("a mote that has joined knows all ids of its island's gateways",
           "[mote][NFR-05][GW-14]") {
   island_fixture x({.width = 3, .aliases = {island_id{21}, island_id{22}}});
-  CHECK(x.at(id(3)).gateways().empty());
+  CHECK(x.at(id(3)).member().gateways().empty());
   REQUIRE(x.run_until([&x] { return x.root().members() == 2; }, 1min));
   x.run_for(1s);
-  CHECK(x.at(id(3)).gateways() == std::vector{peer_id{1}, peer_id{21}, peer_id{22}});
+  CHECK(x.at(id(3)).member().gateways() == std::vector{peer_id{1}, peer_id{21}, peer_id{22}});
 }
 
 TEST_CASE("a mote that has joined knows its island, its sink and the way to its gateway",
@@ -74,7 +74,7 @@ TEST_CASE("a mote that has joined knows its island, its sink and the way to its 
   const auto self = program.layer->address();
   REQUIRE(self);
   CHECK(*self == mote_address{island_id{1}, id(3)});
-  CHECK(x.at(id(3)).gateways() == std::vector{peer_id{1}});
+  CHECK(x.at(id(3)).member().gateways() == std::vector{peer_id{1}});
   const auto& tree = x.at(id(3)).packets().router().tree();
   CHECK(tree.root() == id(1));
   CHECK(tree.parent() == id(2));

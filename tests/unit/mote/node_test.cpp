@@ -102,7 +102,7 @@ TEST_CASE("a mote without a way to a sink goes on looking for one and asks nobod
     }
   }
   CHECK(beacons > 30);
-  CHECK_FALSE(x.joined());
+  CHECK_FALSE(x.member().joined());
 }
 
 TEST_CASE("a mote joins the island whose sink it hears and tells so", "[mote][DIS-08][MCK-14]") {
@@ -186,8 +186,8 @@ TEST_CASE("a mote reads only the transducers and moves only the actuators it has
   auto x = lonely();
   CHECK(x.read(quantity::light, {}) == std::int16_t{100});
   CHECK_FALSE(x.read(quantity::sound, {}).has_value());
-  CHECK(x.actuator_state("lamp", {}) == std::uint8_t{9});
-  CHECK_FALSE(x.actuator_state("door", {}).has_value());
+  CHECK(x.devices().state("lamp", {}) == std::uint8_t{9});
+  CHECK_FALSE(x.devices().state("door", {}).has_value());
 
   carried_by_mote program;
   auto commands = x.attach(program);
@@ -235,12 +235,12 @@ TEST_CASE("a leaving mote says goodbye and fails what it was waiting for", "[mot
   x.perform(self, x.at(self).leave(x.own_time(self)));
   REQUIRE(x.outcomes.size() == 1);
   CHECK(x.outcomes[0] == std::pair(self, false));
-  CHECK_FALSE(x.at(self).joined());
+  CHECK_FALSE(x.at(self).member().joined());
   x.run_for(1min);
   REQUIRE(!x.up.empty());
   CHECK(*network::decode_sink_event(x.up[0].payload) ==
         network::sink_event(network::mote_left{self, network::leave_cause::notice}));
-  CHECK_FALSE(x.at(self).joined()); // and it stays away
+  CHECK_FALSE(x.at(self).member().joined()); // and it stays away
   CHECK(x.outcomes.size() == 1);
 }
 

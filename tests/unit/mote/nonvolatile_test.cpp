@@ -28,7 +28,7 @@ TEST_CASE("a mote has counted its start in its flash before it does anything els
   node_config config;
   config.id = mote_id{2};
   node x(config, nonvolatile{41, 0}, random_stream(1), {});
-  CHECK(x.incarnation() == 41);
+  CHECK(x.above().ports().node.config.incarnation == 41);
   const auto begun = x.start({});
   REQUIRE(!begun.empty());
   CHECK(std::get<store_nonvolatile>(begun[0]).content == nonvolatile{42, 0});
@@ -39,7 +39,7 @@ TEST_CASE("a mote cut off at once is another in its next life all the same",
   island_fixture world({.width = 2});
   const mote_id lamp{2};
   for (std::uint32_t life = 0; life < 5; ++life) {
-    CHECK(world.at(lamp).incarnation() == life);
+    CHECK(world.at(lamp).above().ports().node.config.incarnation == life);
     CHECK(world.stores[lamp].starts == life + 1);
     world.kill(lamp); // before it has sent anything
     world.start(lamp);

@@ -72,7 +72,7 @@ TEST_CASE("a reply is repeated until confirmed, five times at most", "[mote][DIS
 TEST_CASE("any frame of a mote with our reply confirms it", "[mote][DIS-08]") {
   auto x = make_registrar();
   static_cast<void>(request(x, instant{}));
-  CHECK(events<mote_joined>(x.on_heard(newcomer, instant{1s})).size() == 1);
+  CHECK(events<mote_joined>(x.on_received(newcomer, instant{1s})).size() == 1);
 }
 
 TEST_CASE("a silent mote leaves after its window, a heard one stays", "[mote][DIS-06]") {
@@ -80,7 +80,7 @@ TEST_CASE("a silent mote leaves after its window, a heard one stays", "[mote][DI
   static_cast<void>(request(x, instant{}));
   static_cast<void>(confirm(x, instant{}));
   CHECK(x.on_time(instant{9999ms}).empty());
-  CHECK(x.on_heard(newcomer, instant{9999ms}).empty());
+  CHECK(x.on_received(newcomer, instant{9999ms}).empty());
   CHECK(x.on_time(instant{19998ms}).empty());
   const auto left = events<mote_left>(x.on_time(instant{19999ms}));
   REQUIRE(left.size() == 1);
@@ -179,7 +179,7 @@ TEST_CASE("a member that reboots and then dies is told to have left", "[mote][DI
 TEST_CASE("an unknown mote is asked to join, not more than once a second", "[mote][GW-15]") {
   auto x = make_registrar();
   const auto prompts = [&](duration t) {
-    return test::pick<to_mote>(x.on_heard(newcomer, instant{t})).size();
+    return test::pick<to_mote>(x.on_received(newcomer, instant{t})).size();
   };
   CHECK(prompts(0s) == 1);
   CHECK(prompts(999ms) == 0);
@@ -230,7 +230,7 @@ TEST_CASE("a roster that takes longer than its period is completed before the ne
     const auto before = now;
     now = *x.deadline();
     for (std::uint16_t i = 2; i < 1002; ++i)
-      static_cast<void>(x.on_heard(mote_id{i}, now));
+      static_cast<void>(x.on_received(mote_id{i}, now));
     for (const auto& page : events<network::roster>(x.on_time(now))) {
       CHECK((pages.empty() || now - before >= 250ms));
       ++pages[page.number];
@@ -292,7 +292,7 @@ TEST_CASE("a member that sends vectors gets a slot for a while after it says so"
   CHECK(notice(30, {}, instant{2s}) == std::vector{slot_grant{{0, 30}}});
   CHECK(notice(30, {0, 30}, instant{60s}).empty()); // it knows
   for (auto now = instant{60s}; now < instant{260s}; now += 2s) {
-    static_cast<void>(x.on_heard(newcomer, now));
+    static_cast<void>(x.on_received(newcomer, now));
     static_cast<void>(x.on_time(now));
     CHECK(x.slots().used() == 30);
   }
@@ -326,14 +326,14 @@ TEST_CASE("a full list loses whoever has been silent for long", "[mote]") {
         x.on_frame(mote, encode(join_request{1, 0, description(301, 2'592'000'000)}), instant{}));
     static_cast<void>(x.on_frame(mote, encode(join_confirm{1, 0, {}}), instant{}));
   }
-  static_cast<void>(x.on_heard(mote_id{2}, instant{9s}));
+  static_cast<void>(x.on_received(mote_id{2}, instant{9s}));
   CHECK(request(x, instant{9s}, 0, mote_id{4}).empty());
   const auto out = request(x, instant{10s}, 0, mote_id{4});
   REQUIRE(events<mote_left>(out).size() == 1);
   CHECK(events<mote_left>(out)[0].mote == mote_id{3});
   CHECK(test::pick<to_mote>(out).size() == 1);
   // Should it live, it is asked to join again.
-  CHECK(test::pick<to_mote>(x.on_heard(mote_id{3}, instant{11s})).size() == 1);
+  CHECK(test::pick<to_mote>(x.on_received(mote_id{3}, instant{11s})).size() == 1);
 }
 
 TEST_CASE("what somebody else has said about a mote does not last", "[mote][DIS-03]") {
