@@ -73,6 +73,24 @@ struct peis_peer_state {
 
 using peer_pointer = scheduler::actor_pointer<peis_peer_state, peis_peer_actor>;
 
+// actors/peis/peis_outputs.cpp
+
+/// Carries out what the kernel returned, then notifies components and sets the timer.
+void perform_outputs(peer_pointer self, peis::outputs todo);
+
+/// Sends components what is for them.
+void notify_components(peer_pointer self, peis::kernel_clients::outputs todo);
+
+/// Broadcasts the exit and closes all links.
+void leave_and_close(peer_pointer self);
+
+/// Ends the process of this peer.
+void quit_process(peer_pointer self);
+
+/// Asks the init of its host, whose components end before this does.
+/// @returns whether there is one
+bool ask_init(peer_pointer self);
+
 // actors/peis/peis_report.cpp
 void send_status(peer_pointer self);
 

@@ -37,6 +37,15 @@ struct p2p_view {
   const overlay& routes;
   const network_clock& clock;
   const bluetooth& adapters;
+
+  /// Can a message be sent to that peer now? To ourselves always.
+  [[nodiscard]] bool reachable(peer_id host) const {
+    return host == own.config.id || routes.reachable(host);
+  }
+  /// Is that host known by its present incarnation?
+  [[nodiscard]] bool knows_present(peer_id host) const {
+    return host == own.config.id || hosts.knows_present(host);
+  }
 };
 
 /// Works on links that the owner names and carries octets for. Calls collect events; take_events()
