@@ -88,7 +88,7 @@ struct server {
   void operator()(const bluetooth_seen& x) const {
     perform_outputs(self, state.kernel.on_bluetooth_scan(x.adapter, x.devices, at));
   }
-  /// Tells who asks that we are a peer, and learns who that is.
+  /// Answers that we are a peer; the question says who asks.
   void operator()(const hello_arrived& x) const {
     if (state.left)
       return;

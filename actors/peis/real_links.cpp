@@ -154,7 +154,7 @@ void real_links::tell_unmet(std::string what) {
     post(ecology_, request_unmet{who_, std::move(what)});
 }
 
-/// That a peer is away is everyday; that nobody has its name is a mistake in the file.
+/// That a peer is away is everyday; that no host has its name is a mistake in the file.
 void real_links::on_attempt_failed(peis::attempt_id attempt, const std::string& why) {
   if (io::is_unknown_host(why) && unknown_names_.size() < unknown_names_max &&
       unknown_names_.insert(why).second)

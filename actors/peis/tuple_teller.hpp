@@ -1,4 +1,4 @@
-// What components do to tuples, told to somebody who only looks.
+// What components do to tuples, reported to an observer.
 #pragma once
 
 #include <functional>

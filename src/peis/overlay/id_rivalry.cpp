@@ -57,7 +57,7 @@ id_rivalry::outputs id_rivalry::on_time(instant now) {
   if (away_until_ && *away_until_ <= now) {
     away_until_.reset();
     joined_ = now;
-    told_.reset(); // told again if it is still there
+    told_.reset(); // reported again if it is still there
     out.emplace_back(id_regained{});
   }
   if (!other_)

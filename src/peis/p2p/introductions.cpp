@@ -69,7 +69,7 @@ void introductions::name(connection& x, const host_record& record, const occasio
   on_.greeting.bind(x, record.id, at);
 }
 
-/// A real kernel that we were away from tells its other neighbours of us within 10 s. What we
+/// A real kernel that we were away from announces us to its other neighbours within 10 s. What we
 /// broadcast over it, they receive at once.
 void introductions::show_ourselves(connection& to, const occasion& x) {
   auto content = std::make_shared<const message_octets>(

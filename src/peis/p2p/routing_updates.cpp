@@ -39,7 +39,7 @@ void routing_updates::apply_waiting(const occasion& x) {
     if (!on_.exchange.may_apply(link, x.now))
       continue;
     apply_table(on_.links.at(link), x);
-    static_cast<void>(on_.own.work.take()); // nobody is being served
+    static_cast<void>(on_.own.work.take()); // no link is being served
   }
 }
 
