@@ -105,7 +105,7 @@ struct peis_peer_performer {
     const auto found = state.links.find(x.link);
     if (found == state.links.end())
       return;
-    tell_closed(self, x.link, found->second);
+    notify_closed(self, x.link, found->second);
     state.links.erase(found);
     if (x.link.value >= peis::first_bluetooth_link)
       self->send(state.arguments.bluetooth, lan_link_ended{x.link.value});
@@ -218,7 +218,7 @@ void leave_and_close(peer_pointer self) {
     return;
   perform_outputs(self, state.kernel.leave(now(self)));
   for (const auto& [id, link] : state.links)
-    tell_closed(self, id, link);
+    notify_closed(self, id, link);
   state.links.clear();
   state.tcp_links.clear();
   if (state.real != nullptr)

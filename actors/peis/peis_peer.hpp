@@ -106,7 +106,7 @@ void ask_for_link(peer_pointer self, const peis::connect_to& x);
 void transmit(peer_pointer self, peis::link_id id, payload octets);
 
 /// Notifies the far end of a simulated link that it is closed, after all that was sent.
-void tell_closed(peer_pointer self, peis::link_id id, const peis_peer_state::link_end& link);
+void notify_closed(peer_pointer self, peis::link_id id, const peis_peer_state::link_end& link);
 
 /// Messages that wait while a kernel stands still; more are lost.
 inline constexpr std::size_t held_max = 65536;

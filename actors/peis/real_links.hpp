@@ -93,7 +93,7 @@ private:
   [[nodiscard]] std::string open_adapter(const real_links_config& config);
   [[nodiscard]] bool is_of_adapter(peis::link_id link) const;
   void read(peis::link_id link, bool wanted);
-  void tell_unmet(std::string what);
+  void report_unmet(std::string what);
 
   peis_peer_actor user_;
   std::set<peis::link_id> held_;

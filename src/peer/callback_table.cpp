@@ -64,7 +64,7 @@ std::vector<message_callback> callback_table::hooks(std::uint16_t port) const {
 void callback_table::on(peis::traced& x) {
   const auto found = routes_.find(x.request);
   if (found != routes_.end())
-    found->second = std::move(x.way);
+    found->second = std::move(x.route);
 }
 
 } // namespace rubicon::peer

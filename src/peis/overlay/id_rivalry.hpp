@@ -58,8 +58,8 @@ private:
   [[nodiscard]] std::optional<instant> yields_at() const;
 
   std::int32_t magic_ = 0;
-  instant joined_;                   ///< the network, or came back to it
-  std::optional<std::int32_t> told_; ///< magic of the last peer that was seen using our id
+  instant joined_;                       ///< the network, or came back to it
+  std::optional<std::int32_t> reported_; ///< magic of the last peer that was seen using our id
   std::optional<rival> other_;
   std::optional<instant> away_until_;
   duration away_for_{}; ///< the last time

@@ -93,7 +93,7 @@ struct undelivered {
 struct traced {
   request_id request;
   peer_id destination;
-  std::vector<peer_id> way;
+  std::vector<peer_id> route;
 };
 
 /// Another live peer uses our id (RTE-08). Reported once for each incarnation of it, and whenever

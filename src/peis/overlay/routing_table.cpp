@@ -16,12 +16,12 @@ constexpr std::uint8_t lost_last = 253;              // after three periods (RTE
 /// Can the offered route not lead through us, given what the last route was?
 bool is_sound(const route& last, std::uint8_t last_hops, const route& offered) {
   return offered.magic != last.magic || offered.seqno > last.seqno ||
-         (offered.seqno == last.seqno && offered.told < last_hops);
+         (offered.seqno == last.seqno && offered.neighbour_hops < last_hops);
 }
 
 /// Only who lives raises its number.
-bool is_news(const route& last, const route& told) {
-  return told.magic != last.magic || told.seqno > last.seqno;
+bool is_news(const route& last, const route& offered) {
+  return offered.magic != last.magic || offered.seqno > last.seqno;
 }
 
 } // namespace
@@ -166,15 +166,15 @@ void routing_table::merge(link_id link, peer_id host, route& known, const route&
 
 /// Takes a route in place of the one that is, or was, there.
 void routing_table::take(peer_id host, route& known, const route& offered) {
-  const auto last_hops = known.lost() ? known.told : known.hops;
+  const auto last_hops = known.lost() ? known.neighbour_hops : known.hops;
   const bool worse = known.lost() || offered.hops > known.hops;
   if (worse && !is_sound(known, last_hops, offered))
     unsound_.insert(host);
-  const auto heard = known.news;
+  const auto received = known.news;
   const bool news = is_news(known, offered);
   known = offered;
   if (!news)
-    known.news = std::min(heard, offered.news);
+    known.news = std::min(received, offered.news);
   forget_loss(host);
 }
 
@@ -195,7 +195,7 @@ void routing_table::lose(peer_id host, route& lost, instant now, routing_changes
 
 void routing_table::let_go(peer_id host, route& lost, instant now, routing_changes& changes) {
   lost.via.reset();
-  lost.told = lost.hops; // what soundness is measured against
+  lost.neighbour_hops = lost.hops; // what soundness is measured against
   lost.hops = lost_first;
   unsound_.erase(host);
   if (marked_.contains(host))
@@ -308,7 +308,7 @@ void routing_table::dig(peer_id host, const burial& grave) {
   graves_[host] = grave;
 }
 
-void routing_table::doubt(peer_id host, std::int32_t magic, instant until) {
+void routing_table::distrust(peer_id host, std::int32_t magic, instant until) {
   std::optional<std::int32_t> newest;
   const auto consider = [&](const route* x) {
     if (x != nullptr && x->magic == magic)

@@ -24,9 +24,9 @@ struct route {
   std::int32_t magic = 0;
   std::uint8_t hops = 0; ///< metric below the limit; 250..253 while lost
   std::uint8_t connections = connections_unknown;
-  std::optional<link_id> via; ///< unset while lost
-  std::uint8_t told = 0;      ///< the neighbour's own metric
-  instant news;               ///< when this number of this incarnation was first received
+  std::optional<link_id> via;      ///< unset while lost
+  std::uint8_t neighbour_hops = 0; ///< the neighbour's own metric
+  instant news;                    ///< when this number of this incarnation was first received
 
   [[nodiscard]] bool lost() const { return !via; }
   /// What is maximised when routes are compared (RTE-06): newer information, fewer hops.
@@ -109,7 +109,7 @@ public:
 
   /// Ignores what is no news of this incarnation: another one is said to have taken its place. Only
   /// who lives counts on, so that it is believed again if the word was an old one (KH-02).
-  void doubt(peer_id host, std::int32_t magic, instant until);
+  void distrust(peer_id host, std::int32_t magic, instant until);
 
   [[nodiscard]] const route* find(peer_id host) const;
   [[nodiscard]] std::optional<link_id> way_to(peer_id host) const;

@@ -85,7 +85,7 @@ void introductions::show_ourselves(connection& to, const occasion& x) {
 void introductions::note_beyond(link_id from, const package_header& header,
                                 const host_record& record, const occasion& x) {
   if (header.type != package_type::broadcast || !record.marked || on_.routes.reachable(record.id) ||
-      !on_.health.can_be_doubted(on_.links.at(from)))
+      !on_.health.can_be_suspected(on_.links.at(from)))
     return;
   const auto& config = on_.own.config;
   const auto hops = std::min(header.hops, config.metric_limit) * config.cost_other_host;

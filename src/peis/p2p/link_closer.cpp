@@ -44,8 +44,8 @@ void link_closer::forget(link_id link, const occasion& x) {
   on_.seen.on_link_closed(link);
   if (gone->neighbour) {
     if (gone->opened + lasting <= x.now)
-      on_.contacts.forget(*gone->neighbour);   // the tries that led to it are forgotten
-    if (!on_.health.is_doubtful(*gone, x.now)) // long looked for beside
+      on_.contacts.forget(*gone->neighbour);  // the tries that led to it are forgotten
+    if (!on_.health.is_suspect(*gone, x.now)) // long looked for beside
       on_.contacts.note_contact(*gone->neighbour, x.now);
   }
   on_.dials.on_link_closed(link, x.now);

@@ -104,7 +104,7 @@ void link_greeting::accept(connection& from, byte_view request, const occasion& 
 void link_greeting::bind(connection& x, peer_id neighbour, const occasion& at) {
   on_.links.bind(x, neighbour);
   on_.beats.expect(x);
-  on_.health.watch_doubt(x);
+  on_.health.watch_suspicion(x);
   on_.presence.welcome(neighbour, at);
 }
 

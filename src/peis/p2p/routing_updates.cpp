@@ -24,7 +24,7 @@ void routing_updates::apply_table(connection& from, const occasion& x) {
   const auto link = from.id;
   const auto at = x.over(link);
   on_.presence.apply(on_.exchange.apply(from, at.now), at);
-  on_.replacer.end_doubtful_beside(link, at);
+  on_.replacer.end_suspects_beside(link, at);
   auto& routes = on_.routes.routes();
   for (const auto host : routes.take_evicted()) {
     if (!on_.routes.reachable(host))

@@ -347,12 +347,12 @@ TEST_CASE("a trace names the peers on the way and back", "[peis][API-12]") {
   const auto told = w.all<traced>(peer_id{1});
   REQUIRE(told.size() == 2);
   CHECK(told[0].request == request_id{8});
-  CHECK(told[0].way.empty());
+  CHECK(told[0].route.empty());
   CHECK(told[1].request == request_id{7});
   std::vector<peer_id> expected;
   for (const int i : {1, 2, 3, 4, 5, 4, 3, 2, 1})
     expected.emplace_back(i);
-  CHECK(told[1].way == expected);
+  CHECK(told[1].route == expected);
 }
 
 TEST_CASE("an answer is for every question about its peer", "[peis][API-12]") {
@@ -371,7 +371,7 @@ TEST_CASE("an answer is for every question about its peer", "[peis][API-12]") {
   const auto told = w.all<traced>(peer_id{1});
   REQUIRE(told.size() == 2);
   CHECK(told[1].request == request_id{2});
-  CHECK(told[1].way.size() == 3);
+  CHECK(told[1].route.size() == 3);
 }
 
 TEST_CASE("others learn where a peer listens when its networks change", "[peis][LNK-03][TCP-03]") {
