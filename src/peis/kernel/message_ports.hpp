@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "peis/kernel/kernel_events.hpp"
+#include "peis/wire/package.hpp"
 #include "peis/wire/types.hpp"
 
 namespace rubicon::peis {
