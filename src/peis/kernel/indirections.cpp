@@ -51,7 +51,8 @@ tuple_events indirections::on_meta_tuple(subscription_id meta_watch, const tuple
     append(todo, space.unsubscribe(id).second);
   x.target = target;
   if (target)
-    append(todo, space.subscribe(prototype_of(target->owner, target->name), id, x.kind, now).second);
+    append(todo,
+           space.subscribe(prototype_of(target->owner, target->name), id, x.kind, now).second);
   return todo;
 }
 

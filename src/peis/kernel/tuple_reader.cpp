@@ -19,8 +19,7 @@ reading tuple_reader::get(const prototype& wanted, read_mode mode, instant now) 
   return found.next() ? found.value() : reading();
 }
 
-void tuple_reader::get_all(const prototype& wanted, result_set& into, instant now,
-                           read_mode mode) {
+void tuple_reader::get_all(const prototype& wanted, result_set& into, instant now, read_mode mode) {
   if (wanted.owner == layers_.self() || wanted.owner == any_peer)
     kernel_turn(layers_, now).refresh_statistics(wanted.name);
   layers_.tuples.stored().read(wanted, now, [&](const tuple_pointer& x, bool is_new) {
