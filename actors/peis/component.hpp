@@ -17,7 +17,7 @@ namespace rubicon {
 
 /// What its actor is made of.
 struct component_arguments {
-  std::shared_ptr<components::component> core; ///< not nullptr, nobody else's
+  std::shared_ptr<components::component> core; ///< not nullptr, not shared
   std::string who;                             ///< its peer in the report
   std::string kind;                            ///< what the report calls it
   std::uint32_t number = 0; ///< among the apps of its peer, if its lives are added up; 0: each for
@@ -29,7 +29,7 @@ struct component_arguments {
 
 struct component_state {
   component_arguments arguments;
-  std::set<std::uint64_t> references; ///< numbers of watches that tell where meta tuples point
+  std::set<std::uint64_t> references; ///< numbers of watches that show where meta tuples point
   timer wake;
 };
 

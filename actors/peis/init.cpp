@@ -25,7 +25,7 @@ constexpr std::array fields{"reqState", "stdin", "extra-arguments"};
 void perform(init_pointer self, peisinit::outputs todo);
 
 /// Once for each component.
-void tell_unmet(init_pointer self, std::size_t component, const std::string& why) {
+void report_unmet(init_pointer self, std::size_t component, const std::string& why) {
   const auto& what = self->state.supervisor.components()[component];
   if (self->state.unmet.insert(component).second)
     self->send(self->state.arguments.ecology,
@@ -55,7 +55,7 @@ void start_process(init_pointer self, const peisinit::start& x) {
          post(user, process_ended{at, life, io::to_string(how)});
        }});
   if (const auto* why = std::get_if<std::string>(&made)) {
-    tell_unmet(self, x.component, *why);
+    report_unmet(self, x.component, *why);
     self->send(user, process_ended{x.component, x.life, *why});
     return;
   }
@@ -257,7 +257,7 @@ init_actor::behavior_type init_behavior(init_pointer self, init_arguments argume
       [self](const process_ended& x) {
         self->state.processes.erase(x.component);
         if (is_no_command(x.how))
-          tell_unmet(self, x.component, x.how);
+          report_unmet(self, x.component, x.how);
         perform(self, self->state.supervisor.on_ended(x.component, x.life, x.how, now(self)));
       },
       [self](const timer_expired& x) {

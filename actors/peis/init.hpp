@@ -1,4 +1,4 @@
-// The peisinit of a host: runs the components there, and lets anybody start and stop them by
+// The peisinit of a host: runs the components there, and lets other peers start and stop them by
 // tuples.
 #pragma once
 
@@ -35,7 +35,7 @@ struct init_state {
   std::optional<peisinit::host_facts> host; ///< known once the kernel is guarded
   std::optional<io::file_lock> lock;
   std::map<std::size_t, io::process> processes; ///< by component
-  std::set<std::size_t> unmet;                  ///< components that were told not to start
+  std::set<std::size_t> unmet;                  ///< components that are not to start
   bool quit_wanted = false;                     ///< before the host was known
   timer wake;
 };

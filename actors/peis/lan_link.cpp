@@ -67,7 +67,7 @@ void transmit(peer_pointer self, peis::link_id id, payload octets) {
     std::visit(carrier{self, id, other}, output);
 }
 
-void tell_closed(peer_pointer self, peis::link_id id, const peis_peer_state::link_end& link) {
+void notify_closed(peer_pointer self, peis::link_id id, const peis_peer_state::link_end& link) {
   if (const auto at = link.line.close(now(self)))
     self->scheduled_send(link.other, *at, link_closed{id.value});
 }

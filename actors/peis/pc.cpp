@@ -49,7 +49,8 @@ void on_message(pc_pointer self, const peis_message& x) {
   auto& state = self->state;
   if (x.port == gateway::announcement_port) {
     state.gateways.on_announcement(x.source, x.octets.view(), now(self));
-    static_cast<void>(state.gateways.on_time(now(self))); // those not heard for long are forgotten
+    static_cast<void>(
+        state.gateways.on_time(now(self))); // those not received for long are forgotten
     return;
   }
   perform(self, state.pc.on_message(source_of(self, x), x.octets.view(), now(self)));

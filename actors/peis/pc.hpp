@@ -18,8 +18,9 @@ namespace rubicon {
 
 struct pc_arguments {
   communication::pc_config config;
-  bool aliases = false; ///< some islands have several gateways: it hears which one leads (GW-14)
-  std::string name;     ///< the peer's
+  bool aliases =
+      false;        ///< some islands have several gateways: it is notified which one leads (GW-14)
+  std::string name; ///< the peer's
   std::vector<apps::app_config> programs;
   std::uint64_t seed = 0; ///< of the ecology
   peis_peer_actor peer;

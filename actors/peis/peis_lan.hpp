@@ -1,5 +1,5 @@
 // The simulated network between the hosts of peers. Octets do not pass through here: the ends of a
-// link send them to each other, in the condition that they are told.
+// link send them to each other, in the condition that they are sent.
 #pragma once
 
 #include <cstdint>

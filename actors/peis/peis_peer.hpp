@@ -60,18 +60,36 @@ struct peis_peer_state {
   std::map<peis::client_id, caf::strong_actor_ptr> components; ///< by CAF's ids, and monitored
   bool paused = false;
   bool left = false;
-  init_actor init;                         ///< which is asked before this ends; nullptr: nobody is
+  init_actor init;                         ///< which is asked before this ends; nullptr: none is
   std::vector<std::function<void()>> held; ///< what has come during a pause
   std::uint64_t held_lost = 0;
   std::uint64_t packages_lost = 0; ///< on the simulated network, sent by us
   report::cause_counts links_closed;
-  line_allowance closings; ///< told of in the log
+  line_allowance closings; ///< that are logged
   line_allowance claims;   ///< to our id, the same
-  line_allowance debugs;   ///< passed on: whoever writes our tuples can ask
+  line_allowance debugs;   ///< passed on: each writer of our tuples can ask
   timer wake;
 };
 
 using peer_pointer = scheduler::actor_pointer<peis_peer_state, peis_peer_actor>;
+
+// actors/peis/peis_outputs.cpp
+
+/// Carries out what the kernel returned, then notifies components and sets the timer.
+void perform_outputs(peer_pointer self, peis::outputs todo);
+
+/// Sends components what is for them.
+void notify_components(peer_pointer self, peis::kernel_clients::outputs todo);
+
+/// Broadcasts the exit and closes all links.
+void leave_and_close(peer_pointer self);
+
+/// Ends the process of this peer.
+void quit_process(peer_pointer self);
+
+/// Asks the init of its host, whose components end before this does.
+/// @returns whether there is one
+bool ask_init(peer_pointer self);
 
 // actors/peis/peis_report.cpp
 void send_status(peer_pointer self);
@@ -87,8 +105,8 @@ void ask_for_link(peer_pointer self, const peis::connect_to& x);
 /// Sends octets over a simulated link, as its condition allows.
 void transmit(peer_pointer self, peis::link_id id, payload octets);
 
-/// Tells the far end of a simulated link that it is closed, after all that was sent.
-void tell_closed(peer_pointer self, peis::link_id id, const peis_peer_state::link_end& link);
+/// Notifies the far end of a simulated link that it is closed, after all that was sent.
+void notify_closed(peer_pointer self, peis::link_id id, const peis_peer_state::link_end& link);
 
 /// Messages that wait while a kernel stands still; more are lost.
 inline constexpr std::size_t held_max = 65536;

@@ -73,21 +73,22 @@ void send_status(peer_pointer self) {
   peer.links_closed = state.links_closed;
   peer.attempts = counted.attempts;
   peer.attempts_failed = counted.attempts_failed;
-  for (const auto* host : state.kernel.hosts()) {
-    if (state.kernel.knows_present(host->id) || !state.kernel.reachable(host->id))
+  for (const auto* host : state.kernel.network().hosts.records()) {
+    if (state.kernel.network().knows_present(host->id) ||
+        !state.kernel.network().reachable(host->id))
       status.hosts.push_back(host->id);
     if (host->id == peer.id)
       peer.cluster = host->cluster;
   }
-  for (const auto& link : state.kernel.links()) {
+  for (const auto& link : state.kernel.network().links.views()) {
     if (link.neighbour)
       status.neighbours.push_back(*link.neighbour);
   }
-  const auto time = state.kernel.network_time(now(self));
+  const auto time = state.kernel.reader().network_time(now(self));
   status.clock_offset = std::chrono::seconds(time.seconds) +
                         std::chrono::microseconds(time.microseconds) - now(self).time_since_epoch();
   peer.hosts_known = status.hosts.size();
-  peer.tuples = state.kernel.own_tuples().size();
+  peer.tuples = state.kernel.reader().own().size();
   peer.peis.packages = counted.packages_sent;
   peer.peis.tuples = peer.tuples;
   peer.peis.lost = packages_lost(state);

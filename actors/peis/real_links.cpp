@@ -27,7 +27,7 @@ real_links::open(const real_links_config& config, peis_peer_actor user) {
     return "cannot listen: port " + std::to_string(*config.links.first_port) +
            " is in use: end the program that uses it, or give this peer another `tcp.port`";
   if (const auto why = out->links_->warning(); !why.empty())
-    out->tell_unmet(
+    out->report_unmet(
         why + ": remove `lan` from the file, or connect this computer to a network with multicast");
   if (auto why = out->open_adapter(config); !why.empty())
     return why;
@@ -149,16 +149,16 @@ void real_links::on_link_open(peis::link_id link, peis::link_role role,
            link.value, {}, role == peis::link_role::initiator, attempt ? attempt->value : 0, {}});
 }
 
-void real_links::tell_unmet(std::string what) {
+void real_links::report_unmet(std::string what) {
   if (ecology_)
     post(ecology_, request_unmet{who_, std::move(what)});
 }
 
-/// That a peer is away is everyday; that nobody has its name is a mistake in the file.
+/// That a peer is away is everyday; that no host has its name is a mistake in the file.
 void real_links::on_attempt_failed(peis::attempt_id attempt, const std::string& why) {
   if (io::is_unknown_host(why) && unknown_names_.size() < unknown_names_max &&
       unknown_names_.insert(why).second)
-    tell_unmet("cannot connect to " + why + ": correct the name in `connect`");
+    report_unmet("cannot connect to " + why + ": correct the name in `connect`");
   post(user_, attempt_failed{attempt.value});
 }
 

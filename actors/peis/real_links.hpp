@@ -36,7 +36,7 @@ struct real_links_config {
   duration inquiry{};         ///< length of its scans
   adapter_opener open_adapter = io::open_bluetooth_adapter;
   std::string who;       ///< actor path of the user
-  ecology_actor ecology; ///< hears what cannot be had; may be nullptr
+  ecology_actor ecology; ///< is notified of what cannot be had; may be nullptr
 };
 
 class real_links : private peer::link_user, private peer::adapter_user {
@@ -93,13 +93,13 @@ private:
   [[nodiscard]] std::string open_adapter(const real_links_config& config);
   [[nodiscard]] bool is_of_adapter(peis::link_id link) const;
   void read(peis::link_id link, bool wanted);
-  void tell_unmet(std::string what);
+  void report_unmet(std::string what);
 
   peis_peer_actor user_;
   std::set<peis::link_id> held_;
   std::string who_;
   ecology_actor ecology_;
-  std::set<std::string> unknown_names_; ///< that were told
+  std::set<std::string> unknown_names_; ///< that were reported
   std::unique_ptr<peer::tcp_links> links_;
   std::unique_ptr<peer::bluetooth_links> bluetooth_; ///< nullptr: none
 };

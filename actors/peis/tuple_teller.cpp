@@ -7,8 +7,8 @@
 
 namespace rubicon {
 
-tuple_teller::tuple_teller(const config::ecology_description& names, listener tell)
-    : tell_(std::move(tell)) {
+tuple_teller::tuple_teller(const config::ecology_description& names, listener to)
+    : listener_(std::move(to)) {
   config::for_each_island(names, [this](const config::island_description& x) {
     names_[gateway_of(x.id)] = x.gateway_name;
     for (const auto& alias : x.aliases)
@@ -19,41 +19,41 @@ tuple_teller::tuple_teller(const config::ecology_description& names, listener te
 }
 
 template <class Set>
-void tuple_teller::tell_set(const scheduler::delivery& x, std::optional<peer_id> owner,
-                            const Set& set) {
+void tuple_teller::report_set(const scheduler::delivery& x, std::optional<peer_id> owner,
+                              const Set& set) {
   if (set.text)
-    tell(x, owner, set.key, tuple_text(set.value.view()));
+    report_write(x, owner, set.key, tuple_text(set.value.view()));
   else
-    tell(x, owner, set.key, "0x" + to_hex(set.value.view()));
+    report_write(x, owner, set.key, "0x" + to_hex(set.value.view()));
 }
 
 void tuple_teller::write(const scheduler::delivery& x) {
   if (!x.received)
     return;
   if (const auto* set = x.as<set_tuple>())
-    tell_set(x, {}, *set);
+    report_set(x, {}, *set);
   else if (const auto* remote = x.as<set_remote_tuple>())
-    tell_set(x, remote->owner, *remote);
+    report_set(x, remote->owner, *remote);
   else if (const auto* meta = x.as<set_meta_tuple>())
-    tell(x, meta->owner, meta->key, meta->reference);
+    report_write(x, meta->owner, meta->key, meta->reference);
   else if (const auto* gone = x.as<delete_tuple>())
-    tell(x, {}, gone->key, {}, /*deleted=*/true);
+    report_write(x, {}, gone->key, {}, /*deleted=*/true);
 }
 
-void tuple_teller::tell(const scheduler::delivery& x, std::optional<peer_id> owner,
-                        std::string_view key, std::string_view value, bool deleted) {
-  told_.at = x.time;
-  told_.peer = x.path.substr(x.path.find('/') + 1);
+void tuple_teller::report_write(const scheduler::delivery& x, std::optional<peer_id> owner,
+                                std::string_view key, std::string_view value, bool deleted) {
+  write_.at = x.time;
+  write_.peer = x.path.substr(x.path.find('/') + 1);
   if (!owner)
-    told_.owner = told_.peer;
+    write_.owner = write_.peer;
   else if (const auto found = names_.find(*owner); found != names_.end())
-    told_.owner = found->second;
+    write_.owner = found->second;
   else
-    told_.owner = to_string(*owner);
-  told_.key = key;
-  told_.value = value;
-  told_.deleted = deleted;
-  tell_(told_);
+    write_.owner = to_string(*owner);
+  write_.key = key;
+  write_.value = value;
+  write_.deleted = deleted;
+  listener_(write_);
 }
 
 } // namespace rubicon

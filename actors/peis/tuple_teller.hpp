@@ -1,4 +1,4 @@
-// What components do to tuples, told to somebody who only looks.
+// What components do to tuples, reported to an observer.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@ class tuple_teller {
 public:
   using listener = std::function<void(const report::tuple_write&)>;
 
-  tuple_teller(const config::ecology_description& names, listener tell);
+  tuple_teller(const config::ecology_description& names, listener to);
 
   /// Those that are requests of a component to its peer.
   void write(const scheduler::delivery& x);
@@ -26,14 +26,14 @@ public:
 private:
   /// @param owner nothing: the component's own peer
   /// @param value in text, or octets
-  void tell(const scheduler::delivery& x, std::optional<peer_id> owner, std::string_view key,
-            std::string_view value, bool deleted = false);
+  void report_write(const scheduler::delivery& x, std::optional<peer_id> owner,
+                    std::string_view key, std::string_view value, bool deleted = false);
   template <class Set>
-  void tell_set(const scheduler::delivery& x, std::optional<peer_id> owner, const Set& set);
+  void report_set(const scheduler::delivery& x, std::optional<peer_id> owner, const Set& set);
 
   std::map<peer_id, std::string> names_;
-  listener tell_;
-  report::tuple_write told_; ///< again and again: there are many, and texts need memory
+  listener listener_;
+  report::tuple_write write_; ///< again and again: there are many, and texts need memory
 };
 
 } // namespace rubicon

@@ -78,7 +78,7 @@ report::peer_sample sample_of(const supervised_peer& from) {
   x.runs = kernel != nullptr && !kernel->left;
   if (!x.runs)
     return x;
-  for (const auto& link : kernel->kernel.links())
+  for (const auto& link : kernel->kernel.network().links.views())
     x.links.push_back({link.neighbour.value_or(any_peer), static_cast<std::uint32_t>(link.queued)});
   if (const auto* gateway = gateway_at(from))
     x.to_sink = static_cast<std::uint32_t>(gateway->port.queued());

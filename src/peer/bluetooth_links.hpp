@@ -69,8 +69,8 @@ public:
   static constexpr std::size_t hellos_max = 16; ///< in each direction
   static constexpr std::size_t seen_max = 256;  ///< devices of one scan
 
-  /// Accepts links at the first free port of peis::bluetooth_port(), and HELLOs if nobody else does
-  /// at this adapter (BT-03).
+  /// Accepts links at the first free port of peis::bluetooth_port(), and HELLOs if no other process
+  /// does at this adapter (BT-03).
   /// @param where, user, watcher must outlive the links
   /// @returns why it cannot listen, if it cannot
   [[nodiscard]] static std::variant<std::unique_ptr<bluetooth_links>, std::string>

@@ -30,7 +30,7 @@ std::string in_ms(duration x) {
 
 standalone::standalone(io::loop& where, standalone_config config)
     : loop_(&where), config_(std::move(config)), start_(std::chrono::steady_clock::now()),
-      next_attempt_(own_attempts) {}
+      next_attempt_(own_attempts), warnings_(config_.on_warning) {}
 
 std::variant<std::unique_ptr<standalone>, std::string> standalone::open(io::loop& where,
                                                                         standalone_config config) {
@@ -64,8 +64,8 @@ void standalone::start(std::unique_ptr<tcp_links> links) {
   if (!config_.seed)
     config_.seed = seed_of_system();
   kernel_ = peis::kernel(config_.kernel, random_stream(*config_.seed), now());
-  if (!links_->warning().empty() && config_.on_warning)
-    config_.on_warning(links_->warning());
+  if (!links_->warning().empty())
+    warnings_.give(links_->warning());
 }
 
 standalone::~standalone() = default;
@@ -133,15 +133,10 @@ void standalone::check_step_gap() {
     return;
   const auto gap = now() - *last_step_;
   if (gap > step_gap_max)
-    warn(rare_steps_,
-         "the peer was not stepped for " + in_ms(gap) + "; it needs a step every 50 ms at least");
-}
-
-void standalone::warn(rate_limiter& kind, const std::string& text) {
-  if (!config_.on_warning || (kind.last && now() - *kind.last < warning_gap))
-    return;
-  kind.last = now();
-  config_.on_warning(text);
+    warnings_.give(warnings::kind::rare_steps,
+                   "the peer was not stepped for " + in_ms(gap) +
+                       "; it needs a step every 50 ms at least",
+                   now());
 }
 
 void standalone::connect(const std::string& url) {
@@ -166,7 +161,7 @@ void standalone::on_link_open(peis::link_id link, peis::link_role role,
 }
 
 void standalone::on_attempt_failed(peis::attempt_id attempt, const std::string& why) {
-  warn(failed_attempt_, why);
+  warnings_.give(warnings::kind::failed_attempt, why, now());
   if (attempt.value >= own_attempts)
     return;
   perform(kernel_.on_attempt_failed(attempt, now()));
@@ -193,7 +188,7 @@ void standalone::on_addresses() {
     perform(kernel_.set_addresses(links_->addresses(), now()));
 }
 
-// What the kernel wants.
+// Outputs of the kernel.
 
 /// Outputs of calls that callbacks make wait until those before them are done: octets of a link
 /// must keep their order.
@@ -214,14 +209,18 @@ void standalone::drain() {
   draining_ = nested;
 }
 
+/// @param f may be empty
 template <class F>
 void standalone::call_user(const char* what, F&& f) {
+  if (!f)
+    return;
   const auto begin = now();
   f();
   const auto length = now() - begin;
   if (length > callback_max) {
     std::string text("a callback for ");
-    warn(slow_callback_, text.append(what).append(" took ").append(in_ms(length)));
+    warnings_.give(warnings::kind::slow_callback,
+                   text.append(what).append(" took ").append(in_ms(length)), now());
   }
 }
 
@@ -230,42 +229,29 @@ void standalone::handle(peis::close_link& x) {
 }
 
 void standalone::handle(peis::tuple_changed& x) {
-  const auto found = watchers_.find(x.subscription);
-  if (found == watchers_.end() || !found->second->changed)
-    return;
-  call_user("a tuple", [&, watcher = found->second] { watcher->changed(x.content); });
+  call_user("a tuple", callbacks_.on(x));
 }
 
 void standalone::handle(peis::tuple_deleted& x) {
-  const auto found = watchers_.find(x.subscription);
-  if (found == watchers_.end() || !found->second->deleted)
-    return;
-  call_user("a tuple", [&, watcher = found->second] { watcher->deleted(x.content); });
+  call_user("a tuple", callbacks_.on(x));
 }
 
+/// A hook may add another.
 void standalone::handle(peis::message& x) {
-  const auto found = hooks_.find(x.port);
-  if (found == hooks_.end())
-    return;
-  const auto hooks = found->second; // a hook may add another
-  for (const auto& hook : hooks)
-    call_user("a message", [&] { hook(x); });
+  for (const auto& hook : callbacks_.hooks(x.port))
+    call_user("a message", std::function<void()>([&] { hook(x); }));
 }
 
 void standalone::handle(peis::outcome& x) {
-  const auto ended = expected_.extract(x.request);
-  if (!ended.empty() && ended.mapped())
-    call_user("an outcome", [&] { ended.mapped()(x); });
+  call_user("an outcome", callbacks_.on(x));
 }
 
 void standalone::handle(peis::host_appeared& x) {
-  if (on_host_)
-    call_user("a host", [&] { on_host_(x.host, true); });
+  call_user("a host", callbacks_.on(x));
 }
 
 void standalone::handle(peis::host_vanished& x) {
-  if (on_host_)
-    call_user("a host", [&] { on_host_(x.host, false); });
+  call_user("a host", callbacks_.on(x));
 }
 
 void standalone::handle(peis::quit_requested&) {
@@ -273,20 +259,19 @@ void standalone::handle(peis::quit_requested&) {
 }
 
 void standalone::handle(const peis::namesake_found& x) {
-  if (config_.on_warning)
-    config_.on_warning("the computer of " + x.full_name + " has the same name as this one");
+  warnings_.give("the computer of " + x.full_name + " has the same name as this one");
 }
 
 void standalone::handle(peis::id_taken& x) {
-  warn(taken_id_, (x.stays_away == duration(0) ? "another peer uses our id: "
-                                               : "our id is left for a while to ") +
-                      x.by);
+  warnings_.give(warnings::kind::taken_id,
+                 (x.stays_away == duration(0) ? "another peer uses our id: "
+                                              : "our id is left for a while to ") +
+                     x.by,
+                 now());
 }
 
 void standalone::handle(peis::traced& x) {
-  const auto found = traces_.find(x.request);
-  if (found != traces_.end())
-    found->second = std::move(x.way);
+  callbacks_.on(x);
 }
 
 // Calls.
@@ -294,9 +279,7 @@ void standalone::handle(peis::traced& x) {
 peis::cause standalone::call(
     const std::function<peis::outputs(peis::kernel&, peis::request_id, instant)>& command,
     outcome_callback then) {
-  const peis::request_id request{next_request_++};
-  if (then)
-    expected_.emplace(request, std::move(then));
+  const auto request = callbacks_.add_request(std::move(then));
   auto todo = command(kernel_, request, now());
   auto why = peis::cause::none;
   for (const auto& x : todo) {
@@ -315,150 +298,6 @@ std::optional<peis::cause> standalone::await(duration timeout,
   begin([ended](const peis::outcome& x) { *ended = x.why; });
   run_until([&] { return ended->has_value(); }, timeout);
   return *ended;
-}
-
-peis::cause standalone::set_tuple(std::string_view key, peis::tuple_content content) {
-  return call([&](auto& kernel, auto request, auto time) {
-    return kernel.set_tuple(key, std::move(content), time, request);
-  });
-}
-
-peis::cause standalone::delete_tuple(std::string_view key) {
-  return call([&](auto& kernel, auto request, auto time) {
-    return kernel.delete_tuple(key, time, request);
-  });
-}
-
-peis::cause standalone::insert_tuple(peis::tuple draft, outcome_callback then) {
-  return call([&](auto& kernel, auto request,
-                  auto time) { return kernel.insert_tuple(std::move(draft), time, request); },
-              std::move(then));
-}
-
-peis::cause standalone::append_tuple(const peis::prototype& wanted, payload added,
-                                     outcome_callback then) {
-  return call(
-      [&](auto& kernel, auto request, auto time) {
-        return kernel.append_tuple(wanted, std::move(added), time, request);
-      },
-      std::move(then));
-}
-
-peis::cause standalone::set_remote_tuple(peer_id owner, std::string_view key,
-                                         peis::tuple_content content, outcome_callback then) {
-  return call(
-      [&](auto& kernel, auto request, auto time) {
-        return kernel.set_remote_tuple(owner, key, std::move(content), request, time);
-      },
-      std::move(then));
-}
-
-peis::cause standalone::delete_remote_tuple(peer_id owner, std::string_view key,
-                                            outcome_callback then) {
-  return call([&](auto& kernel, auto request,
-                  auto time) { return kernel.delete_remote_tuple(owner, key, request, time); },
-              std::move(then));
-}
-
-standalone::watch_result standalone::watch(const watch_command& command, tuple_callback changed,
-                                           tuple_callback deleted) {
-  const peis::subscription_id id{next_subscription_++};
-  watchers_[id] = std::make_shared<watcher>(watcher{std::move(changed), std::move(deleted)});
-  const auto why = call([&](auto&, auto request, auto time) { return command(id, request, time); });
-  if (why == peis::cause::none)
-    return id;
-  watchers_.erase(id);
-  return why;
-}
-
-standalone::watch_result standalone::subscribe(peer_id owner, std::string_view pattern,
-                                               tuple_callback changed, tuple_callback deleted) {
-  return watch([&](auto id, auto request,
-                   auto time) { return kernel_.subscribe(owner, pattern, id, time, request); },
-               std::move(changed), std::move(deleted));
-}
-
-standalone::watch_result standalone::subscribe(const peis::prototype& wanted,
-                                               tuple_callback changed, tuple_callback deleted) {
-  return watch([&](auto id, auto request,
-                   auto time) { return kernel_.subscribe(wanted, id, time, request); },
-               std::move(changed), std::move(deleted));
-}
-
-standalone::watch_result standalone::register_callback(const peis::prototype& wanted,
-                                                       tuple_callback changed,
-                                                       tuple_callback deleted) {
-  return watch([&](auto id, auto request,
-                   auto time) { return kernel_.register_callback(wanted, id, time, request); },
-               std::move(changed), std::move(deleted));
-}
-
-void standalone::unsubscribe(peis::subscription_id id) {
-  watchers_.erase(id);
-  perform(kernel_.unsubscribe(id, now()));
-}
-
-peis::reading standalone::get_tuple(peer_id owner, std::string_view key, peis::read_mode mode) {
-  return kernel_.get_tuple(owner, key, mode, now());
-}
-
-peis::reading standalone::get_tuple(const peis::prototype& wanted, peis::read_mode mode) {
-  return kernel_.get_tuple(wanted, mode, now());
-}
-
-peis::reading standalone::get_tuple(peer_id owner, std::string_view key, peis::read_mode mode,
-                                    duration timeout) {
-  auto found = get_tuple(owner, key, mode);
-  run_until(
-      [&] {
-        if (!found && found.why == peis::cause::none)
-          found = get_tuple(owner, key, mode);
-        return found || found.why != peis::cause::none;
-      },
-      timeout);
-  return found;
-}
-
-void standalone::get_tuples(const peis::prototype& wanted, peis::result_set& into,
-                            peis::read_mode mode) {
-  kernel_.get_tuples(wanted, into, now(), mode);
-}
-
-bool standalone::has_subscriber(std::string_view key) const {
-  return kernel_.has_subscriber(key);
-}
-
-peis::cause standalone::send_message(std::uint16_t port, peer_id destination, payload octets,
-                                     bool reliable, peis::priority class_of_service,
-                                     outcome_callback then) {
-  return call(
-      [&](auto& kernel, auto request, auto time) {
-        return kernel.send_message(destination, port, std::move(octets), reliable, class_of_service,
-                                   request, time);
-      },
-      std::move(then));
-}
-
-peis::cause standalone::broadcast(std::uint16_t port, payload octets) {
-  return call([&](auto& kernel, auto request, auto time) {
-    return kernel.broadcast(port, std::move(octets), request, time);
-  });
-}
-
-bool standalone::register_hook(std::uint16_t port, message_callback hook) {
-  if (!kernel_.hook_port(port))
-    return false;
-  hooks_[port].push_back(std::move(hook));
-  return true;
-}
-
-std::optional<std::vector<peer_id>> standalone::trace(peer_id destination, duration timeout) {
-  const peis::request_id request{next_request_++};
-  traces_[request];
-  perform(kernel_.trace(destination, request, now()));
-  run_until([&] { return !traces_.at(request).empty(); }, timeout);
-  auto route = std::move(traces_.extract(request).mapped());
-  return route.empty() ? std::nullopt : std::optional(std::move(route));
 }
 
 } // namespace rubicon::peer

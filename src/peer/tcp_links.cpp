@@ -157,7 +157,7 @@ void tcp_links::carry_out(const peis::close_link& x) {
   if (udp_)
     udp_->close(x);
   auto found = streams_.extract(x.link);
-  if (found.empty() || x.why == peis::close_cause::handshake_silent) // no goodbye is sent
+  if (found.empty() || x.why == peis::close_cause::handshake_silent) // no exit is sent
     return;                                                          // to a side that sent nothing
   if (x.why == peis::close_cause::silent || x.why == peis::close_cause::replaced)
     found.mapped().reset(); // what waits to leave would keep it for minutes, at both ends

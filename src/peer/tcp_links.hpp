@@ -31,7 +31,7 @@ struct links_config {
   /// Others on the network may find us and connect. Otherwise nothing leaves the machine unasked:
   /// we listen on loopback and do not announce.
   bool lan = false;
-  /// Counted up until one is free; unset: nobody can connect to us.
+  /// Counted up until one is free; unset: no peer can connect to us.
   std::optional<std::uint16_t> first_port = peis::tcp_port_default;
   /// IPv4; empty: 127.0.0.1, with lan 0.0.0.0. Announcements use its interface alone, or all.
   std::string listen_address;

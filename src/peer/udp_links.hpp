@@ -28,7 +28,7 @@ namespace rubicon::peer {
 struct udp_links_config {
   std::string address;                     ///< IPv4, ours; 0.0.0.0: all
   std::optional<std::uint16_t> first_port; ///< counted up until one is free; unset: only our links
-  std::vector<ipv4_network> networks;      ///< others get no answer; empty: everybody does
+  std::vector<ipv4_network> networks;      ///< others get no answer; empty: all do
   duration connect_timeout = 5s;
 };
 

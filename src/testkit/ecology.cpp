@@ -252,7 +252,7 @@ std::optional<std::string> ecology::tuple(std::string_view peer, std::string_vie
                                           std::string_view key) {
   const auto of = parts_->id_of(owner);
   const auto* kernel = parts_->kernel_of(peer);
-  const auto found = kernel == nullptr ? nullptr : kernel->find_tuple(of, key);
+  const auto found = kernel == nullptr ? nullptr : kernel->reader().find(of, key);
   return found ? std::optional(std::string(found->text())) : std::nullopt;
 }
 

@@ -140,11 +140,11 @@ usage measure_tuples(unsigned count) {
   const auto begun = cpu_s();
   for (unsigned i = 0; i < count; ++i) {
     all.command(0, [&](auto& x, instant now) {
-      return x.set_tuple(tuple_name(i), peis::text_content("1"), now);
+      return x.tuples().set(tuple_name(i), peis::text_content("1"), now);
     });
   }
   all.command(1, [&](auto& x, instant now) {
-    return x.subscribe(peer_id{1}, "a.*", peis::subscription_id{1}, now);
+    return x.subscriptions().subscribe(peer_id{1}, "a.*", peis::subscription_id{1}, now);
   });
   demand(
       all.pass_until([&] { return all.at(1).counters().tuples.pushes_received >= count; }, limit_s),
@@ -160,15 +160,15 @@ usage measure_subscriptions(unsigned count) {
   const auto begun = cpu_s();
   for (unsigned i = 0; i < count; ++i) {
     all.command(1, [&](auto& x, instant now) {
-      return x.subscribe(peer_id{1}, tuple_name(i), peis::subscription_id{std::uint64_t{i} + 1},
-                         now);
+      return x.subscriptions().subscribe(peer_id{1}, tuple_name(i),
+                                         peis::subscription_id{std::uint64_t{i} + 1}, now);
     });
   }
   demand(all.pass_until([&] { return all.at(0).counters().tuples.subscribers >= count; }, limit_s),
          "not all subscriptions have come");
   for (unsigned i = 0; i < sets; ++i) {
     all.command(0, [&](auto& x, instant now) {
-      return x.set_tuple(tuple_name(i), peis::text_content("1"), now);
+      return x.tuples().set(tuple_name(i), peis::text_content("1"), now);
     });
   }
   all.pass(60s);

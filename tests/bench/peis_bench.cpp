@@ -70,12 +70,13 @@ public:
     perform(1, kernels_[1].on_link_open(link, peis::link_role::acceptor, now_));
     perform(0, kernels_[0].on_link_open(link, peis::link_role::initiator, now_));
     pass(5s, 100ms);
-    perform(1, kernels_[1].subscribe(peer_id{1}, "x", peis::subscription_id{1}, now_));
+    perform(1,
+            kernels_[1].subscriptions().subscribe(peer_id{1}, "x", peis::subscription_id{1}, now_));
     pass(100ms, 10ms);
   }
 
   void set(const payload& value) {
-    perform(0, kernels_[0].set_tuple("x", peis::binary_content(value), now_));
+    perform(0, kernels_[0].tuples().set("x", peis::binary_content(value), now_));
   }
 
   void run() {

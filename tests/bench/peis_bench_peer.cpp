@@ -294,14 +294,14 @@ private:
     }
   }
 
-  void subscribe(peer_id owner, const std::string& key, peer::standalone::tuple_callback changed) {
-    const auto x = peer_->subscribe(owner, key, std::move(changed));
+  void subscribe(peer_id owner, const std::string& key, peer::tuple_callback changed) {
+    const auto x = peer_->tuples().subscribe(owner, key, std::move(changed));
     if (const auto* why = std::get_if<peis::cause>(&x))
       tell("ERROR subscribe " + std::string(peis::to_string(*why)));
   }
 
   void set(const std::string& key, peis::tuple_content x) {
-    const auto why = peer_->set_tuple(key, std::move(x));
+    const auto why = peer_->tuples().set(key, std::move(x));
     if (why == peis::cause::none)
       return;
     ++refused_;
@@ -317,9 +317,9 @@ private:
   }
 
   void monitor() {
-    const auto hosts = peer_->hosts();
+    const auto hosts = peer_->network().hosts.records();
     const auto routable = std::count_if(hosts.begin(), hosts.end(), [&](const auto* x) {
-      return x->id != peer_->kernel().id() && peer_->reachable(x->id);
+      return x->id != peer_->kernel().id() && peer_->network().reachable(x->id);
     });
     auto news = "MON known " + std::to_string(hosts.size()) + " routable " +
                 std::to_string(routable) + " connections " +

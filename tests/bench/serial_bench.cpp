@@ -77,9 +77,10 @@ public:
     config.links.first_port.reset();
     peer_ =
         taken<std::unique_ptr<peer::standalone>>(peer::standalone::open(loop_, std::move(config)));
-    await([this] { return attached_ && peer_->reachable(gateway_of(kitchen)); });
-    static_cast<void>(peer_->subscribe(gateway_of(kitchen), "devices.2.output.1",
-                                       [this](const peis::tuple_pointer& x) { on_tuple(*x); }));
+    await([this] { return attached_ && peer_->network().reachable(gateway_of(kitchen)); });
+    static_cast<void>(
+        peer_->tuples().subscribe(gateway_of(kitchen), "devices.2.output.1",
+                                  [this](const peis::tuple_pointer& x) { on_tuple(*x); }));
     say(network::am::sink_event,
         encode(network::sink_event(network::mote_joined{mote, 1, 101, {}})));
     for (int i = 0; !measure(0); ++i)

@@ -39,8 +39,8 @@ void measure_subscriptions(figures& out, const std::string& what, const char* fo
       std::array<char, 64> key{};
       std::snprintf(key.data(), key.size(), format, i);
       all.command(1, [&](auto& x, instant now) {
-        return x.subscribe(peer_id{1}, key.data(), peis::subscription_id{std::uint64_t(i + 1)},
-                           now);
+        return x.subscriptions().subscribe(peer_id{1}, key.data(),
+                                           peis::subscription_id{std::uint64_t(i + 1)}, now);
       });
     }
     const bool done = all.pass_until(
@@ -52,7 +52,7 @@ void measure_subscriptions(figures& out, const std::string& what, const char* fo
       std::array<char, 64> key{};
       std::snprintf(key.data(), key.size(), "a.b.k%d", i);
       all.command(0, [&](auto& x, instant now) {
-        return x.set_tuple(key.data(), peis::text_content("1"), now);
+        return x.tuples().set(key.data(), peis::text_content("1"), now);
       });
     }
     out.add(name + ": 1000 sets", cpu_s() - begun, 3, "s");
@@ -75,14 +75,14 @@ void measure_tuples(figures& out) {
     auto begun = cpu_s();
     for (int i = 0; i < count; ++i) {
       all.command(0, [&](auto& x, instant now) {
-        return x.set_tuple("a.k" + std::to_string(i), peis::text_content("1"), now);
+        return x.tuples().set("a.k" + std::to_string(i), peis::text_content("1"), now);
       });
     }
     out.add(name + ": set", cpu_s() - begun, 2, "s");
     out.add(name + ": memory of own", resident_mb() - memory, 0, "MB");
     begun = cpu_s();
     all.command(1, [&](auto& x, instant now) {
-      return x.subscribe(peer_id{1}, "a.*", peis::subscription_id{1}, now);
+      return x.subscriptions().subscribe(peer_id{1}, "a.*", peis::subscription_id{1}, now);
     });
     const bool done = all.pass_until(
         [&] { return all.at(1).counters().tuples.pushes_received >= std::size_t(count); }, limit_s);
@@ -91,8 +91,9 @@ void measure_tuples(figures& out) {
     out.add(name + ": longest turn", all.turn_max_s * 1000, 1, "ms");
     begun = cpu_s();
     for (int i = 0; i < count; ++i) {
-      all.command(
-          0, [&](auto& x, instant now) { return x.delete_tuple("a.k" + std::to_string(i), now); });
+      all.command(0, [&](auto& x, instant now) {
+        return x.tuples().remove("a.k" + std::to_string(i), now);
+      });
       if (i % 500 == 0)
         all.pass(1ms);
     }
@@ -105,7 +106,8 @@ void measure_repeats(figures& out) {
   kernel_pair all;
   for (int i = 0; i < 2000; ++i) {
     all.command(0, [&](auto& x, instant now) {
-      return x.set_tuple("a.k" + std::to_string(i), peis::text_content(std::string(100, 'x')), now);
+      return x.tuples().set("a.k" + std::to_string(i), peis::text_content(std::string(100, 'x')),
+                            now);
     });
   }
   const auto memory = resident_mb();

@@ -56,13 +56,13 @@ private:
     auto opened = peer::standalone::open(loop, config);
     auto& peer = *std::get<std::unique_ptr<peer::standalone>>(opened);
     for (const std::string key : {"devices", "k", "things.interface"})
-      static_cast<void>(peer.set_tuple(key, peis::text_content(evil)));
+      static_cast<void>(peer.tuples().set(key, peis::text_content(evil)));
     auto key = "room.k" + evil;
     while (key.rfind('.') > 4) // it is to have two parts
       key.erase(key.rfind('.'), 1);
-    static_cast<void>(peer.set_tuple(key, peis::text_content(evil)));
+    static_cast<void>(peer.tuples().set(key, peis::text_content(evil)));
     static_cast<void>(
-        peer.set_tuple("room.long", peis::text_content(std::string(20'000, 'y') + evil)));
+        peer.tuples().set("room.long", peis::text_content(std::string(20'000, 'y') + evil)));
     port_ = *peer.links().port();
     while (!over_)
       peer.step(10ms);

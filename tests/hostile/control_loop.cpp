@@ -49,8 +49,8 @@ control_loop::~control_loop() {
 void control_loop::run() {
   io::loop loop;
   const auto peer = honest_peer(loop, whom_, whom_.bystander);
-  static_cast<void>(
-      peer->subscribe(whom_.keeper, "probe.echo", [this](const auto& x) { on_echo(x->text()); }));
+  static_cast<void>(peer->tuples().subscribe(whom_.keeper, "probe.echo",
+                                             [this](const auto& x) { on_echo(x->text()); }));
   auto next_write = clock::now();
   auto next_ask = clock::now();
   while (!over_) {
@@ -73,7 +73,7 @@ void control_loop::write(peer::standalone& peer) {
     const std::lock_guard guard(mutex_);
     open_.push_back({number_, clock::now()});
   }
-  static_cast<void>(peer.set_tuple("probe.value", peis::text_content(std::to_string(number_))));
+  static_cast<void>(peer.tuples().set("probe.value", peis::text_content(std::to_string(number_))));
 }
 
 void control_loop::on_echo(std::string_view text) {
@@ -101,8 +101,8 @@ void control_loop::ask(peer::standalone& peer) {
     if (!x.success)
       ++requests_.causes[std::string(to_string(x.why))];
   };
-  peer.set_remote_tuple(whom_.keeper, "probe.note", peis::text_content(std::to_string(number_)),
-                        note);
+  peer.tuples().set_remote(whom_.keeper, "probe.note", peis::text_content(std::to_string(number_)),
+                           note);
 }
 
 bool control_loop::await_value(duration patience) {
@@ -147,7 +147,7 @@ std::optional<double> newcomer_s(const target& whom, duration patience) {
   io::loop loop;
   const auto start = std::chrono::steady_clock::now();
   const auto peer = honest_peer(loop, whom, peer_id{whom.bystander.value + 1});
-  const bool in = peer->run_until([&] { return peer->reachable(whom.keeper); }, patience);
+  const bool in = peer->run_until([&] { return peer->network().reachable(whom.keeper); }, patience);
   const auto took = seconds(std::chrono::steady_clock::now() - start);
   peer->leave();
   return in ? std::optional(took) : std::nullopt;

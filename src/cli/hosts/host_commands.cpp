@@ -30,9 +30,9 @@ struct known_host {
 /// Everybody but ourselves.
 std::map<peer_id, known_host> known_hosts(const peer::standalone& peer) {
   std::map<peer_id, known_host> all;
-  for (const auto* x : peer.hosts())
+  for (const auto* x : peer.network().hosts.records())
     all[x->id].record = x;
-  for (const auto& [host, route] : peer.kernel().routing().routes()) {
+  for (const auto& [host, route] : peer.kernel().network().routes.routes().routes()) {
     if (!route.lost())
       all[host].metric = route.hops;
   }
@@ -89,12 +89,13 @@ std::optional<std::vector<peer_id>> first_trace(const session& at, peer_id host)
   const auto end = at.peer().now() + at.with.timeout;
   std::optional<std::vector<peer_id>> route;
   while (!route && at.peer().now() < end)
-    route = at.peer().trace(host, std::min<duration>(ask_again_after, end - at.peer().now()));
+    route = at.peer().messages().trace(host,
+                                       std::min<duration>(ask_again_after, end - at.peer().now()));
   return route;
 }
 
 std::string no_answer(const session& at, peer_id host) {
-  return (at.peer().reachable(host) ? "no answer from peer " : "no route to peer ") +
+  return (at.peer().network().reachable(host) ? "no answer from peer " : "no route to peer ") +
          to_string(host);
 }
 
@@ -107,7 +108,7 @@ exit_status perform(const session& at, const list_hosts&) {
         return std::all_of(all.begin(), all.end(),
                            [](const auto& x) { return x.second.record != nullptr; });
       },
-      [&] { return at.peer().hosts().size(); }));
+      [&] { return at.peer().network().hosts.records().size(); }));
   const auto all = known_hosts(at.peer());
   return answer(at.with.json ? hosts_json(all) : hosts_table(all));
 }
@@ -146,7 +147,7 @@ exit_status perform(const session& at, const ping_host& x) {
     if (i > 0)
       at.peer().run_until([] { return false; }, ping_gap);
     const auto begun = at.peer().now();
-    const auto route = at.peer().trace(host, at.with.timeout);
+    const auto route = at.peer().messages().trace(host, at.with.timeout);
     const auto ms = 1e3 * seconds(at.peer().now() - begun);
     if (route)
       all_ms.push_back(ms);

@@ -20,7 +20,7 @@ bool is_called(const peis::host_record& x, const std::string& name) {
 /// Everybody but ourselves.
 std::vector<peer_id> called(const session& at, const std::string& name) {
   std::vector<peer_id> all;
-  for (const auto* x : at.peer().hosts())
+  for (const auto* x : at.peer().network().hosts.records())
     if (x->id != at.peer().kernel().id() && is_called(*x, name))
       all.push_back(x->id);
   return all;
@@ -44,7 +44,7 @@ std::string list(const session& at, const Peers& all) {
 std::set<peer_id> holders(const session& at, const std::vector<std::string>& keys) {
   std::set<peer_id> all;
   for (const auto& key : keys)
-    for (const auto& x : at.peer().kernel().find_tuples(any_peer, key))
+    for (const auto& x : at.peer().kernel().reader().find_all(any_peer, key))
       if (x->owner != at.peer().kernel().id())
         all.insert(x->owner);
   return all;
@@ -57,7 +57,7 @@ std::string words_of(const std::vector<std::string>& keys) {
 } // namespace
 
 std::string name_of(const session& at, peer_id host) {
-  for (const auto* x : at.peer().hosts()) {
+  for (const auto* x : at.peer().network().hosts.records()) {
     if (x->id == host)
       return x->full_name;
   }
@@ -71,8 +71,9 @@ std::variant<peer_id, std::string> find_peer(const session& at, const peer_selec
     return "no peer " + to_string(*x.id) + " in the network `" + at.with.network +
            "`; rubicon hosts lists them";
   }
-  static_cast<void>(at.self.await_quiet([&] { return !called(at, x.name).empty(); },
-                                        [&] { return at.peer().hosts().size(); }));
+  static_cast<void>(
+      at.self.await_quiet([&] { return !called(at, x.name).empty(); },
+                          [&] { return at.peer().network().hosts.records().size(); }));
   const auto all = called(at, x.name);
   if (all.empty())
     return "no peer is named `" + x.name + "` in the network `" + at.with.network +
@@ -92,8 +93,9 @@ std::variant<peer_id, std::string> find_owner(const session& at, const peer_sele
   std::deque<scoped_subscription> watches;
   for (const auto& key : keys)
     watches.emplace_back(at, any_peer, key, [&news](const auto&) { ++news; });
-  static_cast<void>(at.self.await_quiet([&] { return !holders(at, keys).empty(); },
-                                        [&] { return news + at.peer().hosts().size(); }));
+  static_cast<void>(
+      at.self.await_quiet([&] { return !holders(at, keys).empty(); },
+                          [&] { return news + at.peer().network().hosts.records().size(); }));
   const auto all = holders(at, keys);
   if (all.empty())
     return "no peer has a tuple " + words_of(keys) + "; give its owner with --owner PEER";

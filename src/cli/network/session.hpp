@@ -26,15 +26,15 @@ struct session {
 /// ended, and is notified of changes until then.
 class scoped_subscription {
 public:
-  using callback = peer::standalone::tuple_callback;
+  using callback = peer::tuple_callback;
 
   scoped_subscription(const session& at, peer_id owner, std::string_view pattern, callback changed,
                       callback deleted = {})
       : peer_(at.peer()),
-        watch_(peer_.subscribe(owner, pattern, std::move(changed), std::move(deleted))) {}
+        watch_(peer_.tuples().subscribe(owner, pattern, std::move(changed), std::move(deleted))) {}
   ~scoped_subscription() {
     if (const auto* id = std::get_if<peis::subscription_id>(&watch_))
-      peer_.unsubscribe(*id);
+      peer_.tuples().unsubscribe(*id);
   }
   scoped_subscription(const scoped_subscription&) = delete;
   scoped_subscription& operator=(const scoped_subscription&) = delete;
@@ -44,7 +44,7 @@ public:
 
 private:
   peer::standalone& peer_;
-  peer::standalone::watch_result watch_;
+  peer::watch_result watch_;
 };
 
 /// One line on standard error.

@@ -43,10 +43,10 @@ temporary_peer::join(io::loop& where, const network_options& options) {
   peer.run_until(
       [&] {
         const bool refused = connected() && peer.links().open_links() == 0;
-        return peer.hosts().size() > 1 || !x->last_failure_.empty() || refused;
+        return peer.network().hosts.records().size() > 1 || !x->last_failure_.empty() || refused;
       },
       options.timeout);
-  if (peer.hosts().size() > 1)
+  if (peer.network().hosts.records().size() > 1)
     return x;
   if (!x->last_failure_.empty())
     return x->last_failure_;
@@ -56,12 +56,12 @@ temporary_peer::join(io::loop& where, const network_options& options) {
 }
 
 temporary_peer::~temporary_peer() {
-  if (peer_ && peer_->hosts().size() > 1)
+  if (peer_ && peer_->network().hosts.records().size() > 1)
     peer_->leave();
 }
 
 bool temporary_peer::await_host(peer_id host) {
-  return peer_->run_until([&] { return peer_->reachable(host); }, options_.timeout);
+  return peer_->run_until([&] { return peer_->network().reachable(host); }, options_.timeout);
 }
 
 bool temporary_peer::await_quiet(const std::function<bool()>& found,

@@ -26,9 +26,9 @@ constexpr duration look_for_keys_every = 100ms;
 /// Everybody but ourselves.
 std::map<peer_id, top_host> hosts_of(const session& at) {
   std::map<peer_id, top_host> all;
-  for (const auto* x : at.peer().hosts())
+  for (const auto* x : at.peer().network().hosts.records())
     all[x->id].name = x->full_name;
-  for (const auto& [host, route] : at.peer().kernel().routing().routes()) {
+  for (const auto& [host, route] : at.peer().kernel().network().routes.routes().routes()) {
     if (route.lost())
       continue;
     all[host].metric = route.hops;
@@ -65,7 +65,7 @@ private:
   }
 
   [[nodiscard]] std::size_t hosts_seen() const {
-    return at_.peer().kernel().routing().routes().size();
+    return at_.peer().kernel().network().routes.routes().routes().size();
   }
 
   [[nodiscard]] exit_status show() {
@@ -99,7 +99,7 @@ private:
   }
 
   [[nodiscard]] bool draw(const std::optional<screen>& full, bool has_shown) {
-    auto all = at_.peer().kernel().find_tuples(any_peer, "");
+    auto all = at_.peer().kernel().reader().find_all(any_peer, "");
     std::erase_if(all, [this](const auto& x) { return x->owner == at_.peer().kernel().id(); });
     const auto now = at_.peer().now();
     auto picture = seen_.look(hosts_of(at_), all, now - std::exchange(last_, now));

@@ -37,7 +37,7 @@ std::string refused(peis::cause why) {
 
 /// What others hold under a pattern now; ours describe only this command.
 found_tuples held(const session& at, peer_id owner, const std::string& pattern) {
-  auto all = at.peer().kernel().find_tuples(owner, pattern);
+  auto all = at.peer().kernel().reader().find_all(owner, pattern);
   std::erase_if(all, [&](const auto& x) { return x->owner == at.peer().kernel().id(); });
   return all;
 }
@@ -49,8 +49,9 @@ found_tuples gather(const session& at, std::optional<peer_id> owner, const std::
   const scoped_subscription watch(at, whose, pattern, [&](const auto&) { ++news; });
   if (watch.refused() != nullptr)
     return {};
-  static_cast<void>(at.self.await_quiet([&] { return !held(at, whose, pattern).empty(); },
-                                        [&] { return news + at.peer().hosts().size(); }));
+  static_cast<void>(
+      at.self.await_quiet([&] { return !held(at, whose, pattern).empty(); },
+                          [&] { return news + at.peer().network().hosts.records().size(); }));
   return held(at, whose, pattern);
 }
 
@@ -90,8 +91,8 @@ exit_status acknowledged(const session& at, peer_id owner, const std::string& ke
 
 /// Waits for a tuple of a peer that is there.
 peis::reading fetch(const session& at, peer_id owner, const std::string& key) {
-  static_cast<void>(at.peer().subscribe(owner, key));
-  return at.peer().get_tuple(owner, key, peis::read_mode::keep_old, at.with.timeout);
+  static_cast<void>(at.peer().tuples().subscribe(owner, key));
+  return at.peer().tuples().get(owner, key, peis::read_mode::keep_old, at.with.timeout);
 }
 
 exit_status show_meta(const session& at, peer_id owner, const meta_tuple& x) {
@@ -168,10 +169,10 @@ exit_status perform(const session& at, const get_tuple& x) {
   if (const auto* why = std::get_if<std::string>(&owner))
     return fail(*why);
   const auto id = std::get<peer_id>(owner);
-  const auto watch = at.peer().subscribe(id, x.key);
+  const auto watch = at.peer().tuples().subscribe(id, x.key);
   if (const auto* why = std::get_if<peis::cause>(&watch))
     return fail(refused(*why));
-  const auto found = at.peer().get_tuple(id, x.key, peis::read_mode::keep_old, at.with.timeout);
+  const auto found = at.peer().tuples().get(id, x.key, peis::read_mode::keep_old, at.with.timeout);
   if (!found)
     return fail("peer " + to_string(id) + " has no tuple `" + x.key + '`');
   return answer(at.with.json ? line_of(to_json(*found.content))
@@ -208,7 +209,7 @@ exit_status set_and_wait(const session& at, peer_id owner, const write_tuple& x,
                 ".deadline`: no proxy reports the outcome");
   is_written = true;
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
-    at.peer().set_remote_tuple(owner, x.key, peis::text_content(value), std::move(then));
+    at.peer().tuples().set_remote(owner, x.key, peis::text_content(value), std::move(then));
   });
   if (const auto status = status_of(owner, ended); status != exit_status::good)
     return status;
@@ -268,13 +269,13 @@ exit_status perform(const session& at, const write_tuple& x) {
     return set_and_wait(at, owner, x, value.octets);
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
     if (x.append)
-      at.peer().append_tuple(peis::prototype_of(owner, *peis::key::parse(x.key)),
-                             to_bytes(value.octets), std::move(then));
+      at.peer().tuples().append(peis::prototype_of(owner, *peis::key::parse(x.key)),
+                                to_bytes(value.octets), std::move(then));
     else
-      at.peer().set_remote_tuple(owner, x.key,
-                                 value.is_text ? peis::text_content(value.octets)
-                                               : peis::binary_content(to_bytes(value.octets)),
-                                 std::move(then));
+      at.peer().tuples().set_remote(owner, x.key,
+                                    value.is_text ? peis::text_content(value.octets)
+                                                  : peis::binary_content(to_bytes(value.octets)),
+                                    std::move(then));
   });
   return acknowledged(at, owner, x.key, ended);
 }
@@ -285,7 +286,7 @@ exit_status perform(const session& at, const delete_tuple& x) {
     return fail(*why);
   const auto owner = std::get<peer_id>(found);
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
-    at.peer().delete_remote_tuple(owner, x.key, std::move(then));
+    at.peer().tuples().remove_remote(owner, x.key, std::move(then));
   });
   return acknowledged(at, owner, x.key, ended);
 }
@@ -311,7 +312,7 @@ exit_status perform(const session& at, const meta_tuple& x) {
     reference = peis::meta_target{whose, *peis::key::parse(*x.target)};
   }
   const auto ended = at.peer().await(at.with.timeout, [&](auto then) {
-    at.peer().set_remote_tuple(owner, x.key, peis::meta_content(reference), std::move(then));
+    at.peer().tuples().set_remote(owner, x.key, peis::meta_content(reference), std::move(then));
   });
   return acknowledged(at, owner, x.key, ended);
 }

@@ -40,12 +40,12 @@ struct seen_device {
 };
 RUBICON_FIELDS(seen_device, address, strength_dbm);
 
-/// The adapter is to look who is there: on_scan() tells.
+/// The adapter is to scan: the result comes to on_scan().
 struct scan_adapter {
   std::string adapter;
 };
 
-/// A HELLO connection is wanted: on_answer() tells how it went.
+/// A HELLO connection is wanted: the answer comes to on_answer().
 struct ask_device {
   std::string adapter;
   bluetooth_address address;

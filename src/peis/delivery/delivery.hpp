@@ -43,7 +43,7 @@ struct delivery_config {
   unsigned tries_max = 5; ///< to send a message from its first fragment
 };
 
-/// A message on its way, also as the owner gets it back when it has ended.
+/// A message in flight, also as the owner gets it back when it has ended.
 struct reliable_message {
   peer_id source;
   peer_id destination;
@@ -124,7 +124,7 @@ public:
   /// begin_anew() is due.
   [[nodiscard]] std::set<peer_id> take_stale() { return std::exchange(stale_, {}); }
 
-  /// Whom a package in flight is for; nobody, if it is no longer wanted.
+  /// The destination of a package in flight; none, if it is no longer wanted.
   [[nodiscard]] std::optional<peer_id> destination_of(std::int32_t ack_id) const;
 
   /// Gives up everything for a destination. @returns the messages, oldest first

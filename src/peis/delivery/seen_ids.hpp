@@ -39,7 +39,7 @@ private:
   void forget_one();
 
   std::size_t memory_;
-  /// Whoever does not know it cannot choose ids that meet in the table.
+  /// A sender that does not know it cannot choose ids that meet in the table.
   std::uint64_t secret_;
   /// Open addressing over source and id in one word; 0 marks a free slot.
   std::vector<std::uint64_t> slots_;

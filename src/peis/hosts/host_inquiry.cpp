@@ -51,9 +51,9 @@ void host_inquiry::ask_due(instant now) {
   }
 }
 
-/// The first question is for everybody on the way. Where caches mislead, the incarnation itself is
-/// asked for: by its magic number, which a real kernel on the way passes on (but does not answer
-/// either), and in a message of one fragment, which nobody on the way looks into.
+/// The first question is for all hosts on the route. Where caches mislead, the incarnation itself
+/// is asked for: by its magic number, which a real kernel on the route passes on (but does not
+/// answer either), and in a message of one fragment, which no host on the route looks into.
 void host_inquiry::ask_about(const stranger_table::question& x) {
   if (!x.misled || x.before % 2 == 1)
     ask(x.host, any_magic, false);

@@ -28,7 +28,7 @@ public:
 
   void note_stranger(peer_id id, instant now);
   void forget(peer_id id) { strangers_.forget(id); }
-  /// Somebody remembers another incarnation of it.
+  /// A host remembers another incarnation of it.
   void mislead(peer_id id, instant now) { strangers_.mislead(id, now); }
   void review(instant now); ///< finds what was missed at a change
   void ask_due(instant now);

@@ -33,7 +33,7 @@ kernel_clients::outputs kernel_clients::watch_subscribers(client_id who, std::st
 
 kernel_clients::outputs kernel_clients::watch_clock(client_id who, const kernel& of) {
   clock_watchers_.push_back(who);
-  return {tell_clock{who, of.clock().offset()}};
+  return {clock_notice{who, of.network().clock.offset()}};
 }
 
 kernel_clients::outputs kernel_clients::forget(client_id who) {
@@ -55,27 +55,27 @@ kernel_clients::outputs kernel_clients::forget(client_id who) {
 }
 
 kernel_clients::outputs kernel_clients::on(const tuple_changed& x) const {
-  return tell_watch(x.subscription, x.content, false, x.content->from);
+  return notify_watch(x.subscription, x.content, false, x.content->from);
 }
 
 kernel_clients::outputs kernel_clients::on(const tuple_deleted& x) const {
-  return tell_watch(x.subscription, x.content, true, x.from);
+  return notify_watch(x.subscription, x.content, true, x.from);
 }
 
-kernel_clients::outputs kernel_clients::tell_watch(subscription_id which,
-                                                   const tuple_pointer& content, bool gone,
-                                                   provenance from) const {
+kernel_clients::outputs kernel_clients::notify_watch(subscription_id which,
+                                                     const tuple_pointer& content, bool gone,
+                                                     provenance from) const {
   const auto found = watches_.find(which);
   if (found == watches_.end())
     return {};
-  return {tell_tuple{found->second.client, found->second.name, content, gone, from}};
+  return {tuple_notice{found->second.client, found->second.name, content, gone, from}};
 }
 
 kernel_clients::outputs kernel_clients::on(message x) const {
   const auto found = ports_.find(x.port);
   if (found == ports_.end())
     return {};
-  return {tell_message{found->second, x.source, x.port, std::move(x.octets), x.from}};
+  return {message_notice{found->second, x.source, x.port, std::move(x.octets), x.from}};
 }
 
 kernel_clients::outputs kernel_clients::on(const outcome& x) {
@@ -84,39 +84,39 @@ kernel_clients::outputs kernel_clients::on(const outcome& x) {
     return {};
   const auto asked = found->second;
   requests_.erase(found);
-  return {tell_outcome{asked.client, asked.name, x.success, x.why, asked.from}};
+  return {outcome_notice{asked.client, asked.name, x.success, x.why, asked.from}};
 }
 
 kernel_clients::outputs kernel_clients::review(const kernel& x, instant now) {
   outputs out;
   review_subscribers(x, now, out);
-  const auto offset = x.clock().offset();
-  if (std::exchange(clock_told_, offset) != offset) {
+  const auto offset = x.network().clock.offset();
+  if (std::exchange(clock_sent_, offset) != offset) {
     for (const auto who : clock_watchers_)
-      out.emplace_back(tell_clock{who, offset});
+      out.emplace_back(clock_notice{who, offset});
   }
   return out;
 }
 
 void kernel_clients::review_subscribers(const kernel& x, instant now, outputs& out) {
-  const auto version = x.subscribers_version();
+  const auto version = x.reader().subscribers_version();
   if (!subscribers_watcher_ || subscribers_version_ == version)
     return;
   const bool first = !subscribers_version_;
-  const auto count = subscribers_told_.size();
-  const auto next = subscribers_told_at_ + 10us * count;
+  const auto count = subscribers_sent_.size();
+  const auto next = subscribers_sent_at_ + 10us * count;
   if (!first && count > keys_unpaced && now < next) {
     subscribers_due_ = next;
     return;
   }
   subscribers_due_.reset();
-  subscribers_told_at_ = now;
+  subscribers_sent_at_ = now;
   subscribers_version_ = version;
-  const auto keys = x.subscribed(subscribers_first_part_);
-  if (!first && std::ranges::equal(keys, subscribers_told_))
+  const auto keys = x.reader().subscribed(subscribers_first_part_);
+  if (!first && std::ranges::equal(keys, subscribers_sent_))
     return;
-  subscribers_told_.assign(keys.begin(), keys.end());
-  out.emplace_back(tell_subscribers{*subscribers_watcher_, subscribers_told_});
+  subscribers_sent_.assign(keys.begin(), keys.end());
+  out.emplace_back(subscribers_notice{*subscribers_watcher_, subscribers_sent_});
 }
 
 } // namespace rubicon::peis

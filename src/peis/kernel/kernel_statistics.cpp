@@ -112,7 +112,7 @@ std::uint64_t kernel_statistics::version_of(kind which, const tuple_space& tuple
   return which == kind::all_keys ? tuples.own_keys_version() : 0;
 }
 
-/// Also for those that nobody watches.
+/// Also for those that are not watched.
 std::optional<instant> kernel_statistics::due_at(kind which, const tuple_space& tuples) const {
   const auto& x = items_[static_cast<std::size_t>(which)];
   const bool when_changed = which == kind::subscribers || which == kind::all_keys;

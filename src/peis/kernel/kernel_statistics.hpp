@@ -1,4 +1,4 @@
-// The tuples in which a kernel tells how it does (docs/peis-wire.md 18, TUP-22, SCH-06).
+// The tuples in which a kernel reports its state (docs/peis-wire.md 18, TUP-22, SCH-06).
 #pragma once
 
 #include <array>
@@ -17,11 +17,12 @@
 namespace rubicon::peis {
 
 /// kernel.step-time, .traffic, .connections (each 5 s), .routingTable (10 s), .subscribers and
-/// .all-keys (when changed, at most once a second; real kernels tell each change of keys at once).
+/// .all-keys (when changed, at most once a second; real kernels report each change of keys at
+/// once).
 ///
-/// A real kernel computes them always. Here one is computed when it is due and somebody watches it,
-/// or when somebody looks at it and it is older than its period: rates are then those since the
-/// time before. Nobody watching, there is no deadline.
+/// A real kernel computes them always. Here one is computed when it is due and watched, or when it
+/// is read and older than its period: rates are then those since the time before. Without watchers
+/// there is no deadline.
 class kernel_statistics {
 public:
   using texts = std::vector<std::pair<key, std::string>>;
@@ -43,7 +44,7 @@ public:
   /// Those that are watched and due.
   [[nodiscard]] texts due(const p2p& network, const tuple_space& tuples, instant now);
 
-  /// Those of a pattern that nobody watches and whose values are too old for somebody who looks.
+  /// Those of a pattern that are not watched and whose values are too old for a reader.
   [[nodiscard]] texts stale(const key& pattern, const p2p& network, const tuple_space& tuples,
                             instant now);
 
@@ -55,9 +56,9 @@ private:
     key name;
     duration period{};
     instant computed;
-    std::uint64_t version = 0; ///< of what it was computed from, if told when changed
+    std::uint64_t version = 0; ///< of what it was computed from, if sent when changed
     bool watched = false;
-    std::size_t size = 0; ///< of the last text: who is long is told less often
+    std::size_t size = 0; ///< of the last text: a long one is sent less often
   };
   struct octets {
     std::uint64_t in = 0;

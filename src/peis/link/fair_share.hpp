@@ -49,7 +49,7 @@ public:
       pool_->remove(host, amount);
   }
 
-  /// Takes it for what no host can be told from: nobody's share, but of the limit.
+  /// Takes it for what has no known host: no host's share, but of the limit.
   void reserve(std::size_t amount) {
     total_ += amount;
     if (pool_)
@@ -63,7 +63,7 @@ public:
       pool_->release(amount);
   }
 
-  /// What of the limit nobody has taken.
+  /// What of the limit is free.
   [[nodiscard]] std::size_t free() const {
     const auto here = limit_ - std::min(limit_, total_);
     return pool_ ? std::min(here, pool_->free()) : here;

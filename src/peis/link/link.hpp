@@ -45,7 +45,7 @@ struct received_package {
 };
 
 /// Cuts a stream that arrives in arbitrary pieces into what it consists of. Holds at most one
-/// incomplete package, and what keep_rest() was told to keep.
+/// incomplete package, and what keep_rest() keeps.
 ///
 ///   feed(piece); while (auto x = next()) ...; if (broken()) close the link
 class stream_decoder {

@@ -10,11 +10,11 @@
 namespace rubicon::peis {
 
 /// Work in units of about a microsecond on the machine of docs/benchmarks.md. What every package
-/// costs is one unit; whoever does more for one (a push for each tuple that matches, a walk over
-/// all hosts) adds what that takes.
+/// costs is one unit; a class that does more for one (a push for each tuple that matches, a walk
+/// over all hosts) adds what that takes.
 using work_units = std::uint64_t;
 
-/// Adds up what the calls of a core cost, for the owner to charge to whoever caused it:
+/// Adds up what the calls of a core cost, for the owner to charge to the neighbour that caused it:
 ///
 ///   work_.add(matches.size());                        in the core
 ///   network_.charge(x.from, tuples_.take_work(), now);  in its owner, after each call

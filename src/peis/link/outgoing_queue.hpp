@@ -31,7 +31,7 @@ struct message_octets {
 
 /// A package whose data is a part of a message: all from `offset` on that one package can carry.
 struct outgoing_package {
-  package_header header; ///< without length and counter: encode() tells them
+  package_header header; ///< without length and counter: encode() has them as arguments
   std::shared_ptr<const message_octets> content;
   std::size_t offset = 0; ///< at most the content's size
   provenance from = {};

@@ -1,4 +1,4 @@
-// Hosts that can be reached though nobody has told who they are now, and when each is asked about
+// Hosts that can be reached but are not described now, and when each is asked about
 // (docs/peis-wire.md 10).
 #pragma once
 
@@ -18,7 +18,7 @@ public:
   struct question {
     peer_id host;
     unsigned before = 0; ///< times that it has been asked about
-    bool misled = false; ///< somebody remembers another incarnation of it
+    bool misled = false; ///< a host remembers another incarnation of it
   };
 
   stranger_table() = default;
@@ -28,7 +28,7 @@ public:
   void note(peer_id host, bool misled, instant now);
   void forget(peer_id host);
 
-  /// Somebody remembers another incarnation of it: it is asked about anew, once.
+  /// A host remembers another incarnation of it: it is asked about anew, once.
   void mislead(peer_id host, instant now);
 
   [[nodiscard]] bool contains(peer_id host) const { return strangers_.contains(host); }

@@ -18,7 +18,7 @@ public:
   /// @param hosts_max further ones are not measured
   traffic_meter(std::size_t hosts_max, instant now) : hosts_max_(hosts_max), measured_(now) {}
 
-  /// What goes to one peer, whoever sent it, without the network's own services (CM-02).
+  /// What goes to one peer, from all senders, without the network's own services (CM-02).
   void count(const outgoing_package& x);
 
   /// To be called now and then, with what has been counted since.

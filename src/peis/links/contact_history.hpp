@@ -15,7 +15,7 @@
 namespace rubicon::peis {
 
 /// A host is tried ever more rarely, one that refuses links together with others of its machine.
-/// Whoever announces hosts that nobody has met may have us dial any address: of each sender of
+/// A peer that announces unknown hosts may have us dial any address: of each sender of
 /// announcements we follow a few, then one in dial_cost seconds.
 class contact_history {
 public:

@@ -65,11 +65,11 @@ std::vector<std::string> dialler::urls_to(const host_record& other) const {
     seen.host_name.clear(); // as one of another host
   std::erase_if(seen.addresses, [this](const auto& x) { return !may_dial(x); });
   auto own = own_.self;
-  own.addresses = own_.config.addresses; // a leaf tells others less
+  own.addresses = own_.config.addresses; // a leaf describes less of itself
   return connectable_urls(own, seen, adapters_);
 }
 
-/// What others tell is followed into listed networks only.
+/// Addresses that others send are tried in listed networks only.
 bool dialler::may_dial(const low_level_address& x) const {
   const auto& networks = own_.config.connections.networks;
   using kind = low_level_address::kind;
@@ -130,7 +130,7 @@ void dialler::on_record(const connection& x, const host_record& record, bool own
     return;
   auto& address = standing_[*standing];
   if (own_word && x.tried_for && record.id != *x.tried_for) {
-    address.link.reset(); // somebody else lives where its host was
+    address.link.reset(); // another peer is where its host was
     address.next = now + own_.config.connections.always_retry_max;
   } else if (!cached || !x.neighbour) {
     address.host = x.neighbour.value_or(record.id); // a referral begins with who refers
@@ -187,7 +187,7 @@ void dialler::dial_standing(const occasion& x) {
   }
 }
 
-/// Another address of whoever answered there last: it may have come back on another port.
+/// Another address of the peer that answered there last: it may have come back on another port.
 std::optional<std::string> dialler::other_address(const standing_address& x) {
   const auto* record = x.host ? hosts_.last_record_of(*x.host) : nullptr;
   auto urls = record == nullptr ? std::vector<std::string>() : urls_to(*record);

@@ -57,7 +57,7 @@ public:
   // Links of addresses that are kept.
   /// Which address the link is of.
   [[nodiscard]] std::optional<std::size_t> standing_of(link_id link) const;
-  /// Whoever is at its other end has described itself, or others (`cached`).
+  /// The peer at its other end has described itself, or others (`cached`).
   void on_record(const connection& x, const host_record& record, bool own_word, bool cached,
                  instant now);
   void on_link_closed(link_id link, instant now);

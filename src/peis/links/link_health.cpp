@@ -52,17 +52,17 @@ std::vector<std::pair<link_id, close_cause>> link_health::take_silent(instant no
   return silent;
 }
 
-bool link_health::can_be_doubted(const connection& x) const {
+bool link_health::can_be_suspected(const connection& x) const {
   return x.open && x.named && !is_marked(x);
 }
 
-instant link_health::doubt_begins(const connection& x) const {
+instant link_health::suspicion_begins(const connection& x) const {
   const auto silent = x.in.last_octets + own_.config.sign_after + own_.config.sign_timeout;
   return x.out.unreported > 0 ? std::min(silent, x.out.drained + own_.config.sign_timeout) : silent;
 }
 
-bool link_health::is_doubtful(const connection& x, instant now) const {
-  return can_be_doubted(x) && doubt_begins(x) <= now;
+bool link_health::is_suspect(const connection& x, instant now) const {
+  return can_be_suspected(x) && suspicion_begins(x) <= now;
 }
 
 instant link_health::asks_at(const connection& x) const {
@@ -70,38 +70,38 @@ instant link_health::asks_at(const connection& x) const {
 }
 
 /// When there is something to do about a link: to ask for a sign of life, or to try another.
-instant link_health::next_doubt_of(const connection& x) const {
-  return std::min(asks_at(x), std::max(doubt_begins(x), x.signs.next_beside));
+instant link_health::next_suspicion_of(const connection& x) const {
+  return std::min(asks_at(x), std::max(suspicion_begins(x), x.signs.next_beside));
 }
 
-void link_health::watch_doubt(const connection& x) {
-  if (can_be_doubted(x))
-    next_doubt_ = earliest(next_doubt_, next_doubt_of(x));
+void link_health::watch_suspicion(const connection& x) {
+  if (can_be_suspected(x))
+    next_suspicion_ = earliest(next_suspicion_, next_suspicion_of(x));
 }
 
-link_health::doubts link_health::take_doubts(instant now) {
-  if (!next_doubt_ || *next_doubt_ > now)
+link_health::suspects link_health::take_suspects(instant now) {
+  if (!next_suspicion_ || *next_suspicion_ > now)
     return {};
-  next_doubt_.reset();
-  doubts due;
+  next_suspicion_.reset();
+  suspects due;
   for (auto& [link, x] : links_.all()) {
-    if (!can_be_doubted(x))
+    if (!can_be_suspected(x))
       continue;
     if (asks_at(x) <= now) {
       x.signs.asked = now;
       due.ask.push_back(link);
     }
-    if (std::max(doubt_begins(x), x.signs.next_beside) <= now) {
+    if (std::max(suspicion_begins(x), x.signs.next_beside) <= now) {
       x.signs.next_beside = now + beside_gap;
       due.beside.push_back(link);
     }
-    watch_doubt(x);
+    watch_suspicion(x);
   }
   return due;
 }
 
 std::optional<instant> link_health::deadline() const {
-  return own_.left ? next_silence_check_ : earliest(next_silence_check_, next_doubt_);
+  return own_.left ? next_silence_check_ : earliest(next_silence_check_, next_suspicion_);
 }
 
 } // namespace rubicon::peis

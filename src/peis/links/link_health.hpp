@@ -1,4 +1,4 @@
-// Links that may be dead: those that are silent, and those to real kernels that are in doubt.
+// Links that may be dead: those that are silent, and those to real kernels that are suspect.
 #pragma once
 
 #include <optional>
@@ -28,14 +28,14 @@ public:
   /// Links that are silent now, or do not let anything leave: they are to be closed.
   [[nodiscard]] std::vector<std::pair<link_id, close_cause>> take_silent(instant now);
 
-  [[nodiscard]] bool can_be_doubted(const connection& x) const;
-  [[nodiscard]] bool is_doubtful(const connection& x, instant now) const;
-  void watch_doubt(const connection& x);
-  struct doubts {
+  [[nodiscard]] bool can_be_suspected(const connection& x) const;
+  [[nodiscard]] bool is_suspect(const connection& x, instant now) const;
+  void watch_suspicion(const connection& x);
+  struct suspects {
     std::vector<link_id> ask;    ///< a sign of life is to be asked for
     std::vector<link_id> beside; ///< another link is to be tried
   };
-  [[nodiscard]] doubts take_doubts(instant now);
+  [[nodiscard]] suspects take_suspects(instant now);
 
   [[nodiscard]] std::optional<instant> deadline() const;
 
@@ -43,15 +43,15 @@ private:
   [[nodiscard]] duration patience(const connection& x) const;
   [[nodiscard]] instant silence_deadline(const connection& x) const;
   [[nodiscard]] instant drain_deadline(const connection& x) const;
-  [[nodiscard]] instant doubt_begins(const connection& x) const;
+  [[nodiscard]] instant suspicion_begins(const connection& x) const;
   [[nodiscard]] instant asks_at(const connection& x) const;
-  [[nodiscard]] instant next_doubt_of(const connection& x) const;
+  [[nodiscard]] instant next_suspicion_of(const connection& x) const;
 
   const own_peer& own_;
   link_table& links_;
   const host_table& hosts_;
   std::optional<instant> next_silence_check_;
-  std::optional<instant> next_doubt_;
+  std::optional<instant> next_suspicion_;
 };
 
 } // namespace rubicon::peis

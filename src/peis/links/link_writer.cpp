@@ -81,7 +81,7 @@ void link_writer::hand_out(connection& to, bytes octets, instant now, events& ou
   to.out.drained = waited ? to.out.drained : now;
   to.out.unreported += own_.config.link_window == 0 ? 0 : octets.size();
   if (!waited)
-    health_.watch_doubt(to);
+    health_.watch_suspicion(to);
   out.push_back(to_link{to.id, std::move(octets)});
 }
 

@@ -26,7 +26,7 @@ public:
 
   /// A package of the network's own for the other end of a link.
   void send_to_neighbour(connection& to, std::uint16_t port, bytes data, link_id origin);
-  /// A package of the network's own for one host, which nobody waits for.
+  /// A package of the network's own for one host, which no caller waits for.
   void send_to_host(peer_id to, link_id hop, lane where, std::uint16_t port, bytes data,
                     link_id origin);
 

@@ -39,14 +39,14 @@ bool simulated_bluetooth::hear(const adapter& a, const adapter& b) const {
   return a.dark.empty() && b.dark.empty() && distance_m(a.place, b.place) <= medium_.range_m;
 }
 
-/// In whole dBm, as adapters tell it.
+/// In whole dBm, as adapters report it.
 int simulated_bluetooth::strength_dbm(const adapter& a, const adapter& b) const {
   const auto metres = std::max(distance_m(a.place, b.place), 1.0);
   const auto loss_db = medium_.reference_db + 10 * medium_.exponent * math::log10(metres);
   return static_cast<int>(std::lround(-loss_db));
 }
 
-/// Links whose ends hear each other no more, or one of which has ended, are closed.
+/// Links whose ends are out of range, or one of which has ended, are closed.
 simulated_bluetooth::outputs simulated_bluetooth::settle_links() {
   outputs out;
   std::erase_if(links_, [&](const auto& entry) {
@@ -126,7 +126,7 @@ simulated_bluetooth::outputs simulated_bluetooth::scan(station_id station,
   return {std::move(seen)};
 }
 
-/// An adapter that can be heard from another and that somebody announces; nullptr if it is not so.
+/// An adapter in the range of another, with a station that announces; nullptr if it is not so.
 const simulated_bluetooth::adapter*
 simulated_bluetooth::announced(const adapter& from, const bluetooth_address& address) const {
   const auto to = adapters_.find(address);

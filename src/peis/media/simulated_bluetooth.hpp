@@ -48,7 +48,7 @@ struct hello_heard {
   say_hello question; ///< as given
 };
 
-/// Nobody is there who answers.
+/// No station answers.
 struct hello_unheard {
   station_id station;
   say_hello question; ///< as given
@@ -84,14 +84,14 @@ public:
 
   [[nodiscard]] outputs scan(station_id station, const std::string& adapter) const;
 
-  /// All who share the adapter asked for hear of it, if one of them announces.
+  /// All that share the adapter asked for are notified, if one of them announces.
   [[nodiscard]] outputs hello(station_id station, const say_hello& question) const;
 
   /// Asks for a link to who takes them at that port of an adapter.
   [[nodiscard]] outputs connect(station_id station, attempt_id attempt, const bluetooth_address& to,
                                 std::uint16_t port);
 
-  /// One end has closed a link, and tells the other end itself.
+  /// One end has closed a link, and notifies the other end itself.
   void end_link(link_id link) { links_.erase(link); }
 
   [[nodiscard]] outputs set_power(station_id station, bool on);

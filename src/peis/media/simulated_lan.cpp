@@ -28,8 +28,8 @@ link_condition simulated_lan::condition_between(const process& a, const process&
   return x;
 }
 
-/// Tells the ends of a link what has changed for them: another condition, or that the process at
-/// the far end is gone, if the computer there still says so.
+/// Notifies the ends of a link of what has changed for them: another condition, or that the process
+/// at the far end is gone, if the computer there still says so.
 /// @returns whether the link is no more
 bool simulated_lan::settle(link_id number, connection& x, outputs& out) const {
   const auto& a = stations_.at(x.initiator);
@@ -73,7 +73,7 @@ simulated_lan::outputs simulated_lan::end(station_id station) {
   return settle_links();
 }
 
-/// Whether a computer where nobody listens can say so.
+/// Whether a computer without listener can refuse.
 bool simulated_lan::can_refuse(const process& from, peer_id id) const {
   const bool powered = std::ranges::none_of(
       stations_, [id](const auto& x) { return x.second.id == id && !x.second.powered; });

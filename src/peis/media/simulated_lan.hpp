@@ -15,7 +15,7 @@
 
 namespace rubicon::peis {
 
-/// A datagram for all that hear arrives.
+/// A datagram for all that receive announcements arrives.
 struct announcement_heard {
   station_id station;
   payload octets;
@@ -28,15 +28,15 @@ struct condition_set {
   link_condition condition;
 };
 
-/// Peers of two different groups do not hear each other; those in none are a group. Between any two
-/// of `lossy`, or between all if it is empty, packages are lost.
+/// Peers of two different groups do not receive each other's packets; those in none are a group.
+/// Between any two of `lossy`, or between all if it is empty, packages are lost.
 struct lan_fault {
   std::vector<std::vector<peer_id>> groups; ///< empty: no partition
   double loss = 0;                          ///< 0..1; those of several faults add up
   std::vector<peer_id> lossy;
 };
 
-/// What it tells takes the network's delay, but for condition_set, which is no message.
+/// What it sends takes the network's delay, but for condition_set, which is no message.
 class simulated_lan {
 public:
   using output =
@@ -51,17 +51,17 @@ public:
   /// @param hears announcements
   void join(station_id station, peer_id id, bool hears);
 
-  /// The process has ended. Its links are reset, as soon as its computer can tell.
+  /// The process has ended. Its links are reset, as soon as its computer can send.
   [[nodiscard]] outputs end(station_id station);
 
   /// Asks for a link to that peer: of two processes with one id to the older, never to itself.
   /// Nothing comes of it if the network carries nothing between them.
   [[nodiscard]] outputs connect(station_id station, attempt_id attempt, peer_id to);
 
-  /// For all others that hear.
+  /// For all others that receive announcements.
   [[nodiscard]] outputs announce(station_id station, const payload& octets);
 
-  /// One end has closed a link, and tells the other end itself.
+  /// One end has closed a link, and notifies the other end itself.
   void end_link(link_id link) { links_.erase(link); }
 
   /// A computer without power says nothing, not even that a process has ended.
@@ -72,7 +72,7 @@ public:
   [[nodiscard]] outputs end_fault(std::uint64_t name);
 
 private:
-  /// It stays here after its end as long as somebody has a link to it.
+  /// It stays here after its end as long as a station has a link to it.
   struct process {
     peer_id id;
     bool hears = true;
@@ -82,7 +82,7 @@ private:
   struct connection {
     station_id initiator;
     station_id acceptor;
-    link_condition condition; ///< as the ends have been told
+    link_condition condition; ///< as the ends have been notified
   };
   struct fault {
     std::map<peer_id, std::size_t> groups; ///< empty: no partition

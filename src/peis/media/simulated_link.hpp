@@ -55,7 +55,8 @@ public:
   /// @param rng says which packages are lost; a connect request never is
   [[nodiscard]] outputs send(payload octets, instant now, random_stream& rng);
 
-  /// When the far end hears that this one was closed: after all that was sent. nullopt: never.
+  /// When the far end is notified that this one was closed: after all that was sent. nullopt:
+  /// never.
   [[nodiscard]] std::optional<instant> close(instant now) const;
 
 private:

@@ -1,4 +1,4 @@
-// What simulated media of links, LAN and Bluetooth, tell the processes that use them.
+// What simulated media of links, LAN and Bluetooth, send the processes that use them.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +22,10 @@ struct link_condition {
 };
 RUBICON_FIELDS(link_condition, cut, loss);
 
-/// A link is up. Told to the acceptor first: it must know the link before the initiator's first
+/// A link is up. Sent to the acceptor first: it must know the link before the initiator's first
 /// octets arrive.
 struct link_made {
-  station_id station; ///< who hears of it, as in all that follow
+  station_id station; ///< the receiver, as in all that follow
   station_id other;   ///< the far end
   link_id link;
   link_role role = link_role::initiator;
@@ -33,7 +33,7 @@ struct link_made {
   link_condition condition = {};
 };
 
-/// Nobody took the link that was asked for.
+/// No station accepted the link that was asked for.
 struct link_refused {
   station_id station;
   attempt_id attempt;

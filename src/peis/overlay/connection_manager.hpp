@@ -22,9 +22,9 @@ namespace rubicon::peis {
 struct connection_config {
   /// Links to these addresses are always kept (AUT-01): `tcp://host:port`, `inproc://id`, ...
   std::vector<std::string> always;
-  /// Where to ask for the others while there is no route to whoever answers there (TCP-07).
+  /// Where to ask for the others while there is no route to the peer that answers there (TCP-07).
   std::vector<std::string> seeds;
-  /// Addresses that others tell are tried in these only; empty: anywhere.
+  /// Addresses that others send are tried in these only; empty: anywhere.
   std::vector<ipv4_network> networks;
   bool leaf = false;     ///< only links of `always` and within the host (LEA-01)
   bool manager = true;   ///< false: only links of `always` and `seeds` (CM-12)
@@ -57,7 +57,7 @@ struct link_option {
 /// A host without link that can be tried now.
 struct host_option {
   peer_id host;
-  unsigned metric = 0;      ///< over the present way
+  unsigned metric = 0;      ///< over the present route
   unsigned direct = 0;      ///< estimated, over a link of our own
   unsigned connections = 0; ///< that it says it has
 };

@@ -7,7 +7,7 @@ namespace rubicon::peis {
 
 namespace {
 
-constexpr duration unreachable_for = 60s; // a host that nobody mentions any more is forgotten
+constexpr duration unreachable_for = 60s; // a host that no peer mentions any more is forgotten
 constexpr work_units room_work = 50;      // of a search for room
 constexpr duration room_gap = 100ms;      // before another search for the same link
 constexpr duration former_for = 10min;    // a lost host is looked for as long as this
@@ -28,7 +28,7 @@ const host_entry* host_table::find(peer_id id) const {
   return known == hosts_.end() ? nullptr : &known->second;
 }
 
-/// Half of the table is anybody's; beyond, what each link has brought must be counted.
+/// Half of the table is for all links; beyond, what each link has brought must be counted.
 bool host_table::has_room_for(link_id from) {
   const auto max = own_.config.tables.hosts;
   if (hosts_.size() < max / 2)

@@ -32,7 +32,7 @@ struct host_entry {
   host_record record;
   bool announced = false;         ///< host_appeared was an output
   bool forgotten = false;         ///< we had given it up, what it wanted included
-  instant last_record;            ///< or announcement, whoever sent it
+  instant last_record;            ///< or announcement, from any sender
   instant own_word;               ///< when it last described itself
   std::int32_t before = 0;        ///< magic of the incarnation that this one has followed; 0: none
   std::optional<instant> lost;    ///< there has been no route to it since
@@ -62,7 +62,7 @@ public:
   /// Another incarnation takes the place of one that was erased.
   void replace(peer_id id, link_id from) { hosts_[id].from = from; }
   void erase(peer_id id);
-  void expire(instant now); ///< hosts that nobody mentions any more
+  void expire(instant now); ///< hosts that no peer mentions any more
 
   void note_announced(host_entry& x);
   void note_lost(peer_id id, instant now); ///< unless there is a route

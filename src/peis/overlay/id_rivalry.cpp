@@ -21,7 +21,7 @@ constexpr duration away_max = 2min;
 
 id_rivalry::outputs id_rivalry::note(const host_record& other, instant now) {
   outputs out;
-  if (std::exchange(told_, other.magic) != other.magic)
+  if (std::exchange(reported_, other.magic) != other.magic)
     out.emplace_back(id_taken{other.full_name, {}});
   if (away_until_)
     away_until_ = std::max(*away_until_, now + away_first);
@@ -57,7 +57,7 @@ id_rivalry::outputs id_rivalry::on_time(instant now) {
   if (away_until_ && *away_until_ <= now) {
     away_until_.reset();
     joined_ = now;
-    told_.reset(); // told again if it is still there
+    reported_.reset(); // reported again if it is still there
     out.emplace_back(id_regained{});
   }
   if (!other_)

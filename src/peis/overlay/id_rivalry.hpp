@@ -2,10 +2,10 @@
 // long.
 //
 // A magic number that has been followed by another one never returns unless two live peers share an
-// id. Who notices tells both, with the record of the other; they settle it between them by a rule
-// that both can follow: who has come to the network lately leaves, of two alike the one with the
-// higher magic number. A peer that cannot leave, being no Rubicon peer, is left the id. Who has
-// left tries again after a while, as a newcomer, and so takes over when the other is gone.
+// id. A peer that notices notifies both, with the record of the other; they settle it between them
+// by a rule that both can follow: who has come to the network lately leaves, of two alike the one
+// with the higher magic number. A peer that cannot leave, being no Rubicon peer, is left the id.
+// Who has left tries again after a while, as a newcomer, and so takes over when the other is gone.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ struct id_regained {};
 
 class id_rivalry {
 public:
-  /// An id_taken with `stays_away` means: keep off the network, without a goodbye, which would be
-  /// taken for the other's. id_regained follows.
+  /// An id_taken with `stays_away` means: keep off the network, without a message of exit, which
+  /// would be taken for the other's. id_regained follows.
   using output = std::variant<id_taken, id_regained>;
   using outputs = std::vector<output>;
 
@@ -58,8 +58,8 @@ private:
   [[nodiscard]] std::optional<instant> yields_at() const;
 
   std::int32_t magic_ = 0;
-  instant joined_;                   ///< the network, or came back to it
-  std::optional<std::int32_t> told_; ///< magic of the last peer that was seen using our id
+  instant joined_;                       ///< the network, or came back to it
+  std::optional<std::int32_t> reported_; ///< magic of the last peer that was seen using our id
   std::optional<rival> other_;
   std::optional<instant> away_until_;
   duration away_for_{}; ///< the last time

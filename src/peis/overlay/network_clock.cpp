@@ -12,7 +12,7 @@ namespace rubicon::peis {
 namespace {
 
 constexpr duration dead_band = 500ms; // real kernels neither follow nor mind less
-constexpr duration agreement = 500us; // what measured ways leave between marked peers
+constexpr duration agreement = 500us; // what measured routes leave between marked peers
 constexpr std::int64_t in_flight_max_us = 0xffffff;
 
 } // namespace

@@ -34,11 +34,11 @@ inline constexpr duration network_time_end = std::chrono::seconds(5'680'281'600)
 [[nodiscard]] result<clock_message> decode_clock(byte_view octets, duration known);
 
 struct clock_config {
-  bool master = false;  ///< its time is everybody's, forwards and backwards
+  bool master = false;  ///< its time is that of all peers, forwards and backwards
   duration period = 2s; ///< between two broadcasts
   duration offset{};    ///< of the local clock: network time at ecology time zero
   std::int64_t ppb = 0; ///< by which the local clock runs fast, parts per billion
-  duration quiet = 7s;  ///< no broadcast for so long after a better one was heard
+  duration quiet = 7s;  ///< no broadcast for so long after a better one was received
 };
 
 /// Network time as one peer sees it. Between equals the fastest clock wins; the highest id keeps
@@ -53,11 +53,11 @@ public:
   [[nodiscard]] duration offset() const { return offset_; }
   /// Network time at an ecology time.
   [[nodiscard]] duration at(instant x) const { return x.time_since_epoch() + offset_; }
-  /// How far the last broadcast heard was from our time, after it was corrected for its way.
+  /// How far the last broadcast received was from our time, after it was corrected for its route.
   [[nodiscard]] duration last_error() const { return last_error_; }
 
   /// @param in_transit how long the message was in flight; 0 if not known
-  /// @param marked the sender is of our kind: its way is measured, so a millisecond counts
+  /// @param marked the sender is of our kind: its route is measured, so a millisecond counts
   void on_message(const clock_message& x, peer_id source, duration in_transit, bool marked,
                   instant now);
 

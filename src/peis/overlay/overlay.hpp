@@ -21,7 +21,7 @@ public:
 
   [[nodiscard]] std::optional<link_id> next_hop(peer_id destination) const;
   /// The next hop, or where packages of that host last came from: an answer does not wait for
-  /// routes to somebody who has just come (P2P-09).
+  /// routes to a host that has just come (P2P-09).
   [[nodiscard]] std::optional<link_id> any_hop(peer_id destination) const;
   [[nodiscard]] bool reachable(peer_id host) const { return next_hop(host).has_value(); }
 

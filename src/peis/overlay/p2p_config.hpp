@@ -28,7 +28,7 @@ struct table_limits {
   std::size_t answers = 4096;   ///< to questions about hosts, not acknowledged yet
   std::size_t probes = 512;
   std::size_t seen = 65536; ///< ids of packages; the link that has brought the most forgets first
-  std::uint64_t questions_per_second = 1000; ///< about hosts that nobody has described
+  std::uint64_t questions_per_second = 1000; ///< about hosts that are not described yet
   duration table_gap = 250ms; ///< between two routing tables of a link, at least, in the long run
   std::uint64_t routing_work_per_second = 100'000; ///< of all routing tables together
 };
@@ -39,12 +39,12 @@ struct p2p_config {
   std::string host_name = "local"; ///< equal names mean the same machine: link cost 1 instead of 2
   std::string network = "default"; ///< up to 62 characters; peers of other networks are refused
   std::uint32_t process = 0;       ///< in the full name, name@host!process
-  std::vector<low_level_address> addresses; ///< where we listen; up to 16, told to others
+  std::vector<low_level_address> addresses; ///< where we listen; up to 16, sent to others
   /// Network time minus ecology time. In wall mode the Unix time of the ecology's start.
   duration clock_offset = 1'000'000'000s;
   std::int64_t clock_ppb = 0; ///< by which the local clock runs fast, parts per billion
   duration clock_period = 2s;
-  bool time_master = false; ///< our clock is everybody's (CLK-06)
+  bool time_master = false; ///< our clock is that of all peers (CLK-06)
   connection_config connections;
   bluetooth_config bluetooth;
   unsigned broadcast_fanout = 0; ///< links a broadcast goes to beside those that want all; 0: all
@@ -58,7 +58,7 @@ struct p2p_config {
   std::size_t link_window = 0;
   /// In its place on a paced link: as many as a real kernel lets another acknowledge at a time.
   std::size_t paced_window = 20'000;
-  /// Links from this number on lead to other processes, which are not told of in-process addresses.
+  /// Links from this number on lead to other processes, which are sent no in-process addresses.
   link_id outside_from{std::numeric_limits<std::uint64_t>::max()};
   budget_config budget; ///< of each neighbour
   // One call handles so much work of what has come; the rest waits for on_time(), which is due at
@@ -76,14 +76,14 @@ struct p2p_config {
   // Between peers of our kind:
   duration heartbeat_period = 1s;
   duration heartbeat_timeout = 4s; ///< in place of link_timeout
-  duration lost_timeout = 3s;      ///< a host without any way is forgotten, in place of ageing
-  duration probe_timeout = 1500ms; ///< of a way that may lead in circles
+  duration lost_timeout = 3s;      ///< a host without any route is forgotten, in place of ageing
+  duration probe_timeout = 1500ms; ///< of a route that may lead in circles
   // With neighbours of another kind, which do not beat:
   duration sign_after = 3s;       ///< of silence, a sign of life is asked for
   duration sign_timeout = 3s;     ///< without one, or nothing leaving: another link is tried beside
   duration original_timeout = 2s; ///< of an attempt, in place of connections.connect_timeout
   duration handshake_timeout = 5s;
-  duration greeting_timeout = 3s; ///< of a link of ours on which nobody has ever answered
+  duration greeting_timeout = 3s; ///< of a link of ours on which no answer has ever come
   std::uint8_t metric_limit = 30;
   std::uint8_t cost_same_host = 1;
   std::uint8_t cost_other_host = 2;

@@ -1,4 +1,4 @@
-// What the peer-to-peer layer tells the kernel above it, and asks of the links below.
+// What the peer-to-peer layer reports to the kernel above it, and requests of the links below.
 #pragma once
 
 #include <cstdint>
@@ -79,7 +79,7 @@ struct delivered {
   request_id request;
 };
 
-/// A message could not be delivered. `head` and `port` tell which, for messages without request.
+/// A message could not be delivered. `head` and `port` say which, for messages without request.
 struct undelivered {
   request_id request;
   peer_id destination;
@@ -93,18 +93,18 @@ struct undelivered {
 struct traced {
   request_id request;
   peer_id destination;
-  std::vector<peer_id> way;
+  std::vector<peer_id> route;
 };
 
-/// Another live peer uses our id (RTE-08). Told once for each incarnation of it, and whenever we
-/// leave the id to it.
+/// Another live peer uses our id (RTE-08). Reported once for each incarnation of it, and whenever
+/// we leave the id to it.
 struct id_taken {
   std::string by;        ///< its full name, program@host!process
   duration stays_away{}; ///< we keep off the network so long, then try again; zero: we stay
 };
 
 /// A HELLO connection is wanted, to hello_port of a device seen by an adapter of ours. It carries
-/// who we are and brings who is there: on_hello_answer() tells, for each peer that answers.
+/// who we are and brings who is there: on_hello_answer(), for each peer that answers.
 struct say_hello {
   std::string adapter;
   bluetooth_address to;
@@ -112,7 +112,7 @@ struct say_hello {
 };
 
 /// Another computer has our host name, as two fresh installations have. From here on its peers are
-/// reached at its network addresses. Told once for each of them.
+/// reached at its network addresses. Reported once for each of them.
 struct namesake_found {
   peer_id host;
   std::string full_name; ///< program@host!process

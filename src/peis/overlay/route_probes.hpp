@@ -1,4 +1,4 @@
-// Proof of ways that may lead in circles: hosts that are to give a sign of life in time.
+// Proof of routes that may lead in circles: hosts that are to give a sign of life in time.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ struct probe_host {
   peer_id host;
 };
 
-/// It gave no sign of life: the way to it leads nowhere.
+/// It gave no sign of life: the route to it leads nowhere.
 struct way_disproved {
   peer_id host;
 };
@@ -28,7 +28,7 @@ public:
   using outputs = std::vector<output>;
 
   route_probes() = default;
-  /// @param hosts_max at a time; the ways to others are believed
+  /// @param hosts_max at a time; the routes to others are believed
   route_probes(std::size_t hosts_max, duration timeout)
       : hosts_max_(hosts_max), timeout_(timeout) {}
 

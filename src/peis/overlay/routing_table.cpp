@@ -13,15 +13,15 @@ constexpr std::uint8_t lost_first = 250;
 constexpr std::int32_t seqno_believed_max = 1 << 30; // 17 years of two sendings a second
 constexpr std::uint8_t lost_last = 253;              // after three periods (RTE-07)
 
-/// Can the offered way not lead through us, given what the last way was?
+/// Can the offered route not lead through us, given what the last route was?
 bool is_sound(const route& last, std::uint8_t last_hops, const route& offered) {
   return offered.magic != last.magic || offered.seqno > last.seqno ||
-         (offered.seqno == last.seqno && offered.told < last_hops);
+         (offered.seqno == last.seqno && offered.neighbour_hops < last_hops);
 }
 
 /// Only who lives raises its number.
-bool is_news(const route& last, const route& told) {
-  return told.magic != last.magic || told.seqno > last.seqno;
+bool is_news(const route& last, const route& offered) {
+  return offered.magic != last.magic || offered.seqno > last.seqno;
 }
 
 } // namespace
@@ -32,7 +32,7 @@ const route* routing_table::offer_in(const link_table& table, peer_id host) {
   return at != table.end() && at->first == host ? &at->second : nullptr;
 }
 
-/// What is told again is no news.
+/// What is announced again is no news.
 void routing_table::keep_age(link_table& fresh, const link_table& last) {
   auto old = last.begin();
   for (auto& [host, x] : fresh) {
@@ -73,7 +73,7 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
   keep_age(fresh, table);
   table = std::move(fresh);
 
-  // Both are sorted: one walk finds new hosts, other ways, and ways that are told no more.
+  // Both are sorted: one walk finds new hosts, other routes, and routes that are announced no more.
   routing_changes changes;
   auto room = room_for(link);
   auto known = routes_.begin();
@@ -102,8 +102,8 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
   return changes;
 }
 
-/// How many more hosts this link may bring: as many as it has ways to, at most, are free. Ways that
-/// are lost make room.
+/// How many more hosts this link may bring: as many as it has routes to, at most, are free. Routes
+/// that are lost make room.
 std::size_t routing_table::room_for(link_id link) {
   const auto unlimited = std::numeric_limits<std::size_t>::max();
   if (routes_max_ == unlimited || routes_.size() + by_link_[link].size() < routes_max_ / 2)
@@ -125,7 +125,7 @@ std::size_t routing_table::room_for(link_id link) {
 }
 
 /// A neighbour may know an earlier incarnation of ours with a higher number, which would hide our
-/// ways until we have caught up (docs/peis-wire.md 9.6).
+/// routes until we have caught up (docs/peis-wire.md 9.6).
 void routing_table::note_own(const routing_entry& entry) {
   if (entry.magic != magic_ && entry.seqno >= seqno_ && entry.seqno <= seqno_believed_max) {
     seqno_ = entry.seqno;
@@ -160,21 +160,21 @@ void routing_table::merge(link_id link, peer_id host, route& known, const route&
     changes.push_back({host, kind::reborn});
   else if (marked_.contains(host) && known.via == link && !is_sound(known, known.hops, offered) &&
            offered.hops > known.hops)
-    changes.push_back({host, kind::moved}); // the neighbour has had to take a longer way
+    changes.push_back({host, kind::moved}); // the neighbour has had to take a longer route
   take(host, known, offered);
 }
 
-/// Takes a way in place of the one that is, or was, there.
+/// Takes a route in place of the one that is, or was, there.
 void routing_table::take(peer_id host, route& known, const route& offered) {
-  const auto last_hops = known.lost() ? known.told : known.hops;
+  const auto last_hops = known.lost() ? known.neighbour_hops : known.hops;
   const bool worse = known.lost() || offered.hops > known.hops;
   if (worse && !is_sound(known, last_hops, offered))
     unsound_.insert(host);
-  const auto heard = known.news;
+  const auto received = known.news;
   const bool news = is_news(known, offered);
   known = offered;
   if (!news)
-    known.news = std::min(heard, offered.news);
+    known.news = std::min(received, offered.news);
   forget_loss(host);
 }
 
@@ -195,7 +195,7 @@ void routing_table::lose(peer_id host, route& lost, instant now, routing_changes
 
 void routing_table::let_go(peer_id host, route& lost, instant now, routing_changes& changes) {
   lost.via.reset();
-  lost.told = lost.hops; // what soundness is measured against
+  lost.neighbour_hops = lost.hops; // what soundness is measured against
   lost.hops = lost_first;
   unsound_.erase(host);
   if (marked_.contains(host))
@@ -308,7 +308,7 @@ void routing_table::dig(peer_id host, const burial& grave) {
   graves_[host] = grave;
 }
 
-void routing_table::doubt(peer_id host, std::int32_t magic, instant until) {
+void routing_table::distrust(peer_id host, std::int32_t magic, instant until) {
   std::optional<std::int32_t> newest;
   const auto consider = [&](const route* x) {
     if (x != nullptr && x->magic == magic)

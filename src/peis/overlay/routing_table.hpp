@@ -18,18 +18,18 @@
 
 namespace rubicon::peis {
 
-/// The way to one host. A lost one keeps its place until it has aged out.
+/// The route to one host. A lost one keeps its place until it has aged out.
 struct route {
   std::int32_t seqno = 0;
   std::int32_t magic = 0;
   std::uint8_t hops = 0; ///< metric below the limit; 250..253 while lost
   std::uint8_t connections = connections_unknown;
-  std::optional<link_id> via; ///< unset while lost
-  std::uint8_t told = 0;      ///< the neighbour's own metric
-  instant news;               ///< when this number of this incarnation was first told
+  std::optional<link_id> via;      ///< unset while lost
+  std::uint8_t neighbour_hops = 0; ///< the neighbour's own metric
+  instant news;                    ///< when this number of this incarnation was first received
 
   [[nodiscard]] bool lost() const { return !via; }
-  /// What is maximised when ways are compared (RTE-06): newer information, fewer hops.
+  /// What is maximised when routes are compared (RTE-06): newer information, fewer hops.
   [[nodiscard]] std::int64_t merit() const { return std::int64_t{seqno} - hops; }
 };
 
@@ -38,7 +38,7 @@ struct routing_change {
   enum class kind : std::uint8_t {
     appeared, ///< reachable, was not
     lost,     ///< not reachable, was
-    moved,    ///< the way was lost and another one taken
+    moved,    ///< the route was lost and another one taken
     reborn,   ///< reachable under another magic number than before
   };
   peer_id host;
@@ -49,8 +49,8 @@ using routing_changes = std::vector<routing_change>;
 /// The main table and one table per link: the neighbour's, with the cost of the link added. Our own
 /// entry is not in the tables; it is added when they are sent.
 ///
-/// When a way is lost, what neighbours still tell may lead back to us, in ever longer circles
-/// (count to infinity, docs/peis-wire.md 9.4). A way is sound if it is told by newer information
+/// When a route is lost, what neighbours still send may lead back to us, in ever longer circles
+/// (count to infinity, docs/peis-wire.md 9.4). A route is sound if it comes by newer information
 /// than the last one had, or by as new and from nearer to the host than we were. A real kernel
 /// takes any; we take an unsound one on probation: the owner probes the host, which a real kernel
 /// answers as well, and reports it unanswered(), or not.
@@ -58,7 +58,7 @@ class routing_table {
 public:
   routing_table() = default;
 
-  /// @param metric_limit ways of this many hops or more count as none
+  /// @param metric_limit routes of this many hops or more count as none
   /// @param routes_max further hosts are not taken up; a link brings at most as many as are free
   routing_table(peer_id self, std::int32_t magic, std::uint8_t metric_limit,
                 std::size_t routes_max = std::numeric_limits<std::size_t>::max())
@@ -71,7 +71,7 @@ public:
   /// Hosts of that table for which there was no room, since the last call.
   [[nodiscard]] std::size_t take_refused() { return std::exchange(refused_, 0); }
 
-  /// Hosts whose lost ways made room since the last call; they may have been found again.
+  /// Hosts whose lost routes made room since the last call; they may have been found again.
   [[nodiscard]] std::vector<peer_id> take_evicted() { return std::exchange(evicted_, {}); }
 
   [[nodiscard]] routing_changes on_link_closed(link_id link, instant now);
@@ -79,16 +79,16 @@ public:
   /// The host is of our kind: it is given up sooner.
   void mark(peer_id host);
 
-  /// A host without a way has said over a link that it is there, through a neighbour that has yet
-  /// to tell of it. An unsound way until it does.
+  /// A host without a route has said over a link that it is there, through a neighbour that has yet
+  /// to announce it. An unsound route until it does.
   [[nodiscard]] routing_changes on_heard(link_id link, peer_id host, std::int32_t magic,
                                          std::uint8_t hops, instant now);
 
-  /// Hosts to which an unsound way was taken since the last call.
+  /// Hosts to which an unsound route was taken since the last call.
   [[nodiscard]] std::set<peer_id> take_unsound() { return std::exchange(unsound_, {}); }
 
-  /// No sign of life came over the unsound way: it counts as lost, and so does all that is told of
-  /// the host until `until` unless it is newer.
+  /// No sign of life came over the unsound route: it counts as lost, and so does all that is sent
+  /// of the host until `until` unless it is newer.
   [[nodiscard]] routing_changes unanswered(peer_id host, instant now, instant until);
 
   /// One period has passed. @returns unmarked hosts lost for too long, which the owner then erases
@@ -103,13 +103,13 @@ public:
   /// Removes every trace of a host.
   void erase(peer_id host);
 
-  /// Ignores what neighbours still tell of this incarnation for a while: they may not have heard
+  /// Ignores what neighbours still send of this incarnation for a while: they may not have learned
   /// yet that it is gone (RTE-09).
   void bury(peer_id host, std::int32_t magic, instant until);
 
   /// Ignores what is no news of this incarnation: another one is said to have taken its place. Only
   /// who lives counts on, so that it is believed again if the word was an old one (KH-02).
-  void doubt(peer_id host, std::int32_t magic, instant until);
+  void distrust(peer_id host, std::int32_t magic, instant until);
 
   [[nodiscard]] const route* find(peer_id host) const;
   [[nodiscard]] std::optional<link_id> way_to(peer_id host) const;
@@ -126,7 +126,7 @@ public:
   /// ours has been raised and should be sent (docs/peis-wire.md 9.6).
   [[nodiscard]] bool take_overtaken();
 
-  /// What to send over `link`: ways that lead over it are left out (split horizon; a real kernel
+  /// What to send over `link`: routes that lead over it are left out (split horizon; a real kernel
   /// handles an absent entry as it handles hops 255).
   [[nodiscard]] std::vector<routing_entry> table_for(link_id link, std::uint8_t connections) const;
 

@@ -8,8 +8,9 @@ namespace rubicon::peis {
 
 namespace {
 
-constexpr int burial_periods = 3;  ///< how long stale news of a host that left are ignored
-constexpr int doubted_periods = 3; ///< what is no news of an earlier incarnation is ignored so long
+constexpr int burial_periods = 3; ///< how long stale news of a host that left are ignored
+constexpr int distrusted_periods =
+    3; ///< what is no news of an earlier incarnation is ignored so long
 
 } // namespace
 
@@ -40,7 +41,7 @@ void host_removal::supersede(peer_id id, std::int32_t magic, const occasion& x) 
   on_.presence.forget(id, x);
   on_.contacts.forget(id);
   auto& routes = on_.routes.routes();
-  routes.doubt(id, magic, x.now + doubted_periods * on_.own.config.routing_period);
+  routes.distrust(id, magic, x.now + distrusted_periods * on_.own.config.routing_period);
   if (const auto* way = routes.find(id); way != nullptr && way->magic == magic)
     routes.erase(id);
   if (on_.routes.reachable(id))

@@ -11,7 +11,7 @@ constexpr work_units rebirth_work = 500;
 
 } // namespace
 
-/// Does this tell who is there now?
+/// Does this show which incarnation is there now?
 bool incarnations::believes(const host_record_message& message, instant now) const {
   const auto& record = message.record;
   const auto* way = on_.routes.routes().find(record.id);
@@ -127,7 +127,7 @@ void incarnations::note_sender(const host_record& sender, std::optional<ipv4_add
   const bool has_moved = !is_new && last->record.addresses != sender.addresses;
   if (is_back) {
     if (on_.routes.reachable(sender.id))
-      return; // a route, or its own word, tells which of the two is there
+      return; // a route, or its own word, shows which of the two is there
     on_.removal.supersede(sender.id, last->record.magic, x);
   }
   auto* known = on_.hosts.admit(sender.id, x);

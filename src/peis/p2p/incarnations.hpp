@@ -1,9 +1,10 @@
 // Which incarnation of a host is there now (peis-wire.md 10, RTE-08, KH-01, KH-02).
 //
-// Magic numbers are random: two of them do not tell which is the later one. What tells it are the
+// Magic numbers are random: two of them do not show which is the later one. What shows it are the
 // routes, because only who lives raises its sequence number, and overtakes an earlier incarnation
-// as soon as it hears of it; and the word of a host about itself, unless a route that has been
-// renewed since contradicts it. A record that somebody remembers counts only if it fits the route.
+// as soon as it receives it; and the word of a host about itself, unless a route that has been
+// renewed since contradicts it. A record that another host remembers counts only if it fits the
+// route.
 #pragma once
 
 #include <optional>

@@ -69,7 +69,7 @@ void introductions::name(connection& x, const host_record& record, const occasio
   on_.greeting.bind(x, record.id, at);
 }
 
-/// A real kernel that we were away from tells its other neighbours of us within 10 s. What we
+/// A real kernel that we were away from announces us to its other neighbours within 10 s. What we
 /// broadcast over it, they receive at once.
 void introductions::show_ourselves(connection& to, const occasion& x) {
   auto content = std::make_shared<const message_octets>(
@@ -85,7 +85,7 @@ void introductions::show_ourselves(connection& to, const occasion& x) {
 void introductions::note_beyond(link_id from, const package_header& header,
                                 const host_record& record, const occasion& x) {
   if (header.type != package_type::broadcast || !record.marked || on_.routes.reachable(record.id) ||
-      !on_.health.can_be_doubted(on_.links.at(from)))
+      !on_.health.can_be_suspected(on_.links.at(from)))
     return;
   const auto& config = on_.own.config;
   const auto hops = std::min(header.hops, config.metric_limit) * config.cost_other_host;

@@ -22,7 +22,8 @@ void link_closer::close_broken(const std::vector<link_id>& links, close_cause wh
 }
 
 /// A link that its other end closes at once, without having said who it is, is a refusal; the first
-/// may be a mistake, after a restart (25.8). Whoever uses our id, or knows who does, asks again.
+/// may be a mistake, after a restart (25.8). A peer that uses our id, or knows one that does, asks
+/// again.
 void link_closer::on_closed(connection& gone, const occasion& x) {
   const auto link = gone.id;
   const bool is_refusal = x.now < gone.opened + at_once && !gone.named && !gone.rivals;
@@ -43,8 +44,8 @@ void link_closer::forget(link_id link, const occasion& x) {
   on_.seen.on_link_closed(link);
   if (gone->neighbour) {
     if (gone->opened + lasting <= x.now)
-      on_.contacts.forget(*gone->neighbour);   // the tries that led to it are forgotten
-    if (!on_.health.is_doubtful(*gone, x.now)) // long looked for beside
+      on_.contacts.forget(*gone->neighbour);  // the tries that led to it are forgotten
+    if (!on_.health.is_suspect(*gone, x.now)) // long looked for beside
       on_.contacts.note_contact(*gone->neighbour, x.now);
   }
   on_.dials.on_link_closed(link, x.now);

@@ -104,7 +104,7 @@ void link_greeting::accept(connection& from, byte_view request, const occasion& 
 void link_greeting::bind(connection& x, peer_id neighbour, const occasion& at) {
   on_.links.bind(x, neighbour);
   on_.beats.expect(x);
-  on_.health.watch_doubt(x);
+  on_.health.watch_suspicion(x);
   on_.presence.welcome(neighbour, at);
 }
 
@@ -124,7 +124,7 @@ void link_greeting::greet(connection& to, const occasion& x) {
   on_.exchange.send_to(to, x.origin);
 }
 
-/// There is no room for this peer: it learns who we are and whom else it may ask (TCP-07).
+/// There is no room for this peer: it is sent who we are and whom else it may ask (TCP-07).
 void link_greeting::refer_elsewhere(connection& to, const occasion& x) {
   std::vector<const host_record*> known{&on_.own.self};
   for (const auto& [id, each] : on_.hosts.all()) {
@@ -141,7 +141,7 @@ void link_greeting::refer_elsewhere(connection& to, const occasion& x) {
   static_cast<void>(on_.writer.write(to, x.now, x.out));
 }
 
-/// Who asks for a link in our own name learns whose it is.
+/// A peer that asks for a link in our own name is sent whose it is.
 void link_greeting::refuse_own_id(connection& to, const occasion& x) {
   on_.sender.send_to_neighbour(to, port::host_record,
                                encode(host_record_message{on_.own.self, false}), x.origin);

@@ -22,8 +22,8 @@ public:
       : own_(own), links_(links), hosts_(hosts), health_(health), sender_(sender), dials_(dials),
         closer_(closer) {}
 
-  /// A neighbour has sent its routes over one link: others to it that are in doubt are of no use.
-  void end_doubtful_beside(link_id link, const occasion& x);
+  /// A neighbour has sent its routes over one link: other suspect ones to it are of no use.
+  void end_suspects_beside(link_id link, const occasion& x);
   void on_time(const occasion& x);
 
 private:

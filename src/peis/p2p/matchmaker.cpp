@@ -124,8 +124,8 @@ void matchmaker::manage(const occasion& x) {
 }
 
 bool matchmaker::is_better(const connection& a, const connection& b, instant now) const {
-  if (of_.health.is_doubtful(a, now) != of_.health.is_doubtful(b, now))
-    return of_.health.is_doubtful(b, now);
+  if (of_.health.is_suspect(a, now) != of_.health.is_suspect(b, now))
+    return of_.health.is_suspect(b, now);
   return a.always() != b.always() ? a.always() : a.opened < b.opened;
 }
 

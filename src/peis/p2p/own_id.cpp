@@ -48,7 +48,7 @@ void own_id::apply(id_rivalry::outputs todo, const occasion& x) {
   }
 }
 
-/// Keeps off the network, without a goodbye: that would be taken for the other's.
+/// Keeps off the network, without a message of exit: that would be taken for the other's.
 void own_id::vacate(const occasion& x) {
   ++on_.own.counters.ids_yielded;
   std::vector<link_id> links;

@@ -37,6 +37,15 @@ struct p2p_view {
   const overlay& routes;
   const network_clock& clock;
   const bluetooth& adapters;
+
+  /// Can a message be sent to that peer now? To ourselves always.
+  [[nodiscard]] bool reachable(peer_id host) const {
+    return host == own.config.id || routes.reachable(host);
+  }
+  /// Is that host known by its present incarnation?
+  [[nodiscard]] bool knows_present(peer_id host) const {
+    return host == own.config.id || hosts.knows_present(host);
+  }
 };
 
 /// Works on links that the owner names and carries octets for. Calls collect events; take_events()
@@ -96,17 +105,17 @@ public:
   void share_memory(std::shared_ptr<fair_share> x);
 
   /// Shows packages of others that pass through, broadcasts included, but no parts of longer
-  /// messages (API-06). What is consumed goes no further; if somebody waits for its
+  /// messages (API-06). What is consumed goes no further; if its sender waits for its
   /// acknowledgement, it comes again. An empty hook ends it.
   void set_transit_hook(std::uint16_t port, transit_hook hook);
 
   /// The exit broadcast (peis-wire.md 11). No routing is sent from then on.
   void leave();
 
-  /// Where we listen from now on, as p2p_config::addresses: others hear of it at once.
+  /// Where we listen from now on, as p2p_config::addresses: others are notified at once.
   void set_addresses(std::vector<low_level_address> all, instant now);
 
-  /// Which way packages take to that host and back. Told as `traced`, within trace_timeout.
+  /// Which route packages take to that host and back. Output as `traced`, within trace_timeout.
   void trace(peer_id destination, request_id id, instant now);
 
   /// The local clock was set: by so much more than time has passed.

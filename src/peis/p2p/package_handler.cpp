@@ -9,7 +9,7 @@ namespace rubicon::peis {
 
 namespace {
 
-/// The class in which a package of somebody else goes on.
+/// The class in which a package of another host goes on.
 lane lane_of(const package_header& header) {
   if (header.port == port::acknowledgements)
     return lane::acknowledgements;
@@ -96,7 +96,7 @@ void package_handler::on_fragment(link_id from, const package_header& header, by
     x.out.push_back(arrived{header.port, header.source, false, from, std::move(*whole)});
 }
 
-/// A package for us, for the neighbours of its sender, or for everybody.
+/// A package for us, for the neighbours of its sender, or for all hosts.
 void package_handler::serve(link_id from, const package_header& header, byte_view data,
                             const occasion& x) {
   switch (header.port) {

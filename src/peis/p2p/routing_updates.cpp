@@ -24,7 +24,7 @@ void routing_updates::apply_table(connection& from, const occasion& x) {
   const auto link = from.id;
   const auto at = x.over(link);
   on_.presence.apply(on_.exchange.apply(from, at.now), at);
-  on_.replacer.end_doubtful_beside(link, at);
+  on_.replacer.end_suspects_beside(link, at);
   auto& routes = on_.routes.routes();
   for (const auto host : routes.take_evicted()) {
     if (!on_.routes.reachable(host))
@@ -39,7 +39,7 @@ void routing_updates::apply_waiting(const occasion& x) {
     if (!on_.exchange.may_apply(link, x.now))
       continue;
     apply_table(on_.links.at(link), x);
-    static_cast<void>(on_.own.work.take()); // nobody is being served
+    static_cast<void>(on_.own.work.take()); // no link is being served
   }
 }
 

@@ -21,7 +21,7 @@ namespace rubicon::peis {
 /// decided elsewhere (subscriber_feed).
 class local_subscriptions {
 public:
-  /// A callback is notified of what arrives, but asks nobody for it.
+  /// A callback is notified of what arrives, but requests nothing.
   enum class interest : std::uint8_t { subscription, callback };
 
   struct subscription {

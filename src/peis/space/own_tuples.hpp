@@ -54,7 +54,7 @@ struct own_result {
 
 /// Numbers and dates the values of our own tuples, ours and those that others write, within the
 /// limits of others. A number is never used twice for one key, also not after a deletion: it is
-/// how subscribers tell what is newer.
+/// how subscribers know what is newer.
 class own_tuples {
 public:
   /// @param store with the tuples of all owners. It, `hosts` and `clock` outlive this

@@ -64,9 +64,9 @@ public:
   /// Its feed is looked at then, or not until something else happens. @pre find(host)
   void schedule(peer_id host, std::optional<instant> due);
   [[nodiscard]] std::optional<instant> due(peer_id host) const;
-  /// Takes who is due first out of the agenda; nothing if nobody is.
+  /// Takes the host that is due first out of the agenda; nothing if none is.
   [[nodiscard]] std::optional<peer_id> take_due(instant now);
-  /// Nobody is looked at before that, whatever the agenda says.
+  /// No host is looked at before that, whatever the agenda says.
   void pause(instant until);
   [[nodiscard]] std::optional<instant> deadline() const { return next_; }
 

@@ -11,7 +11,7 @@ namespace rubicon::peis {
 namespace {
 
 constexpr int refreshes_per_lifetime = 3;
-constexpr std::size_t undelivered_unreached_max = 4; ///< of a host that nobody knows
+constexpr std::size_t undelivered_unreached_max = 4; ///< of an unknown host
 
 } // namespace
 
@@ -37,7 +37,7 @@ void subscriber_feed::publish(const own_change& x, instant now, tuple_events& ou
 }
 
 void subscriber_feed::publish_one(const own_value_set& x, instant now, tuple_events& out) {
-  static_cast<void>(channels_.abandon(x.content->name)); // the whole value goes to everybody
+  static_cast<void>(channels_.abandon(x.content->name)); // the whole value goes to all subscribers
   push(*x.content, now, out);
 }
 
@@ -107,7 +107,7 @@ void subscriber_feed::push(const tuple& x, instant now, tuple_events& out) {
   }
 }
 
-/// The pending feed of a host that nobody knows and that has just not been reached. It is tried
+/// The pending feed of an unknown host that has just not been reached. It is tried
 /// again in its time, however many values change meanwhile. Null for any other.
 pending_feed* subscriber_feed::find_unreached(peer_id host, instant now) {
   if (hosts_.knows(host))
@@ -139,7 +139,7 @@ void subscriber_feed::miss(peer_id host, const key& name, std::optional<instant>
     resynchronise(host);
 }
 
-/// Tries again when somebody may have found a route to that host.
+/// Tries again when a route to that host may have been found.
 void subscriber_feed::retry_later(peer_id host, const key& name, instant failing_since,
                                   instant now) {
   miss(host, name, failing_since);
@@ -283,7 +283,7 @@ void subscriber_feed::on_undelivered(peer_id destination, std::uint16_t port, by
   const auto x = window_.finish(request, false);
   const bool of_channel = channels_.knows(request);
   if (!x && !of_channel)
-    return; // of a host that is gone, or of somebody else
+    return; // of a host that is gone, or of another component
   const bool concerns_tuple = port == port::push || port == port::append_notice;
   const auto name = concerns_tuple ? decode_record_key(head) : result<key>(errc::unsupported);
   if (name && of_channel)

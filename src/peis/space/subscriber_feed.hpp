@@ -24,8 +24,8 @@ namespace rubicon::peis {
 
 /// Sends each change of an own tuple to the hosts that have subscribed to it, and our questions to
 /// all hosts, as far as each host's window has room. What has no room, or was not delivered, is
-/// pending: of a value only the newest is sent, and whoever misses too many values is sent all that
-/// matches again, a piece at a time (a queue scan). Appends leave in order (tuple_channels).
+/// pending: of a value only the newest is sent, and a host that misses too many values is sent all
+/// that matches again, a piece at a time (a queue scan). Appends leave in order (tuple_channels).
 class subscriber_feed {
 public:
   /// @param pool octets of all that others have put here. `own`, `hosts` and `local` outlive this
@@ -36,8 +36,8 @@ public:
   subscriber_feed(const subscriber_feed&) = delete;
   subscriber_feed& operator=(const subscriber_feed&) = delete;
 
-  /// May subscribers be sent what is added to this tuple alone? Not before everybody has been sent
-  /// a whole value whose arrival is watched; not if somebody asked for certain values; an empty
+  /// May subscribers be sent what is added to this tuple alone? Not before all have been sent
+  /// a whole value whose arrival is watched; not if one asked for certain values; an empty
   /// value travels in a form that nothing can be added to.
   [[nodiscard]] bool takes_notices(const tuple& held) const;
   void publish(const own_change& x, instant now, tuple_events& out);
@@ -73,7 +73,7 @@ public:
     return earliest(next_refresh_, feeds_.deadline());
   }
 
-  /// Does the present value of an own tuple still wait for room on its way to somebody?
+  /// Does the present value of an own tuple still wait for room to be sent to a subscriber?
   [[nodiscard]] bool is_waiting(const key& name) const;
   [[nodiscard]] const subscriber_table& subscribers() const { return subscribers_; }
   [[nodiscard]] tuple_counters counters() const;

@@ -17,7 +17,7 @@ constexpr std::size_t slice_steps = 512;  ///< at once for one host
 constexpr std::size_t turn_steps = 4096;  ///< at once for all
 constexpr std::size_t steps_per_unit = 4; ///< of what a neighbour is charged
 constexpr duration turn_gap = 1ms;        ///< then others have their turn
-constexpr duration room_check = 100ms;    ///< after there was no room for anybody
+constexpr duration room_check = 100ms;    ///< after there was no room for any host
 
 std::size_t message_size(const tuple& x) {
   return tuple_record_size + x.mimetype.size() + std::max<std::size_t>(1, x.value.size());
@@ -33,7 +33,7 @@ transmit subscriber_feed::push_message(const tuple& x, peer_id subscriber) {
           x.from};
 }
 
-/// Gives a message a request of ours, by which we learn what became of it.
+/// Gives a message a request of ours, by which its outcome is known.
 transmit subscriber_feed::in_flight(transmit message, std::optional<std::uint64_t> question,
                                     std::optional<instant> failing_since) {
   message.request =

@@ -19,7 +19,7 @@ public:
   tuple_audience(const local_subscriptions& local, const subscriber_table& others)
       : local_(local), others_(others) {}
 
-  /// Does anybody, here or elsewhere, subscribe to our tuple of this key?
+  /// Is there a subscription, here or elsewhere, to our tuple of this key?
   [[nodiscard]] bool has_subscriber(const key& name) const {
     return others_.covers(name) || local_.wants_own(name);
   }

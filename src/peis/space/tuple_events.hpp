@@ -1,4 +1,4 @@
-// What a tuple space tells the kernel above it, and asks of the network below.
+// What a tuple space reports to the kernel above it, and requests of the network below.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 namespace rubicon::peis {
 
 /// A tuple matching a subscription or callback was set or appended to, here or by its owner, also
-/// to an equal value (CB-01). Never null; shared with the tuple space and everybody else.
+/// to an equal value (CB-01). Never null; shared with the tuple space and all others.
 struct tuple_changed {
   subscription_id subscription;
   tuple_pointer content;

@@ -52,7 +52,7 @@ public:
   /// To our own tuples that match. Text gets its trailing NUL.
   [[nodiscard]] std::pair<cause, tuple_events> append(const prototype& wanted, const payload& added,
                                                       instant now);
-  /// A callback is notified of what arrives, but asks nobody for it.
+  /// A callback is notified of what arrives, but requests nothing.
   [[nodiscard]] std::pair<cause, tuple_events>
   subscribe(const prototype& wanted, subscription_id id, interest kind, instant now);
   [[nodiscard]] std::pair<cause, tuple_events> unsubscribe(subscription_id id);
@@ -93,8 +93,8 @@ public:
   [[nodiscard]] tuple_audience audience() const;   ///< who watches our own
   /// What a user writes, for insert() and for other owners.
   [[nodiscard]] const tuple_drafts& drafts() const;
-  /// Does the present value of an own tuple still wait for room on its way to somebody? Another one
-  /// would overtake it.
+  /// Does the present value of an own tuple still wait for room to be sent to a subscriber? Another
+  /// one would overtake it.
   [[nodiscard]] bool is_waiting(const key& name) const;
   [[nodiscard]] std::uint64_t own_keys_version() const; ///< of each set of own keys another
   [[nodiscard]] tuple_counters counters() const;

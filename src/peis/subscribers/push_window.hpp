@@ -1,4 +1,4 @@
-// How much of what the tuple space tells others may be in flight: to one host and to all.
+// How much of what the tuple space sends others may be in flight: to one host and to all.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ struct push_window_config {
 };
 
 /// A host that does not acknowledge gets one message at a time, until it does: then its window
-/// doubles with each. So nobody who never reads can hold what others wait for.
+/// doubles with each. So a host that never reads cannot hold what others wait for.
 class push_window {
 public:
   /// What a message was about.

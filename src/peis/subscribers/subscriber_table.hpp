@@ -60,7 +60,7 @@ public:
   /// Removes a record that find() or add() has returned.
   void erase(const subscriber& x);
 
-  /// Those of one host whose time has come, and whether others of anybody have a time.
+  /// Those of one host whose time has come, and whether others of any host have a time.
   struct expired {
     std::vector<subscriber*> gone; ///< to be erased, in no order that shows
     bool mortal = false;
@@ -89,7 +89,7 @@ public:
   [[nodiscard]] std::vector<peer_id> hosts_for(const tuple& x) const;
   /// Is this host one of them?
   [[nodiscard]] bool wants(peer_id host, const tuple& x) const;
-  /// Has anybody subscribed to this key?
+  /// Is there a subscription to this key?
   [[nodiscard]] bool covers(const key& name) const;
 
   /// Prototypes of a host without lifetime, in the order in which they came, within both limits.

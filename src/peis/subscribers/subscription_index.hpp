@@ -17,7 +17,7 @@ namespace rubicon::peis {
 /// Records under the key or pattern they ask for, in a tree with one level for each part: a key
 /// goes two ways at each level, that of its part and that of the wildcard, so what it finds costs
 /// at most 2^7 leaves, however many records there are and whatever their keys. Within a leaf, in
-/// the order of insertion. Trees are ordered: nobody can choose keys that collide.
+/// the order of insertion. Trees are ordered: no peer can choose keys that collide.
 template <class Record>
 class subscription_index {
 public:

@@ -76,7 +76,7 @@ struct tuple {
 /// Tuples never change once they are stored: every reader may keep one.
 using tuple_pointer = std::shared_ptr<const tuple>;
 
-/// Which tuples somebody wants: what is unset, any_peer, any_time and wildcard parts match
+/// Which tuples are wanted: what is unset, any_peer, any_time and wildcard parts match
 /// everything. Made by default it is D1.1's initAbstractTuple().
 struct prototype {
   peer_id owner = any_peer;
@@ -96,7 +96,7 @@ struct prototype {
     return (owner == any_peer || owner == x.owner) && name.matches(x.name);
   }
 
-  /// The same subscription, whoever repeats it (docs/peis-wire.md 15.6).
+  /// The same subscription, whichever peer repeats it (docs/peis-wire.md 15.6).
   friend bool operator==(const prototype& a, const prototype& b);
 };
 

@@ -33,8 +33,8 @@ struct subscribe_message {
 enum class tuple_message_kind : std::uint8_t { push, set };
 [[nodiscard]] bytes encode_tuple_head(const tuple& x, tuple_message_kind kind);
 
-// Of the seconds of `written` and `expiry` the wire has the low 32 bits. Whoever decodes says what
-// the time is: of all with these bits the nearest is meant. The three values with a meaning of
+// Of the seconds of `written` and `expiry` the wire has the low 32 bits. The decoder's caller says
+// what the time is: of all with these bits the nearest is meant. The three values with a meaning of
 // their own keep it, and no other time is written as one of them. `user_time` is an application's
 // own.
 
@@ -58,7 +58,7 @@ struct append_request {
 [[nodiscard]] bytes encode_append_request_head(const append_request& message);
 [[nodiscard]] result<append_request> decode_append_request(const payload& octets, timestamp known);
 
-/// Tells a subscriber what an owner has appended.
+/// Notifies a subscriber of what an owner has appended.
 struct append_notice {
   peer_id owner;
   key name;

@@ -25,7 +25,7 @@ struct reading {
   explicit operator bool() const { return content != nullptr; }
 };
 
-/// D1.1's ResultSet: what one or several kernel::get_tuples() have found, in order. Its cursor
+/// D1.1's ResultSet: what one or several tuple_reader::get_all() have found, in order. Its cursor
 /// stands before the first until next() is called. Creating is constructing, deleting destroying.
 class result_set {
 public:

@@ -31,7 +31,7 @@ public:
   };
   struct source {
     origin from = origin::ours;
-    peer_id host; ///< the writer or owner; of ours: nobody
+    peer_id host; ///< the writer or owner; of ours: none
 
     friend bool operator==(const source&, const source&) = default;
   };

@@ -1,4 +1,4 @@
-// Numbers that nobody can guess who does not know a secret: names of sessions, and cookies by which
+// Numbers that cannot be guessed without a secret: names of sessions, and cookies by which
 // the other side proves its address without any memory of ours.
 #pragma once
 

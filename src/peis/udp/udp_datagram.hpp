@@ -38,7 +38,7 @@ struct udp_address {
 /// `127.0.0.1:8000`
 [[nodiscard]] std::string to_string(const udp_address& x);
 
-/// Names a session: drawn by who opens it, and unknown to anyone who is not on the way.
+/// Names a session: drawn by who opens it, and unknown to anyone who is not on the path.
 struct udp_token {
   std::uint64_t value = 0;
 

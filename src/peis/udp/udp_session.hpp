@@ -53,7 +53,7 @@ struct udp_batch {
   std::size_t each = 0;
 };
 
-/// Cuts octets into parts, of which a window is under way. The other side's reports tell which have
+/// Cuts octets into parts, of which a window is under way. The other side's reports say which have
 /// come; what is overtaken by far is lost and leaves again, and if nothing is reported, the two
 /// oldest do. What comes is put in order.
 ///

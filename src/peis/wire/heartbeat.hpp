@@ -1,4 +1,4 @@
-// What marked neighbours tell each other on port 8 (KH-05): a sign of life, and what the
+// What marked neighbours send each other on port 8 (KH-05): a sign of life, and what the
 // round trip is measured with. Real kernels have no use for this port.
 #pragma once
 

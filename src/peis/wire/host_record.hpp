@@ -40,7 +40,7 @@ struct low_level_address {
 
 struct host_record {
   peer_id id;
-  std::int32_t magic = 0; ///< tells two incarnations of an id apart
+  std::int32_t magic = 0; ///< distinguishes two incarnations of an id
   std::string host_name;  ///< up to 63 characters; equal names mean the same machine
   std::string full_name;  ///< program@host!process, up to 63 characters
   std::vector<low_level_address> addresses; ///< up to 16

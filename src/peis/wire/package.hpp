@@ -73,7 +73,7 @@ struct package_header {
          where == port::append_notice || where >= port::user_first;
 }
 
-/// Tells a package from all others, wherever it is met.
+/// Identifies a package among all others, wherever it is met.
 [[nodiscard]] constexpr std::uint64_t name_of(const package_header& x) {
   return std::uint64_t{static_cast<std::uint32_t>(x.source.value)} << 32U |
          static_cast<std::uint32_t>(x.id);

@@ -23,7 +23,7 @@ using attempt_id = strong_id<attempt_tag, std::uint64_t>;
 /// Named by the caller of a command, returned with its outcome. Zero asks for no outcome.
 using request_id = strong_id<request_tag, std::uint64_t>;
 
-/// Named by the caller of kernel::subscribe(), returned with each of its tuples.
+/// Named by the caller of subscription_commands::subscribe(), returned with each of its tuples.
 using subscription_id = strong_id<subscription_tag, std::uint64_t>;
 
 inline constexpr request_id no_request{0};
@@ -41,7 +41,7 @@ enum class priority : std::uint8_t { high, normal, bulk };
 /// How a request ended (ACK-05, TUP-24).
 enum class cause : std::uint8_t {
   none,             ///< it succeeded
-  no_route,         ///< nobody knows a route to the destination
+  no_route,         ///< no route to the destination is known
   too_many_retries, ///< transmitted seven times, never acknowledged (ACK-03)
   queue_full,
   early_drop,      ///< given up at random because the queue was more than half full (P2P-03)
@@ -79,7 +79,7 @@ enum class close_cause : std::uint8_t {
   leaf,             ///< we are a leaf and the other side is on another host (LEA-01)
   reborn,           ///< leads to an earlier incarnation of a restarted peer (docs/peis-wire.md 10)
   over_budget,      ///< kept sending though nothing was taken any more
-  nameless,         ///< asked for a link, but never told who it is
+  nameless,         ///< asked for a link, but never introduced itself
 };
 
 [[nodiscard]] std::string_view to_string(close_cause x);

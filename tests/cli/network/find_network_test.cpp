@@ -146,7 +146,7 @@ TEST_CASE("a running ecology is joined without its place or its network's name",
   CHECK(joined.with.network == "attic");
   CHECK(joined.with.peer == peer.url());
   CHECK(joined.with.timeout == network_options{}.timeout); // not the short one of the search
-  CHECK(joined.self->peer().reachable(peer_id{7}));
+  CHECK(joined.self->peer().network().reachable(peer_id{7}));
 }
 
 TEST_CASE("default ports of this computer are tried", "[cli][SVC-08]") {

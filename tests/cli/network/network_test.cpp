@@ -59,18 +59,18 @@ private:
     config.links.first_port = 0;
     auto opened = peer::standalone::open(loop, config);
     auto& peer = *std::get<std::unique_ptr<peer::standalone>>(opened);
-    static_cast<void>(peer.set_tuple("room.temp", peis::text_content("21.5")));
+    static_cast<void>(peer.tuples().set("room.temp", peis::text_content("21.5")));
     if (!beside_.empty())
-      static_cast<void>(peer.subscribe(peer_id{7}, "room.temp"));
+      static_cast<void>(peer.tuples().subscribe(peer_id{7}, "room.temp"));
     else
-      static_cast<void>(peer.set_tuple("room.scan", peis::binary_content(bytes{0, 255})));
+      static_cast<void>(peer.tuples().set("room.scan", peis::binary_content(bytes{0, 255})));
     // As a proxy's input: the lamp can be switched on, and nothing else.
-    static_cast<void>(peer.set_tuple("lamp.switch.deadline", peis::text_content("5.0")));
-    static_cast<void>(peer.set_tuple("lamp.switch.outcome", peis::text_content("on failed")));
-    static_cast<void>(peer.subscribe(peer_id{7}, "lamp.switch", [&peer](const auto& x) {
+    static_cast<void>(peer.tuples().set("lamp.switch.deadline", peis::text_content("5.0")));
+    static_cast<void>(peer.tuples().set("lamp.switch.outcome", peis::text_content("on failed")));
+    static_cast<void>(peer.tuples().subscribe(peer_id{7}, "lamp.switch", [&peer](const auto& x) {
       const std::string word(x->text());
       if (word != "forever")
-        static_cast<void>(peer.set_tuple(
+        static_cast<void>(peer.tuples().set(
             "lamp.switch.outcome",
             peis::text_content(word + (word == "on" ? " acknowledged" : " refused"))));
     }));

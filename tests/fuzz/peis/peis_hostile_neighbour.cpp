@@ -147,8 +147,8 @@ public:
       kernels_[idx(i)] = peis::kernel(config_of(i + 1), random_stream(idx(i)), now_);
     open_joint();
     for (const int i : {0, 1}) {
-      perform(idx(i), kernels_[idx(i)].set_tuple("x", peis::text_content("1"), now_));
-      static_cast<void>(kernels_[idx(i)].hook_port(peis::port::user_first));
+      perform(idx(i), kernels_[idx(i)].tuples().set("x", peis::text_content("1"), now_));
+      static_cast<void>(kernels_[idx(i)].messages().hook_port(peis::port::user_first));
     }
     pass(20ms);
     for (const int i : {0, 1})
@@ -302,33 +302,36 @@ private:
     switch (how & 7) {
     case 0:
       expect(who, request);
-      perform(who, kernel.send_message(to, peis::port::user_first, payload(bytes(size)), true,
-                                       peis::priority::normal, request, now_));
+      perform(who, kernel.messages().send(to, peis::port::user_first, payload(bytes(size)), true,
+                                          peis::priority::normal, request, now_));
       break;
     case 1:
-      perform(who, kernel.set_tuple("x", peis::binary_content(payload(bytes(size))), now_));
+      perform(who, kernel.tuples().set("x", peis::binary_content(payload(bytes(size))), now_));
       break;
     case 2:
-      perform(who, kernel.subscribe(to.value > 0 ? to : any_peer, "*", watch, now_));
+      perform(who,
+              kernel.subscriptions().subscribe(to.value > 0 ? to : any_peer, "*", watch, now_));
       break;
     case 3:
-      perform(who, kernel.broadcast(peis::port::user_first, payload(bytes(size)), {}, now_));
+      perform(who,
+              kernel.messages().broadcast(peis::port::user_first, payload(bytes(size)), {}, now_));
       break;
     case 4:
       expect(who, request);
-      perform(who, kernel.set_remote_tuple(to, "x", peis::text_content("2"), request, now_));
+      perform(who, kernel.tuples().set_remote(to, "x", peis::text_content("2"), request, now_));
       break;
     case 5:
-      perform(who, kernel.trace(to, request, now_));
+      perform(who, kernel.messages().trace(to, request, now_));
       break;
     case 6:
       expect(who, request);
-      perform(who, kernel.append_tuple(
+      perform(who, kernel.tuples().append(
                        peis::prototype_of(to.value > 0 ? to : any_peer, *peis::key::parse("x")),
                        payload(bytes(size)), now_, request));
       break;
     case 7:
-      perform(who, kernel.subscribe_indirectly(to.value > 0 ? to : peer_id{1}, "m", watch, now_));
+      perform(who, kernel.subscriptions().subscribe_indirectly(to.value > 0 ? to : peer_id{1}, "m",
+                                                               watch, now_));
       break;
     }
     carry();
@@ -460,9 +463,9 @@ private:
 
   void check() const {
     for (const auto& kernel : kernels_) {
-      for (const auto& link : kernel.links())
+      for (const auto& link : kernel.network().links.views())
         assert(link.queued <= peis::lanes * config_of(1).network.queue.packages);
-      assert(kernel.links().size() <= 2);
+      assert(kernel.network().links.views().size() <= 2);
     }
   }
 

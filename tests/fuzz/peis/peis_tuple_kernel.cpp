@@ -80,11 +80,12 @@ public:
       set(i);
     peis::subscription_id id{1};
     for (const auto* pattern : {"*", "a.*", "*.b.*", "log"}) {
-      take(kernel_.subscribe(any_peer, pattern, id, now_));
+      take(kernel_.subscriptions().subscribe(any_peer, pattern, id, now_));
       id = peis::subscription_id{id.value + 1};
     }
-    take(kernel_.declare_meta_tuple("mi-x", now_));
-    take(kernel_.subscribe_indirectly(self, "mi-x", peis::subscription_id{9}, now_));
+    take(kernel_.meta_tuples().declare("mi-x", now_));
+    take(
+        kernel_.subscriptions().subscribe_indirectly(self, "mi-x", peis::subscription_id{9}, now_));
   }
 
   void step(std::array<std::uint8_t, 4> what, byte_view change) {
@@ -100,7 +101,7 @@ public:
       acknowledge_ = !acknowledge_;
       return;
     case 3:
-      take(kernel_.delete_tuple("a.k" + std::to_string(what[1] % 100), now_));
+      take(kernel_.tuples().remove("a.k" + std::to_string(what[1] % 100), now_));
       return;
     default:
       send(static_cast<std::size_t>(what[0] % 10) - 4, source, what, change);
@@ -121,7 +122,7 @@ public:
 
 private:
   void set(int i) {
-    take(kernel_.set_tuple("a.k" + std::to_string(i % 100), peis::text_content("v"), now_));
+    take(kernel_.tuples().set("a.k" + std::to_string(i % 100), peis::text_content("v"), now_));
   }
 
   void send(std::size_t kind, peer_id source, std::array<std::uint8_t, 4> what, byte_view change) {

@@ -141,7 +141,7 @@ public:
   [[nodiscard]] peis::kernel& kernel() { return kernel_; }
   [[nodiscard]] bluetooth_links& links() { return *links_; }
   [[nodiscard]] std::string value(const std::string& key) {
-    for (const auto& x : kernel_.own_tuples())
+    for (const auto& x : kernel_.reader().own())
       if (x->name.text() == key)
         return std::string(x->text());
     return "none";
@@ -184,7 +184,7 @@ private:
   }
   void on_hello(std::uint64_t number, byte_view octets) override {
     perform(kernel_.on_hello(octets, now()));
-    links_->answer_hello(number, kernel_.hello());
+    links_->answer_hello(number, kernel_.network().own.hello());
   }
   void on_hello_answer(const std::string& adapter, const peis::bluetooth_address& device,
                        byte_view octets) override {
@@ -219,8 +219,10 @@ struct two_peers {
 
   bool until(const std::function<bool()>& done) { return run(medium, {&robot, &pc}, done); }
   two_peers() {
-    REQUIRE(until(
-        [&] { return robot.kernel().hosts().size() == 2 && pc.kernel().hosts().size() == 2; }));
+    REQUIRE(until([&] {
+      return robot.kernel().network().hosts.records().size() == 2 &&
+             pc.kernel().network().hosts.records().size() == 2;
+    }));
   }
 };
 
@@ -246,12 +248,14 @@ TEST_CASE("two kernels exchange tuples over the links of adapters",
   two_peers p;
   CHECK(bluetooth_url(p.robot) == "bt://02:4B:00:1F:A0:07;8193");
   CHECK(p.pc.links().open_links() == 1);
-  p.pc.perform(p.pc.kernel().subscribe(peer_id{1}, "room.*", peis::subscription_id{1}, p.pc.now()));
-  p.robot.perform(p.robot.kernel().set_tuple("room.lamp", peis::text_content("on"), p.robot.now()));
+  p.pc.perform(p.pc.kernel().subscriptions().subscribe(peer_id{1}, "room.*",
+                                                       peis::subscription_id{1}, p.pc.now()));
+  p.robot.perform(
+      p.robot.kernel().tuples().set("room.lamp", peis::text_content("on"), p.robot.now()));
   CHECK(p.until([&] { return p.pc.changed["room.lamp"] == "on"; }));
   bytes big(1'000'000, 'x'); // goes through the bounded queues of a link
   p.robot.perform(
-      p.robot.kernel().set_tuple("room.scan", peis::binary_content(big), p.robot.now()));
+      p.robot.kernel().tuples().set("room.scan", peis::binary_content(big), p.robot.now()));
   CHECK(p.until([&] { return p.pc.largest == big.size(); }));
   CHECK(p.robot.links().counters().dropped == 0);
   p.robot.links().close_all();
@@ -306,8 +310,8 @@ TEST_CASE("peers find each other by scans and HELLOs", "[peer][BT-04][BT-05][BT-
   }));
   CHECK(pc.value("kernel.hci0.02-4B-00-1F-A0-07.str") == "-50");
   CHECK(run(medium, {&robot, &pc}, [&] {
-    return robot.links().open_links() > 0 && robot.kernel().reachable(peer_id{2}) &&
-           pc.kernel().reachable(peer_id{1});
+    return robot.links().open_links() > 0 && robot.kernel().network().reachable(peer_id{2}) &&
+           pc.kernel().network().reachable(peer_id{1});
   }));
 }
 

@@ -13,7 +13,9 @@ struct standalone_peers {
   standalone_peers() {
     a = test::open(loop, test::config_of(1));
     b = test::open(loop, joining(2));
-    REQUIRE(run([&] { return a->hosts().size() == 2 && b->hosts().size() == 2; }));
+    REQUIRE(run([&] {
+      return a->network().hosts.records().size() == 2 && b->network().hosts.records().size() == 2;
+    }));
   }
 
   standalone_config joining(std::int32_t id) {
@@ -23,7 +25,7 @@ struct standalone_peers {
     return x;
   }
   bool run(const std::function<bool()>& done) { return test::run({a.get(), b.get()}, done); }
-  std::optional<peis::cause> await(const std::function<void(standalone::outcome_callback)>& begin) {
+  std::optional<peis::cause> await(const std::function<void(outcome_callback)>& begin) {
     std::optional<peis::cause> ended;
     int times = 0;
     begin([&](const peis::outcome& x) {
@@ -36,7 +38,7 @@ struct standalone_peers {
   }
 };
 
-bool is_watch(const standalone::watch_result& x) {
+bool is_watch(const watch_result& x) {
   return std::holds_alternative<peis::subscription_id>(x);
 }
 
@@ -45,25 +47,25 @@ bool is_watch(const standalone::watch_result& x) {
 TEST_CASE("tuples pass between two peers in every way", "[peer][TUP-04][TUP-05][TUP-07]") {
   standalone_peers p;
   std::vector<std::string> seen;
-  REQUIRE(is_watch(p.b->subscribe(
+  REQUIRE(is_watch(p.b->tuples().subscribe(
       peer_id{1}, "room.*", [&](const auto& x) { seen.emplace_back(x->text()); },
       [&](const auto&) { seen.emplace_back("gone"); })));
-  REQUIRE(p.a->set_tuple("room.lamp", peis::text_content("on")) == peis::cause::none);
+  REQUIRE(p.a->tuples().set("room.lamp", peis::text_content("on")) == peis::cause::none);
   CHECK(p.run([&] { return seen.size() == 1; }));
   CHECK(p.await([&](auto then) {
-    p.b->set_remote_tuple(peer_id{1}, "room.lamp", peis::text_content("off"), then);
+    p.b->tuples().set_remote(peer_id{1}, "room.lamp", peis::text_content("off"), then);
   }) == peis::cause::none);
   CHECK(p.run([&] { return seen.size() == 2; }));
   CHECK(p.await([&](auto then) {
-    p.b->append_tuple(peis::prototype_of(peer_id{1}, *peis::key::parse("room.lamp")), to_bytes("!"),
-                      then);
+    p.b->tuples().append(peis::prototype_of(peer_id{1}, *peis::key::parse("room.lamp")),
+                         to_bytes("!"), then);
   }) == peis::cause::none);
   CHECK(p.run([&] { return seen.size() == 3; }));
-  CHECK(p.await([&](auto then) { p.b->delete_remote_tuple(peer_id{1}, "room.lamp", then); }) ==
+  CHECK(p.await([&](auto then) { p.b->tuples().remove_remote(peer_id{1}, "room.lamp", then); }) ==
         peis::cause::none);
   CHECK(p.run([&] { return seen.size() == 4; }));
   CHECK(seen == std::vector<std::string>{"on", "off", "off!", "gone"});
-  CHECK(p.a->get_tuple(peer_id{1}, "room.lamp").content == nullptr);
+  CHECK(p.a->tuples().get(peer_id{1}, "room.lamp").content == nullptr);
 }
 
 TEST_CASE("a tuple is set with all its fields", "[peer][TUP-06]") {
@@ -73,71 +75,72 @@ TEST_CASE("a tuple is set with all its fields", "[peer][TUP-06]") {
   draft.name = *peis::key::parse("a.b");
   draft.value = to_bytes(std::string("x\0", 2));
   draft.user_time = {5, 6};
-  CHECK(p.await([&](auto then) { p.a->insert_tuple(draft, then); }) == peis::cause::none);
-  CHECK(p.a->get_tuple(peer_id{1}, "a.b").content->user_time == peis::timestamp{5, 6});
+  CHECK(p.await([&](auto then) { p.a->tuples().insert(draft, then); }) == peis::cause::none);
+  CHECK(p.a->tuples().get(peer_id{1}, "a.b").content->user_time == peis::timestamp{5, 6});
   draft.owner = any_peer;
-  CHECK(p.a->insert_tuple(draft) == peis::cause::abstract);
+  CHECK(p.a->tuples().insert(draft) == peis::cause::abstract);
 }
 
 TEST_CASE("a blocking read ends when the tuple comes, or with its time", "[peer][TUP-12]") {
   standalone_peers p;
   using peis::read_mode;
-  CHECK(!p.b->get_tuple(peer_id{1}, "slow", read_mode::keep_old, 30ms));
-  CHECK(p.b->get_tuple(any_peer, "slow", read_mode::keep_old, 1h).why == peis::cause::abstract);
-  REQUIRE(is_watch(p.b->subscribe(peer_id{1}, "slow")));
-  REQUIRE(p.a->set_tuple("slow", peis::text_content("there")) == peis::cause::none);
-  const auto found = p.b->get_tuple(peer_id{1}, "slow", read_mode::filter_old, test::patience);
+  CHECK(!p.b->tuples().get(peer_id{1}, "slow", read_mode::keep_old, 30ms));
+  CHECK(p.b->tuples().get(any_peer, "slow", read_mode::keep_old, 1h).why == peis::cause::abstract);
+  REQUIRE(is_watch(p.b->tuples().subscribe(peer_id{1}, "slow")));
+  REQUIRE(p.a->tuples().set("slow", peis::text_content("there")) == peis::cause::none);
+  const auto found = p.b->tuples().get(peer_id{1}, "slow", read_mode::filter_old, test::patience);
   REQUIRE(found);
   CHECK(found.content->text() == "there");
-  CHECK(!p.b->get_tuple(peer_id{1}, "slow", read_mode::filter_old, 30ms)); // read already
+  CHECK(!p.b->tuples().get(peer_id{1}, "slow", read_mode::filter_old, 30ms)); // read already
   peis::result_set all;
-  p.b->get_tuples(peis::prototype_of(any_peer, *peis::key::parse("slow")), all);
-  p.b->get_tuples(peis::prototype_of(peer_id{2}, *peis::key::parse("kernel.id")), all);
+  p.b->tuples().get_all(peis::prototype_of(any_peer, *peis::key::parse("slow")), all);
+  p.b->tuples().get_all(peis::prototype_of(peer_id{2}, *peis::key::parse("kernel.id")), all);
   CHECK(all.size() == 2);
 }
 
 TEST_CASE("messages reach all hooks of a port in their order", "[peer][API-02][API-05][API-07]") {
   standalone_peers p;
   std::vector<std::string> heard;
-  CHECK(p.a->register_hook(
+  CHECK(p.a->messages().register_hook(
       30, [&](const auto& x) { heard.push_back("1" + to_string(x.octets.view())); }));
-  CHECK(p.a->register_hook(
+  CHECK(p.a->messages().register_hook(
       30, [&](const auto& x) { heard.push_back("2" + to_string(x.octets.view())); }));
-  CHECK(!p.a->register_hook(19, [](const auto&) {}));
+  CHECK(!p.a->messages().register_hook(19, [](const auto&) {}));
   CHECK(p.await([&](auto then) {
-    p.b->send_message(30, peer_id{1}, to_bytes("x"), true, peis::priority::high, then);
+    p.b->messages().send(30, peer_id{1}, to_bytes("x"), true, peis::priority::high, then);
   }) == peis::cause::none);
   CHECK(p.run([&] { return heard.size() == 2; }));
-  CHECK(p.b->broadcast(30, to_bytes("y")) == peis::cause::none);
+  CHECK(p.b->messages().broadcast(30, to_bytes("y")) == peis::cause::none);
   CHECK(p.run([&] { return heard.size() == 4; }));
   CHECK(heard == std::vector<std::string>{"1x", "2x", "1y", "2y"});
-  CHECK(p.b->send_message(30, peer_id{77}, to_bytes("x"), true) == peis::cause::no_route);
-  CHECK(p.b->broadcast(30, bytes(1025)) == peis::cause::too_long);
+  CHECK(p.b->messages().send(30, peer_id{77}, to_bytes("x"), true) == peis::cause::no_route);
+  CHECK(p.b->messages().broadcast(30, bytes(1025)) == peis::cause::too_long);
 }
 
 TEST_CASE("callbacks may call, wait and watch", "[peer][CB-03][CB-04]") {
   standalone_peers p;
   std::optional<peis::subscription_id> mine;
   bool answered = false;
-  const auto watch = p.b->subscribe(peer_id{1}, "question", [&](const auto&) {
-    CHECK(p.b->set_tuple("answer", peis::text_content("42")) == peis::cause::none);
+  const auto watch = p.b->tuples().subscribe(peer_id{1}, "question", [&](const auto&) {
+    CHECK(p.b->tuples().set("answer", peis::text_content("42")) == peis::cause::none);
     CHECK(!p.b->await(20ms, [&](auto then) { // peer 1 is not stepped meanwhile
-      p.b->set_remote_tuple(peer_id{1}, "seen", peis::text_content("yes"), then);
+      p.b->tuples().set_remote(peer_id{1}, "seen", peis::text_content("yes"), then);
     }));
-    p.b->unsubscribe(*mine);
+    p.b->tuples().unsubscribe(*mine);
     answered = true;
   });
   REQUIRE(is_watch(watch));
   mine = std::get<peis::subscription_id>(watch);
-  REQUIRE(p.a->set_tuple("question", peis::text_content("?")) == peis::cause::none);
+  REQUIRE(p.a->tuples().set("question", peis::text_content("?")) == peis::cause::none);
   CHECK(p.run([&] { return answered; }));
-  CHECK(p.b->get_tuple(peer_id{2}, "answer").content->text() == "42");
-  CHECK(p.run([&] { return p.a->get_tuple(peer_id{1}, "seen").content != nullptr; }));
+  CHECK(p.b->tuples().get(peer_id{2}, "answer").content->text() == "42");
+  CHECK(p.run([&] { return p.a->tuples().get(peer_id{1}, "seen").content != nullptr; }));
 }
 
 TEST_CASE("a way is traced", "[peer][API-12]") {
   standalone_peers p;
-  const auto way = p.b->trace(peer_id{1}, test::patience); // the other answers on the same loop
+  const auto way =
+      p.b->messages().trace(peer_id{1}, test::patience); // the other answers on the same loop
   REQUIRE(way);
   CHECK(*way == std::vector<peer_id>{peer_id{2}, peer_id{1}, peer_id{2}});
 }
@@ -149,7 +152,7 @@ TEST_CASE("who leaves is forgotten at once and may come back", "[peer][KH-04]") 
   p.b->leave();
   CHECK(p.a->run_until([&] { return changes == std::vector{false}; }, test::patience));
   CHECK(p.b->links().open_links() == 0);
-  CHECK(p.b->set_tuple("x", peis::text_content("y")) == peis::cause::left);
+  CHECK(p.b->tuples().set("x", peis::text_content("y")) == peis::cause::left);
   auto again = p.joining(2);
   again.seed = 77; // another magic number
   p.b = test::open(p.loop, again);
@@ -159,18 +162,18 @@ TEST_CASE("who leaves is forgotten at once and may come back", "[peer][KH-04]") 
 TEST_CASE("large values flow through bounded queues", "[peer][TUP-21]") {
   standalone_peers p;
   std::size_t size = 0;
-  REQUIRE(
-      is_watch(p.b->subscribe(peer_id{1}, "scan", [&](const auto& x) { size = x->value.size(); })));
+  REQUIRE(is_watch(
+      p.b->tuples().subscribe(peer_id{1}, "scan", [&](const auto& x) { size = x->value.size(); })));
   bytes big(10'000'000);
   for (std::size_t i = 0; i < big.size(); ++i)
     big[i] = static_cast<std::uint8_t>(i % 253);
-  REQUIRE(p.a->set_tuple("scan", peis::binary_content(big)) == peis::cause::none);
+  REQUIRE(p.a->tuples().set("scan", peis::binary_content(big)) == peis::cause::none);
   std::size_t most = 0;
   CHECK(p.run([&] {
     most = std::max(most, p.a->links().unsent());
     return size == big.size();
   }));
-  CHECK(p.b->get_tuple(peer_id{1}, "scan").content->value == payload(big));
+  CHECK(p.b->tuples().get(peer_id{1}, "scan").content->value == payload(big));
   CHECK(most <= tcp_links::window + peis::header_size + peis::data_max);
 }
 

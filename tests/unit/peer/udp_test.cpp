@@ -80,7 +80,9 @@ struct udp_peers {
     auto config = udp_config_of(2);
     config.kernel.network.connections.always = {udp_url(port)};
     b = test::open(loop, config);
-    REQUIRE(run([&] { return a->hosts().size() == 2 && b->hosts().size() == 2; }));
+    REQUIRE(run([&] {
+      return a->network().hosts.records().size() == 2 && b->network().hosts.records().size() == 2;
+    }));
   }
   bool run(const std::function<bool()>& done) { return test::run({a.get(), b.get()}, done); }
 };
@@ -112,21 +114,21 @@ TEST_CASE("two kernels over UDP set, subscribe, ask and send as over TCP",
   REQUIRE(p.b->links().over_udp()->open_links() == 1);
   REQUIRE(p.b->links().open_links() == 1);
   std::vector<std::string> seen;
-  const auto watch = p.b->subscribe(
+  const auto watch = p.b->tuples().subscribe(
       peer_id{1}, "room.*", [&](const auto& x) { seen.emplace_back(x->text()); },
       [&](const auto&) { seen.emplace_back("gone"); });
   REQUIRE(std::holds_alternative<peis::subscription_id>(watch));
-  REQUIRE(p.a->set_tuple("room.lamp", peis::text_content("on")) == peis::cause::none);
+  REQUIRE(p.a->tuples().set("room.lamp", peis::text_content("on")) == peis::cause::none);
   CHECK(p.run([&] { return seen.size() == 1; }));
   std::optional<peis::cause> ended;
-  p.b->set_remote_tuple(peer_id{1}, "room.lamp", peis::text_content("off"),
-                        [&](const peis::outcome& x) { ended = x.why; });
+  p.b->tuples().set_remote(peer_id{1}, "room.lamp", peis::text_content("off"),
+                           [&](const peis::outcome& x) { ended = x.why; });
   CHECK(p.run([&] { return seen.size() == 2 && ended.has_value(); }));
   CHECK(ended == peis::cause::none);
-  REQUIRE(p.a->delete_tuple("room.lamp") == peis::cause::none);
+  REQUIRE(p.a->tuples().remove("room.lamp") == peis::cause::none);
   CHECK(p.run([&] { return seen.size() == 3; }));
   CHECK(seen == std::vector<std::string>{"on", "off", "gone"});
-  const auto way = p.b->trace(peer_id{1}, test::patience);
+  const auto way = p.b->messages().trace(peer_id{1}, test::patience);
   REQUIRE(way);
   CHECK(way->size() == 3);
 }
@@ -135,18 +137,18 @@ TEST_CASE("large values flow over UDP through bounded queues", "[peer][UDP-01][T
   udp_peers p;
   std::size_t size = 0;
   const auto watch =
-      p.b->subscribe(peer_id{1}, "scan", [&](const auto& x) { size = x->value.size(); });
+      p.b->tuples().subscribe(peer_id{1}, "scan", [&](const auto& x) { size = x->value.size(); });
   REQUIRE(std::holds_alternative<peis::subscription_id>(watch));
   bytes big(10'000'000);
   for (std::size_t i = 0; i < big.size(); ++i)
     big[i] = static_cast<std::uint8_t>(i % 253);
-  REQUIRE(p.a->set_tuple("scan", peis::binary_content(big)) == peis::cause::none);
+  REQUIRE(p.a->tuples().set("scan", peis::binary_content(big)) == peis::cause::none);
   std::size_t most = 0;
   CHECK(p.run([&] {
     most = std::max(most, p.a->links().unsent());
     return size == big.size();
   }));
-  CHECK(p.b->get_tuple(peer_id{1}, "scan").content->value == payload(big));
+  CHECK(p.b->tuples().get(peer_id{1}, "scan").content->value == payload(big));
   CHECK(most <= tcp_links::window + peis::header_size + peis::data_max);
   const auto counted = p.a->links().over_udp()->counters();
   CHECK(counted.malformed + counted.unknown + counted.impossible + counted.unsent == 0);
@@ -156,16 +158,16 @@ TEST_CASE("what a network loses is sent again, and each value comes once in orde
           "[peer][UDP-01][UDP-02]") {
   udp_peers p(0.05);
   std::vector<std::string> seen;
-  const auto watch =
-      p.b->subscribe(peer_id{1}, "count", [&](const auto& x) { seen.emplace_back(x->text()); });
+  const auto watch = p.b->tuples().subscribe(peer_id{1}, "count",
+                                             [&](const auto& x) { seen.emplace_back(x->text()); });
   REQUIRE(std::holds_alternative<peis::subscription_id>(watch));
-  REQUIRE(p.run([&] { return p.a->has_subscriber("count"); }));
+  REQUIRE(p.run([&] { return p.a->kernel().reader().has_subscriber("count"); }));
   const std::string filler(500, '.');
   std::vector<std::string> set;
   while (set.size() < 500) {
-    if (!p.a->is_waiting("count")) {
+    if (!p.a->kernel().reader().is_waiting("count")) {
       set.push_back(std::to_string(set.size()) + filler);
-      REQUIRE(p.a->set_tuple("count", peis::text_content(set.back())) == peis::cause::none);
+      REQUIRE(p.a->tuples().set("count", peis::text_content(set.back())) == peis::cause::none);
     }
     p.a->step(0ms);
     p.b->step(0ms);
@@ -202,9 +204,13 @@ TEST_CASE("a way over UDP that is cut is noticed, and used again when it is mend
           "[peer][UDP-01][KH-05]") {
   udp_peers p(0.0);
   p.relay->set_loss(1);
-  CHECK(p.run([&] { return !p.a->reachable(peer_id{2}) && !p.b->reachable(peer_id{1}); }));
+  CHECK(p.run([&] {
+    return !p.a->network().reachable(peer_id{2}) && !p.b->network().reachable(peer_id{1});
+  }));
   p.relay->set_loss(0);
-  CHECK(p.run([&] { return p.a->reachable(peer_id{2}) && p.b->reachable(peer_id{1}); }));
+  CHECK(p.run([&] {
+    return p.a->network().reachable(peer_id{2}) && p.b->network().reachable(peer_id{1});
+  }));
 }
 
 TEST_CASE("hostile datagrams are counted and change nothing", "[peer][UDP-01]") {

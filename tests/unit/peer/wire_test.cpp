@@ -15,7 +15,7 @@ struct visited {
     return peer->run_until(done, test::patience);
   }
   [[nodiscard]] bool knows(std::int32_t id) const {
-    const auto hosts = peer->hosts();
+    const auto hosts = peer->network().hosts.records();
     return std::any_of(hosts.begin(), hosts.end(),
                        [&](const auto* x) { return x->id == peer_id{id}; });
   }
@@ -48,7 +48,7 @@ TEST_CASE("a real kernel's connect request is answered with record and routes",
   CHECK(all[0].text(48) == "host10");
   CHECK(all[0].octets.size() == 40 + 552);
   CHECK(x->last(0)->source() == 10);
-  CHECK(v.peer->reachable(peer_id{20}));
+  CHECK(v.peer->network().reachable(peer_id{20}));
 }
 
 TEST_CASE("the octets may come one by one", "[peer][TCP-05][interop]") {
@@ -69,24 +69,24 @@ TEST_CASE("a real kernel sets, subscribes, appends and unsubscribes",
   visited v;
   const auto x = v.join();
   x->say("set-remote");
-  REQUIRE(v.until([&] { return v.peer->get_tuple(peer_id{10}, "bar").content != nullptr; }));
-  const auto bar = v.peer->get_tuple(peer_id{10}, "bar").content;
+  REQUIRE(v.until([&] { return v.peer->tuples().get(peer_id{10}, "bar").content != nullptr; }));
+  const auto bar = v.peer->tuples().get(peer_id{10}, "bar").content;
   CHECK(bar->text() == "remote value");
   CHECK(bar->creator == peer_id{20});
   CHECK(v.until([&] { return x->has_acknowledged(1938552350); })); // the set's ackID
 
-  REQUIRE(v.peer->set_tuple("foo", peis::text_content("hello")) == peis::cause::none);
+  REQUIRE(v.peer->tuples().set("foo", peis::text_content("hello")) == peis::cause::none);
   x->say("subscribe-exact");
   REQUIRE(v.until([&] { return x->last(7).has_value(); })); // what is there comes at once
   CHECK(x->last(7)->text(124) == "foo");
-  CHECK(v.peer->has_subscriber("foo"));
+  CHECK(v.peer->kernel().reader().has_subscriber("foo"));
   CHECK(x->last(7)->source() == 10);
   x->say("append-request");
-  const auto foo = [&] { return v.peer->get_tuple(peer_id{10}, "foo").content; };
+  const auto foo = [&] { return v.peer->tuples().get(peer_id{10}, "foo").content; };
   REQUIRE(v.until([&] { return foo()->text() == "helloremotely"; }));
   CHECK(v.until([&] { return x->has_acknowledged(518484346); })); // the request's ackID
   x->say("unsubscribe-exact");
-  CHECK(v.until([&] { return !v.peer->has_subscriber("foo"); }));
+  CHECK(v.until([&] { return !v.peer->kernel().reader().has_subscriber("foo"); }));
 }
 
 TEST_CASE("a long value of a real kernel arrives whole", "[peer][P2P-05][interop]") {
@@ -98,7 +98,7 @@ TEST_CASE("a long value of a real kernel arrives whole", "[peer][P2P-05][interop
   request[7] = 10; // peer 10 joins
   x.send(request);
   std::size_t size = 0;
-  const auto watch = peer->subscribe(any_peer, "", [&](const auto& y) {
+  const auto watch = peer->tuples().subscribe(any_peer, "", [&](const auto& y) {
     size = y->owner == peer_id{10} ? y->value.size() : size;
   });
   REQUIRE(std::holds_alternative<peis::subscription_id>(watch));
@@ -173,7 +173,7 @@ TEST_CASE("what is no peer of ours is refused, and the others are served", "[pee
   if (closes)
     CHECK(v.until([&] { return bad->closed(); }));
   good->say("set-remote");
-  CHECK(v.until([&] { return v.peer->get_tuple(peer_id{10}, "bar").content != nullptr; }));
+  CHECK(v.until([&] { return v.peer->tuples().get(peer_id{10}, "bar").content != nullptr; }));
   CHECK(!good->closed());
 }
 
@@ -195,7 +195,7 @@ TEST_CASE("beyond 64 links the next ones are refused, and the others are served"
   CHECK(v.until([&] { return refused() == 81 - 64; }));
   CHECK(v.peer->links().open_links() == 64);
   crowd.front()->say("set-remote");
-  CHECK(v.until([&] { return v.peer->get_tuple(peer_id{10}, "bar").content != nullptr; }));
+  CHECK(v.until([&] { return v.peer->tuples().get(peer_id{10}, "bar").content != nullptr; }));
   CHECK(refused() == 81 - 64);
 }
 

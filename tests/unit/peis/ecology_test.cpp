@@ -13,7 +13,7 @@ namespace {
 
 std::size_t links_of(world& w, peer_id id) {
   std::set<peer_id> neighbours;
-  for (const auto& x : w.at(id).links()) {
+  for (const auto& x : w.at(id).network().links.views()) {
     if (x.neighbour)
       neighbours.insert(*x.neighbour);
   }
@@ -24,7 +24,7 @@ bool all_reachable(world& w) {
   const auto ids = w.peers();
   return std::all_of(ids.begin(), ids.end(), [&](peer_id a) {
     return !w.alive(a) || std::all_of(ids.begin(), ids.end(), [&](peer_id b) {
-      return !w.alive(b) || w.at(a).reachable(b);
+      return !w.alive(b) || w.at(a).network().reachable(b);
     });
   });
 }
@@ -33,7 +33,7 @@ bool all_known(world& w) {
   const auto ids = w.peers();
   return std::all_of(ids.begin(), ids.end(), [&](peer_id a) {
     std::set<peer_id> known;
-    for (const auto* host : w.at(a).hosts())
+    for (const auto* host : w.at(a).network().hosts.records())
       known.insert(host->id);
     return !w.alive(a) || std::all_of(ids.begin(), ids.end(),
                                       [&](peer_id b) { return !w.alive(b) || known.contains(b); });
@@ -56,7 +56,7 @@ std::size_t diameter(world& w) {
     std::map<peer_id, std::size_t> distance{{start, 0}};
     std::vector<peer_id> open{start};
     for (std::size_t i = 0; i < open.size(); ++i) {
-      for (const auto& x : w.at(open[i]).links()) {
+      for (const auto& x : w.at(open[i]).network().links.views()) {
         if (x.neighbour && distance.emplace(*x.neighbour, distance[open[i]] + 1).second)
           open.push_back(*x.neighbour);
       }
@@ -90,7 +90,7 @@ TEST_CASE("thirty peers on one network settle into a small, stable mesh",
     INFO("peer " << id.value);
     CHECK(links_of(w, id) >= 3);
     CHECK(links_of(w, id) <= 7);
-    CHECK(w.at(id).hosts().front()->cluster == 1);
+    CHECK(w.at(id).network().hosts.records().front()->cluster == 1);
   }
   const auto before = opened(w);
   w.run_for(3min);
@@ -142,8 +142,9 @@ TEST_CASE("a parted network comes together again", "[peis][CLU-02]") {
   REQUIRE(all_reachable(w));
   w.separated = [](peer_id a, peer_id b) { return (a.value <= 6) != (b.value <= 6); };
   w.run_for(30s);
-  CHECK(w.at(peer_id{8}).hosts().size() == 6); // the others are gone
-  CHECK(w.at(peer_id{8}).hosts().front()->cluster != w.at(peer_id{1}).hosts().front()->cluster);
+  CHECK(w.at(peer_id{8}).network().hosts.records().size() == 6); // the others are gone
+  CHECK(w.at(peer_id{8}).network().hosts.records().front()->cluster !=
+        w.at(peer_id{1}).network().hosts.records().front()->cluster);
   w.separated = nullptr;
   CHECK(run_until(w, 20s, [&] { return all_reachable(w) && all_known(w); }) < 10s);
 }
@@ -161,7 +162,7 @@ TEST_CASE("a parted network without announcements comes together again", "[peis]
   w.run_for(10s);
   w.separated = [](peer_id a, peer_id b) { return (a.value <= 3) != (b.value <= 3); };
   w.run_for(30s);
-  CHECK(w.at(peer_id{4}).hosts().size() == 3);
+  CHECK(w.at(peer_id{4}).network().hosts.records().size() == 3);
   w.separated = nullptr;
   CHECK(run_until(w, 60s, [&] { return all_reachable(w) && all_known(w); }) < 20s);
 }
@@ -182,7 +183,7 @@ TEST_CASE("leaves keep to their master and come back to it", "[peis][LEA-01][LEA
     CHECK(links_of(w, id) == (id == peer_id{1} ? 20U : 1U));
   w.kill(peer_id{1});
   w.run_for(7s);
-  CHECK(!w.at(peer_id{2}).reachable(peer_id{3}));
+  CHECK(!w.at(peer_id{2}).network().reachable(peer_id{3}));
   w.restart(peer_id{1});
   CHECK(run_until(w, 60s, [&] { return all_reachable(w); }) < 32s);
 }
@@ -244,7 +245,8 @@ TEST_CASE("a leaf takes no links from other hosts", "[peis][LEA-01]") {
   const auto causes = w.all<close_link>(peer_id{2});
   REQUIRE_FALSE(causes.empty());
   CHECK(std::ranges::all_of(causes, [](const auto& x) { return x.why == close_cause::leaf; }));
-  const auto hosts = w.at(peer_id{1}).hosts(); // nobody is told where to come from elsewhere
+  const auto hosts =
+      w.at(peer_id{1}).network().hosts.records(); // nobody is told where to come from elsewhere
   const auto told = std::ranges::find(hosts, peer_id{2}, &host_record::id);
   REQUIRE(told != hosts.end());
   CHECK(std::ranges::all_of((*told)->addresses, &low_level_address::loopback));
@@ -260,12 +262,12 @@ TEST_CASE("a silent death is noticed by neighbours and far away", "[peis][KH-05]
   REQUIRE(all_reachable(w));
   w.power_off(peer_id{7});
   w.run_for(5s);
-  CHECK(!w.at(peer_id{6}).reachable(peer_id{7}));
+  CHECK(!w.at(peer_id{6}).network().reachable(peer_id{7}));
   w.run_for(10s);
   for (int i = 1; i <= 6; ++i) {
     INFO("peer " << i);
-    CHECK(!w.at(peer_id{i}).reachable(peer_id{7}));
-    CHECK(w.at(peer_id{i}).hosts().size() == 6);
+    CHECK(!w.at(peer_id{i}).network().reachable(peer_id{7}));
+    CHECK(w.at(peer_id{i}).network().hosts.records().size() == 6);
   }
 }
 
@@ -323,11 +325,11 @@ TEST_CASE("two links between the same peers become one, and stay one", "[peis][C
   w.connect(peer_id{1}, peer_id{2});
   w.connect(peer_id{2}, peer_id{1});
   w.run_for(10s);
-  CHECK(w.at(peer_id{1}).links().size() == 1);
-  const auto link = w.at(peer_id{1}).links().front().link;
+  CHECK(w.at(peer_id{1}).network().links.views().size() == 1);
+  const auto link = w.at(peer_id{1}).network().links.views().front().link;
   w.run_for(2min);
-  REQUIRE(w.at(peer_id{1}).links().size() == 1);
-  CHECK(w.at(peer_id{1}).links().front().link == link);
+  REQUIRE(w.at(peer_id{1}).network().links.views().size() == 1);
+  CHECK(w.at(peer_id{1}).network().links.views().front().link == link);
 }
 
 TEST_CASE("much traffic to a host forces a link to it", "[peis][CM-03][CM-02]") {
@@ -345,32 +347,33 @@ TEST_CASE("much traffic to a host forces a link to it", "[peis][CM-03][CM-02]") 
   w.separated = [](peer_id a, peer_id b) { return std::abs(a.value - b.value) > 1; };
   w.run_for(5s);
   w.separated = nullptr;
-  REQUIRE(w.at(peer_id{1}).routing().find(peer_id{4})->hops == 6);
+  REQUIRE(w.at(peer_id{1}).network().routes.routes().find(peer_id{4})->hops == 6);
   for (int i = 0; i < 150; ++i) {
-    w.perform(peer_id{1}, w.at(peer_id{1})
-                              .send_message(peer_id{4}, 30, bytes(600), true, priority::normal,
-                                            no_request, w.now()));
+    w.perform(peer_id{1},
+              w.at(peer_id{1})
+                  .messages()
+                  .send(peer_id{4}, 30, bytes(600), true, priority::normal, no_request, w.now()));
     w.run_for(100ms);
   }
-  CHECK(w.at(peer_id{1}).routing().find(peer_id{4})->hops == 2);
+  CHECK(w.at(peer_id{1}).network().routes.routes().find(peer_id{4})->hops == 2);
 }
 
 TEST_CASE("a trace names the peers on the way and back", "[peis][API-12]") {
   world w;
   w.add_line(5);
   w.run_for(5s);
-  w.perform(peer_id{1}, w.at(peer_id{1}).trace(peer_id{5}, request_id{7}, w.now()));
-  w.perform(peer_id{1}, w.at(peer_id{1}).trace(peer_id{99}, request_id{8}, w.now()));
+  w.perform(peer_id{1}, w.at(peer_id{1}).messages().trace(peer_id{5}, request_id{7}, w.now()));
+  w.perform(peer_id{1}, w.at(peer_id{1}).messages().trace(peer_id{99}, request_id{8}, w.now()));
   w.run_for(1s);
   const auto told = w.all<traced>(peer_id{1});
   REQUIRE(told.size() == 2);
   CHECK(told[0].request == request_id{8});
-  CHECK(told[0].way.empty());
+  CHECK(told[0].route.empty());
   CHECK(told[1].request == request_id{7});
   std::vector<peer_id> expected;
   for (const int i : {1, 2, 3, 4, 5, 4, 3, 2, 1})
     expected.emplace_back(i);
-  CHECK(told[1].way == expected);
+  CHECK(told[1].route == expected);
 }
 
 TEST_CASE("an answer is for every question about its peer", "[peis][API-12]") {
@@ -381,15 +384,15 @@ TEST_CASE("an answer is for every question about its peer", "[peis][API-12]") {
   w.run_for(2s);
   bool lossy = true;
   w.keep = [&](const package_header& x) { return !lossy || x.port != port::trace; };
-  w.perform(peer_id{1}, w.at(peer_id{1}).trace(peer_id{2}, request_id{1}, w.now()));
+  w.perform(peer_id{1}, w.at(peer_id{1}).messages().trace(peer_id{2}, request_id{1}, w.now()));
   w.run_for(1s);
   lossy = false;
-  w.perform(peer_id{1}, w.at(peer_id{1}).trace(peer_id{2}, request_id{2}, w.now()));
+  w.perform(peer_id{1}, w.at(peer_id{1}).messages().trace(peer_id{2}, request_id{2}, w.now()));
   w.run_for(1s);
   const auto told = w.all<traced>(peer_id{1});
   REQUIRE(told.size() == 2);
   CHECK(told[1].request == request_id{2});
-  CHECK(told[1].way.size() == 3);
+  CHECK(told[1].route.size() == 3);
 }
 
 TEST_CASE("others learn where a peer listens when its networks change", "[peis][LNK-03][TCP-03]") {
@@ -400,7 +403,7 @@ TEST_CASE("others learn where a peer listens when its networks change", "[peis][
   w.run_for(10s);
   const std::vector moved{tcp_address("eth1", false, {10, 1, 0, 9}, 8000)};
   const auto knows = [&](int who, int whom) {
-    const auto hosts = w.at(peer_id{who}).hosts();
+    const auto hosts = w.at(peer_id{who}).network().hosts.records();
     return std::ranges::any_of(
         hosts, [&](const auto* x) { return x->id == peer_id{whom} && x->addresses == moved; });
   };
@@ -496,15 +499,17 @@ TEST_CASE("who has just come is answered before there are routes to it", "[peis]
     w.add(config_of(i));
   w.connect(peer_id{1}, peer_id{2});
   w.run_for(5s);
-  w.perform(peer_id{1}, w.at(peer_id{1}).set_tuple("x", text_content("1"), w.now()));
+  w.perform(peer_id{1}, w.at(peer_id{1}).tuples().set("x", text_content("1"), w.now()));
   w.connect(peer_id{4}, peer_id{2}); // routes are told: those to the next one wait a while
   w.run_for(50ms);
   w.connect(peer_id{3}, peer_id{2});
   w.run_for(50ms);
-  REQUIRE(w.at(peer_id{3}).reachable(peer_id{1}));
-  w.perform(peer_id{3}, w.at(peer_id{3}).subscribe(peer_id{1}, "x", subscription_id{1}, w.now()));
+  REQUIRE(w.at(peer_id{3}).network().reachable(peer_id{1}));
+  w.perform(
+      peer_id{3},
+      w.at(peer_id{3}).subscriptions().subscribe(peer_id{1}, "x", subscription_id{1}, w.now()));
   w.run_for(50ms);
-  CHECK_FALSE(w.at(peer_id{1}).reachable(peer_id{3}));
+  CHECK_FALSE(w.at(peer_id{1}).network().reachable(peer_id{3}));
   CHECK(w.all<tuple_changed>(peer_id{3}).size() == 1);
 }
 
@@ -520,11 +525,11 @@ TEST_CASE("clocks of peers agree after three periods, however far the way",
   for (int i = 1; i < 10; ++i)
     w.connect(peer_id{i}, peer_id{i + 1}, 3ms);
   w.run_for(16s);
-  auto least = w.at(peer_id{1}).clock().offset();
+  auto least = w.at(peer_id{1}).network().clock.offset();
   auto most = least;
   for (const auto id : w.peers()) {
-    least = std::min(least, w.at(id).clock().offset());
-    most = std::max(most, w.at(id).clock().offset());
+    least = std::min(least, w.at(id).network().clock.offset());
+    most = std::max(most, w.at(id).network().clock.offset());
   }
   CHECK(most - least < 1ms);
   CHECK(least > 1'000'000'004s + 999ms); // the fastest clock's
@@ -542,13 +547,15 @@ TEST_CASE("a step of the clock moves no deadline", "[peis][SCH-07]") {
   w.add(lan_config_of(1));
   w.add(lan_config_of(2));
   w.run_for(5s);
-  w.perform(peer_id{2}, w.at(peer_id{2}).subscribe(peer_id{1}, "a", subscription_id{1}, w.now()));
+  w.perform(
+      peer_id{2},
+      w.at(peer_id{2}).subscriptions().subscribe(peer_id{1}, "a", subscription_id{1}, w.now()));
   w.run_for(1s);
   w.perform(peer_id{1}, w.at(peer_id{1}).step_clock(60s, w.now()));
   w.run_for(10s);
-  CHECK(w.at(peer_id{1}).has_subscriber("a"));
+  CHECK(w.at(peer_id{1}).reader().has_subscriber("a"));
   CHECK(w.at(peer_id{1}).counters().network.links_broken == 0);
-  CHECK(w.at(peer_id{2}).clock().offset() > 1'000'000'059s + 990ms);
+  CHECK(w.at(peer_id{2}).network().clock.offset() > 1'000'000'059s + 990ms);
 }
 
 } // namespace rubicon::peis::test

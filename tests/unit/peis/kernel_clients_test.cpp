@@ -39,7 +39,7 @@ struct subscribed_kernel {
   void subscribe(std::uint64_t n = 1) {
     for (; n > 0; --n) {
       const auto key = "room." + std::to_string(++count);
-      static_cast<void>(of.subscribe(of.id(), key, subscription_id{count}, start));
+      static_cast<void>(of.subscriptions().subscribe(of.id(), key, subscription_id{count}, start));
     }
   }
   std::size_t told(instant now) { return clients.review(of, now).size(); }
@@ -52,13 +52,13 @@ TEST_CASE("clients hear of a tuple under their own names, though these are equal
   const auto first = clients.watch(gateway, 5);
   const auto second = clients.watch(rules, 5);
   REQUIRE(first != second);
-  const auto told = only<tell_tuple>(clients.on(changed(second)));
+  const auto told = only<tuple_notice>(clients.on(changed(second)));
   REQUIRE(told.size() == 1);
   CHECK(told[0].client == rules);
   CHECK(told[0].watch == 5);
   CHECK(!told[0].deleted);
   const auto content = changed(first).content;
-  const auto gone = only<tell_tuple>(clients.on(tuple_deleted{first, content}));
+  const auto gone = only<tuple_notice>(clients.on(tuple_deleted{first, content}));
   REQUIRE(gone.size() == 1);
   CHECK(gone[0].client == gateway);
   CHECK(gone[0].content == content);
@@ -70,14 +70,14 @@ TEST_CASE("how a request ended is told once, to the client that has asked", "[pe
   kernel_clients clients;
   const auto first = clients.request(gateway, 5);
   const auto second = clients.request(rules, 6);
-  const auto told = only<tell_outcome>(clients.on(outcome{second, false, cause::no_route}));
+  const auto told = only<outcome_notice>(clients.on(outcome{second, false, cause::no_route}));
   REQUIRE(told.size() == 1);
   CHECK(told[0].client == rules);
   CHECK(told[0].token == 6);
   CHECK(!told[0].success);
   CHECK(told[0].why == cause::no_route);
   CHECK(clients.on(outcome{second, true}).empty());
-  CHECK(only<tell_outcome>(clients.on(outcome{first, true})).at(0).success);
+  CHECK(only<outcome_notice>(clients.on(outcome{first, true})).at(0).success);
   CHECK(clients.on(outcome{no_request, true}).empty());
 }
 
@@ -91,7 +91,7 @@ TEST_CASE("messages of a port go to the one client that has hooked it", "[peis]"
   x.port = 30;
   x.source = peer_id{4};
   x.octets = bytes{1, 2};
-  const auto told = only<tell_message>(clients.on(x));
+  const auto told = only<message_notice>(clients.on(x));
   REQUIRE(told.size() == 1);
   CHECK(told[0].client == gateway);
   CHECK(told[0].source == peer_id{4});
@@ -128,22 +128,23 @@ TEST_CASE("what a client has wanted goes with it, and nothing of others", "[peis
 TEST_CASE("the keys that others subscribe to are told when they are others", "[peis]") {
   subscribed_kernel x;
   x.subscribe(2);
-  auto told = only<tell_subscribers>(x.clients.watch_subscribers(gateway, "room", x.of, start));
+  auto told = only<subscribers_notice>(x.clients.watch_subscribers(gateway, "room", x.of, start));
   REQUIRE(told.size() == 1);
   CHECK(told[0].client == gateway);
   CHECK(told[0].keys == std::vector<std::string>{"room.1", "room.2"});
   CHECK(x.clients.review(x.of, start).size() == 0);
   x.subscribe();
-  told = only<tell_subscribers>(x.clients.review(x.of, start));
+  told = only<subscribers_notice>(x.clients.review(x.of, start));
   REQUIRE(told.size() == 1);
   CHECK(told[0].keys.size() == 3);
-  static_cast<void>(x.of.subscribe(x.of.id(), "ROOM.3", subscription_id{99}, start));
+  static_cast<void>(
+      x.of.subscriptions().subscribe(x.of.id(), "ROOM.3", subscription_id{99}, start));
   CHECK(x.told(start) == 0); // it is among them already
-  told = only<tell_subscribers>(x.clients.watch_subscribers(rules, "room", x.of, start));
+  told = only<subscribers_notice>(x.clients.watch_subscribers(rules, "room", x.of, start));
   REQUIRE(told.size() == 1);
   CHECK(told[0].client == rules); // who has asked last
   x.subscribe();
-  CHECK(only<tell_subscribers>(x.clients.review(x.of, start)).at(0).client == rules);
+  CHECK(only<subscribers_notice>(x.clients.review(x.of, start)).at(0).client == rules);
 }
 
 TEST_CASE("a long list of keys is told again only after 10 us a key", "[peis]") {
@@ -169,13 +170,13 @@ TEST_CASE("all who watch the clock hear of each change", "[peis]") {
   auto of = make_kernel();
   kernel_clients clients;
   static_cast<void>(clients.review(of, start));
-  const auto told = only<tell_clock>(clients.watch_clock(gateway, of));
+  const auto told = only<clock_notice>(clients.watch_clock(gateway, of));
   REQUIRE(told.size() == 1);
-  CHECK(told[0].offset == of.clock().offset());
+  CHECK(told[0].offset == of.network().clock.offset());
   CHECK(clients.watch_clock(rules, of).size() == 1);
   CHECK(clients.review(of, start).empty());
   static_cast<void>(of.step_clock(3s, start));
-  const auto after = only<tell_clock>(clients.review(of, start));
+  const auto after = only<clock_notice>(clients.review(of, start));
   REQUIRE(after.size() == 2);
   CHECK(after[0].client == gateway);
   CHECK(after[1].client == rules);

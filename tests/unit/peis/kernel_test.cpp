@@ -17,10 +17,11 @@ struct pair_of_peers {
 
   void set(peer_id who, std::string_view name, std::string_view text,
            std::optional<instant> expiry = {}) {
-    w.perform(who, w.at(who).set_tuple(name, text_content(text, expiry), w.now()));
+    w.perform(who, w.at(who).tuples().set(name, text_content(text, expiry), w.now()));
   }
   void subscribe(peer_id who, peer_id owner, std::string_view pattern, std::uint64_t id = 1) {
-    w.perform(who, w.at(who).subscribe(owner, pattern, subscription_id{id}, w.now()));
+    w.perform(who,
+              w.at(who).subscriptions().subscribe(owner, pattern, subscription_id{id}, w.now()));
   }
   [[nodiscard]] std::string changes(peer_id who) const {
     std::string all;
@@ -43,14 +44,14 @@ TEST_CASE("a late subscriber gets the current value, then updates", "[peis][TUP-
   p.set(p.a, "room.light", "9");
   p.w.run_for(100ms);
   CHECK(p.changes(p.b) == "20 21 21 ");
-  const auto held = p.w.at(p.b).find_tuple(p.a, "room.temp");
+  const auto held = p.w.at(p.b).reader().find(p.a, "room.temp");
   REQUIRE(held != nullptr);
   CHECK(held->name.text() == "room.Temp"); // the letter case of the first stays
   CHECK(held->owner == p.a);
   CHECK(held->creator == p.a);
   CHECK(held->seqno == 2);
   CHECK(held->mimetype == "text/plain");
-  CHECK(p.w.at(p.b).find_tuple(p.a, "room.light") == nullptr);
+  CHECK(p.w.at(p.b).reader().find(p.a, "room.light") == nullptr);
 }
 
 TEST_CASE("each subscription is told once of each change, in order of id", "[peis][CB-01][CB-02]") {
@@ -77,15 +78,15 @@ TEST_CASE("each subscription is told once of each change, in order of id", "[pei
 TEST_CASE("all fields survive the journey, empty values included", "[peis][TUP-02]") {
   pair_of_peers p;
   p.subscribe(p.b, p.a, "", 1);
-  p.w.perform(p.a, p.w.at(p.a).set_tuple("bin", binary_content(bytes{0, 1, 0, 255}), p.w.now()));
-  p.w.perform(p.a, p.w.at(p.a).set_tuple("none", binary_content({}), p.w.now()));
+  p.w.perform(p.a, p.w.at(p.a).tuples().set("bin", binary_content(bytes{0, 1, 0, 255}), p.w.now()));
+  p.w.perform(p.a, p.w.at(p.a).tuples().set("none", binary_content({}), p.w.now()));
   p.w.run_for(100ms);
-  const auto x = p.w.at(p.b).find_tuple(p.a, "bin");
+  const auto x = p.w.at(p.b).reader().find(p.a, "bin");
   REQUIRE(x != nullptr);
   CHECK(to_hex(x->value.view()) == "000100ff");
   CHECK(x->form == encoding::binary);
   CHECK(x->mimetype == binary_mimetype);
-  const auto none = p.w.at(p.b).find_tuple(p.a, "none");
+  const auto none = p.w.at(p.b).reader().find(p.a, "none");
   REQUIRE(none != nullptr);
   CHECK(none->value.empty());
   CHECK(none->mimetype == empty_mimetype);
@@ -94,25 +95,25 @@ TEST_CASE("all fields survive the journey, empty values included", "[peis][TUP-0
 TEST_CASE("a remote set reaches owner and subscribers and reports success", "[peis][TUP-05]") {
   pair_of_peers p;
   p.subscribe(p.a, p.a, "lamp", 7);
-  p.w.perform(
-      p.b, p.w.at(p.b).set_remote_tuple(p.a, "lamp", text_content("on"), request_id{3}, p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).tuples().set_remote(p.a, "lamp", text_content("on"), request_id{3},
+                                                   p.w.now()));
   p.w.run_for(100ms);
   REQUIRE(p.w.all<outcome>(p.b).size() == 1);
   CHECK(p.w.all<outcome>(p.b)[0].success);
   CHECK(p.changes(p.a) == "on ");
-  const auto x = p.w.at(p.a).find_tuple(p.a, "lamp");
+  const auto x = p.w.at(p.a).reader().find(p.a, "lamp");
   REQUIRE(x != nullptr);
   CHECK(x->creator == p.b);
-  p.w.perform(p.b, p.w.at(p.b).delete_remote_tuple(p.a, "lamp", request_id{4}, p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).tuples().remove_remote(p.a, "lamp", request_id{4}, p.w.now()));
   p.w.run_for(100ms);
-  CHECK(p.w.at(p.a).find_tuple(p.a, "lamp") == nullptr);
+  CHECK(p.w.at(p.a).reader().find(p.a, "lamp") == nullptr);
   CHECK(p.w.all<tuple_deleted>(p.a).size() == 1);
 }
 
 TEST_CASE("a remote set to an unknown owner fails at once", "[peis][API-02]") {
   pair_of_peers p;
-  const auto todo = p.w.at(p.b).set_remote_tuple(peer_id{77}, "lamp", text_content("on"),
-                                                 request_id{3}, p.w.now());
+  const auto todo = p.w.at(p.b).tuples().set_remote(peer_id{77}, "lamp", text_content("on"),
+                                                    request_id{3}, p.w.now());
   REQUIRE(todo.size() == 1);
   const auto& o = std::get<outcome>(todo[0]);
   CHECK(!o.success);
@@ -122,21 +123,22 @@ TEST_CASE("a remote set to an unknown owner fails at once", "[peis][API-02]") {
 TEST_CASE("kernel tuples are there and cannot be written by others", "[peis][TUP-22]") {
   pair_of_peers p;
   const auto value = [&](const char* name) {
-    return std::string(p.w.at(p.a).find_tuple(p.a, name)->text());
+    return std::string(p.w.at(p.a).reader().find(p.a, name)->text());
   };
   CHECK(value("kernel.id") == "1");
   CHECK(value("kernel.name") == "peer1");
   CHECK(value("kernel.hostname") == "host1");
-  p.w.perform(p.b, p.w.at(p.b).set_remote_tuple(p.a, "Kernel.ID", text_content("9"), request_id{1},
-                                                p.w.now()));
-  p.w.perform(p.b, p.w.at(p.b).set_remote_tuple(p.a, "kernel.do-quit", text_content("yes"),
-                                                request_id{2}, p.w.now()));
-  p.w.perform(p.b, p.w.at(p.b).delete_remote_tuple(p.a, "kernel.name", request_id{3}, p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).tuples().set_remote(p.a, "Kernel.ID", text_content("9"),
+                                                   request_id{1}, p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).tuples().set_remote(p.a, "kernel.do-quit", text_content("yes"),
+                                                   request_id{2}, p.w.now()));
+  p.w.perform(p.b,
+              p.w.at(p.b).tuples().remove_remote(p.a, "kernel.name", request_id{3}, p.w.now()));
   prototype name;
   name.owner = p.a;
   name.name = *key::parse("kernel.name");
-  p.w.perform(p.b, p.w.at(p.b).append_tuple(name, payload(to_bytes(std::string_view("x"))),
-                                            p.w.now(), request_id{4}));
+  p.w.perform(p.b, p.w.at(p.b).tuples().append(name, payload(to_bytes(std::string_view("x"))),
+                                               p.w.now(), request_id{4}));
   p.w.run_for(100ms);
   CHECK(value("kernel.id") == "1");
   CHECK(value("kernel.name") == "peer1");
@@ -165,8 +167,8 @@ TEST_CASE("managers and peers of the same host may stop a peer", "[peis][TUP-22]
   w.connect(c, a);
   w.run_for(1s);
   const auto stop = [&](peer_id by, std::string_view text) {
-    w.perform(by, w.at(by).set_remote_tuple(a, "kernel.do-quit", text_content(text), no_request,
-                                            w.now()));
+    w.perform(by, w.at(by).tuples().set_remote(a, "kernel.do-quit", text_content(text), no_request,
+                                               w.now()));
     w.run_for(100ms);
   };
   stop(b, "no");
@@ -183,15 +185,15 @@ TEST_CASE("deletion frees caches and tells subscribers; a new value follows", "[
   p.set(p.a, "x", "1");
   p.set(p.a, "x", "2");
   p.w.run_for(100ms);
-  p.w.perform(p.a, p.w.at(p.a).delete_tuple("X", p.w.now()));
+  p.w.perform(p.a, p.w.at(p.a).tuples().remove("X", p.w.now()));
   p.w.run_for(100ms);
-  CHECK(p.w.at(p.b).find_tuple(p.a, "x") == nullptr);
+  CHECK(p.w.at(p.b).reader().find(p.a, "x") == nullptr);
   REQUIRE(p.w.all<tuple_deleted>(p.b).size() == 1);
   CHECK(p.w.all<tuple_deleted>(p.b)[0].content->text() == "2");
   p.set(p.a, "x", "3");
   p.w.run_for(100ms);
   CHECK(p.changes(p.b) == "1 2 3 ");
-  CHECK(p.w.at(p.a).find_tuple(p.a, "x")->seqno > 2); // numbers never fall
+  CHECK(p.w.at(p.a).reader().find(p.a, "x")->seqno > 2); // numbers never fall
 }
 
 TEST_CASE("tuples expire at their time at owner and subscriber", "[peis][TUP-15]") {
@@ -200,11 +202,11 @@ TEST_CASE("tuples expire at their time at owner and subscriber", "[peis][TUP-15]
   p.subscribe(p.a, p.a, "x", 1);
   p.set(p.a, "x", "1", p.w.now() + 3s);
   p.w.run_for(2999ms);
-  CHECK(p.w.at(p.a).find_tuple(p.a, "x") != nullptr);
-  CHECK(p.w.at(p.b).find_tuple(p.a, "x") != nullptr);
+  CHECK(p.w.at(p.a).reader().find(p.a, "x") != nullptr);
+  CHECK(p.w.at(p.b).reader().find(p.a, "x") != nullptr);
   p.w.run_for(2ms);
   for (const auto who : {p.a, p.b}) {
-    CHECK(p.w.at(who).find_tuple(p.a, "x") == nullptr);
+    CHECK(p.w.at(who).reader().find(p.a, "x") == nullptr);
     CHECK(p.w.all<tuple_deleted>(who).size() == 1);
   }
 }
@@ -216,15 +218,15 @@ TEST_CASE("unsubscribing stops pushes and frees the cache", "[peis][TUP-09]") {
   p.subscribe(p.b, owner, "x", 2);
   p.set(p.a, "x", "1");
   p.w.run_for(100ms);
-  CHECK(p.w.at(p.a).has_subscriber("X"));
-  p.w.perform(p.b, p.w.at(p.b).unsubscribe(subscription_id{1}, p.w.now()));
+  CHECK(p.w.at(p.a).reader().has_subscriber("X"));
+  p.w.perform(p.b, p.w.at(p.b).subscriptions().unsubscribe(subscription_id{1}, p.w.now()));
   p.w.run_for(100ms);
-  CHECK(p.w.at(p.a).has_subscriber("x")); // the second still wants it
-  CHECK(p.w.at(p.b).find_tuple(p.a, "x") != nullptr);
-  p.w.perform(p.b, p.w.at(p.b).unsubscribe(subscription_id{2}, p.w.now()));
+  CHECK(p.w.at(p.a).reader().has_subscriber("x")); // the second still wants it
+  CHECK(p.w.at(p.b).reader().find(p.a, "x") != nullptr);
+  p.w.perform(p.b, p.w.at(p.b).subscriptions().unsubscribe(subscription_id{2}, p.w.now()));
   p.w.run_for(100ms);
-  CHECK(!p.w.at(p.a).has_subscriber("x"));
-  CHECK(p.w.at(p.b).find_tuple(p.a, "x") == nullptr);
+  CHECK(!p.w.at(p.a).reader().has_subscriber("x"));
+  CHECK(p.w.at(p.b).reader().find(p.a, "x") == nullptr);
   p.set(p.a, "x", "2");
   p.w.run_for(100ms);
   CHECK(p.changes(p.b) == "1 1 ");
@@ -236,11 +238,11 @@ TEST_CASE("subscriptions live while they are refreshed and end when they are not
   p.subscribe(p.b, p.a, "x", 1);
   p.set(p.a, "x", "1");
   p.w.run_for(200s);
-  CHECK(p.w.at(p.a).has_subscriber("x"));
+  CHECK(p.w.at(p.a).reader().has_subscriber("x"));
   CHECK(p.changes(p.b) == "1 "); // a refresh is no reason to push again
   p.w.keep = [](const package_header& x) { return x.port != port::subscribe; };
   p.w.run_for(100s);
-  CHECK(!p.w.at(p.a).has_subscriber("x"));
+  CHECK(!p.w.at(p.a).reader().has_subscriber("x"));
 }
 
 TEST_CASE("illegal commands change nothing and say why", "[peis][TUP-24]") {
@@ -249,16 +251,20 @@ TEST_CASE("illegal commands change nothing and say why", "[peis][TUP-24]") {
   const auto why = [&](const outputs& todo) { return std::get<outcome>(todo.at(0)).why; };
   const request_id r{1};
   const auto now = p.w.now();
-  CHECK(why(kernel.set_tuple("a.b*", text_content("1"), now, r)) == cause::bad_key);
-  CHECK(why(kernel.set_tuple("a.*", text_content("1"), now, r)) == cause::bad_key);
-  CHECK(why(kernel.set_tuple(std::string(128, 'k'), text_content("1"), now, r)) == cause::bad_key);
+  CHECK(why(kernel.tuples().set("a.b*", text_content("1"), now, r)) == cause::bad_key);
+  CHECK(why(kernel.tuples().set("a.*", text_content("1"), now, r)) == cause::bad_key);
+  CHECK(why(kernel.tuples().set(std::string(128, 'k'), text_content("1"), now, r)) ==
+        cause::bad_key);
   auto content = text_content("1");
   content.mimetype = std::string(255, 'm');
-  CHECK(why(kernel.set_tuple("a", content, now, r)) == cause::bad_value);
-  CHECK(why(kernel.subscribe(any_peer, "b*", subscription_id{1}, now, r)) == cause::bad_key);
-  CHECK(why(kernel.subscribe(any_peer, "b", subscription_id{1}, now, r)) == cause::none);
-  CHECK(why(kernel.subscribe(any_peer, "c", subscription_id{1}, now, r)) == cause::bad_handle);
-  CHECK(kernel.find_tuples(p.a, "a").empty());
+  CHECK(why(kernel.tuples().set("a", content, now, r)) == cause::bad_value);
+  CHECK(why(kernel.subscriptions().subscribe(any_peer, "b*", subscription_id{1}, now, r)) ==
+        cause::bad_key);
+  CHECK(why(kernel.subscriptions().subscribe(any_peer, "b", subscription_id{1}, now, r)) ==
+        cause::none);
+  CHECK(why(kernel.subscriptions().subscribe(any_peer, "c", subscription_id{1}, now, r)) ==
+        cause::bad_handle);
+  CHECK(kernel.reader().find_all(p.a, "a").empty());
 }
 
 TEST_CASE("pushes that fail for a while are made up for with the newest value", "[peis][TUP-18]") {
@@ -276,11 +282,12 @@ TEST_CASE("pushes that fail for a while are made up for with the newest value", 
 
 TEST_CASE("a kernel tells its owner whose messages a debug log is to have", "[peis][NFR-02]") {
   pair_of_peers p;
-  p.w.perform(p.a, p.w.at(p.a).set_tuple("Rubicon.Debug", text_content("mote/kitchen"), p.w.now()));
-  p.w.perform(p.b, p.w.at(p.b).set_remote_tuple(p.a, "rubicon.debug", text_content(""), no_request,
-                                                p.w.now()));
-  p.w.perform(p.b, p.w.at(p.b).set_remote_tuple(p.a, "rubicon.debugs", text_content("x"),
-                                                no_request, p.w.now()));
+  p.w.perform(p.a,
+              p.w.at(p.a).tuples().set("Rubicon.Debug", text_content("mote/kitchen"), p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).tuples().set_remote(p.a, "rubicon.debug", text_content(""),
+                                                   no_request, p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).tuples().set_remote(p.a, "rubicon.debugs", text_content("x"),
+                                                   no_request, p.w.now()));
   p.w.run_for(100ms);
   const auto told = p.w.all<debug_requested>(p.a);
   REQUIRE(told.size() == 2);

@@ -24,17 +24,17 @@ std::vector<peer_id> ring(world& w, int count) {
 }
 
 std::string last_text(world& w, peer_id at, peer_id owner, std::string_view name) {
-  const auto x = w.at(at).find_tuple(owner, name);
+  const auto x = w.at(at).reader().find(owner, name);
   return x == nullptr ? "none" : std::string(x->text());
 }
 
 void set(world& w, peer_id who, std::string_view name, std::string_view text) {
-  w.perform(who, w.at(who).set_tuple(name, text_content(text), w.now()));
+  w.perform(who, w.at(who).tuples().set(name, text_content(text), w.now()));
 }
 
 void subscribe(world& w, peer_id who, peer_id owner, std::string_view pattern,
                std::uint64_t id = 1) {
-  w.perform(who, w.at(who).subscribe(owner, pattern, subscription_id{id}, w.now()));
+  w.perform(who, w.at(who).subscriptions().subscribe(owner, pattern, subscription_id{id}, w.now()));
 }
 
 } // namespace
@@ -45,10 +45,10 @@ TEST_CASE("everybody knows everybody soon, by routes and records", "[peis][RTE-0
   const auto peers = closed ? ring(w, 6) : line(w, 6);
   w.run_for(4s); // well before one routing period
   for (const auto at : peers) {
-    CHECK(w.at(at).hosts().size() == 6);
+    CHECK(w.at(at).network().hosts.records().size() == 6);
     CHECK(w.all<host_appeared>(at).size() == 5);
     for (const auto other : peers)
-      CHECK(w.at(at).reachable(other));
+      CHECK(w.at(at).network().reachable(other));
   }
 }
 
@@ -64,8 +64,8 @@ TEST_CASE("tuples cross a line of three, subscribed before or after", "[peis][TU
   w.run_for(1s);
   CHECK(last_text(w, peers[2], peers[0], "before") == "1");
   CHECK(last_text(w, peers[2], peers[0], "after") == "2");
-  w.perform(peers[2], w.at(peers[2]).set_remote_tuple(peers[0], "after", text_content("3"),
-                                                      request_id{9}, w.now()));
+  w.perform(peers[2], w.at(peers[2]).tuples().set_remote(peers[0], "after", text_content("3"),
+                                                         request_id{9}, w.now()));
   w.run_for(1s);
   CHECK(w.all<outcome>(peers[2]).at(0).success);
   CHECK(last_text(w, peers[2], peers[0], "after") == "3");
@@ -118,7 +118,7 @@ TEST_CASE("a cut line loses its far end after a while and finds it again",
   CHECK(last_text(w, a, c, "x") == "1");
   w.cut(far_link);
   w.run_for(1s);
-  CHECK(!w.at(a).reachable(c));
+  CHECK(!w.at(a).network().reachable(c));
   w.run_for(45s);
   CHECK(w.all<host_vanished>(a).size() == 1);
   CHECK(last_text(w, a, c, "x") == "none");
@@ -138,14 +138,14 @@ TEST_CASE("a peer that exits is gone everywhere within a second", "[peis][KH-04]
   w.perform(peers[0], w.at(peers[0]).leave(w.now()));
   w.run_for(1s);
   for (std::size_t i = 1; i < peers.size(); ++i) {
-    CHECK(!w.at(peers[i]).reachable(peers[0]));
-    CHECK(w.at(peers[i]).hosts().size() == 4);
+    CHECK(!w.at(peers[i]).network().reachable(peers[0]));
+    CHECK(w.at(peers[i]).network().hosts.records().size() == 4);
   }
   CHECK(last_text(w, peers[2], peers[0], "x") == "none");
   w.run_for(60s);
   CHECK(w.all<host_vanished>(peers[2]).size() == 1);
   CHECK(w.all<host_appeared>(peers[2]).size() == 4); // nobody has brought it back
-  const auto refused = w.at(peers[0]).set_tuple("x", text_content("2"), w.now(), request_id{1});
+  const auto refused = w.at(peers[0]).tuples().set("x", text_content("2"), w.now(), request_id{1});
   CHECK(std::get<outcome>(refused.at(0)).why == cause::left);
 }
 
@@ -172,7 +172,7 @@ TEST_CASE("nobody but a host itself says that it exits", "[peis][KH-04]") {
     w.run_for(1s);
   };
   say(a, 1'000'000);
-  CHECK(w.at(b).reachable(a));
+  CHECK(w.at(b).network().reachable(a));
   CHECK(w.all<host_vanished>(b).empty());
   CHECK(w.at(b).counters().network.malformed == 1);
   say(c, 1'000'001);
@@ -204,9 +204,9 @@ TEST_CASE("a broadcast reaches everybody in a ring once and stops", "[peis][API-
   const auto peers = ring(w, 5);
   w.run_for(3s);
   for (const auto id : peers)
-    w.at(id).hook_port(30);
+    w.at(id).messages().hook_port(30);
   w.packages.clear();
-  w.perform(peers[0], w.at(peers[0]).broadcast(30, bytes{1, 2}, request_id{1}, w.now()));
+  w.perform(peers[0], w.at(peers[0]).messages().broadcast(30, bytes{1, 2}, request_id{1}, w.now()));
   w.run_for(1s);
   CHECK(w.all<message>(peers[0]).empty());
   for (std::size_t i = 1; i < peers.size(); ++i) {
@@ -226,8 +226,8 @@ TEST_CASE("a message passes 14 links and not 15", "[peis][P2P-08]") {
   const auto peers = line(w, 16);
   w.run_for(30s);
   for (const auto id : peers)
-    w.at(id).hook_port(30);
-  w.perform(peers[0], w.at(peers[0]).broadcast(30, bytes{1}, no_request, w.now()));
+    w.at(id).messages().hook_port(30);
+  w.perform(peers[0], w.at(peers[0]).messages().broadcast(30, bytes{1}, no_request, w.now()));
   w.run_for(1s);
   CHECK(w.all<message>(peers[14]).size() == 1);
   CHECK(w.all<message>(peers[15]).empty());
@@ -268,7 +268,7 @@ TEST_CASE("a host that cannot be linked to is tried ever more rarely, once a per
   w.connect(near, peer_id{20});
   w.connect(peer_id{20}, deaf);
   w.run_for(10min);
-  REQUIRE(w.at(near).reachable(deaf)); // known, and wanted: it has one link of three
+  REQUIRE(w.at(near).network().reachable(deaf)); // known, and wanted: it has one link of three
   REQUIRE(tries.size() > 10);
   const auto gap = [&](std::size_t i) { return tries[i + 1] - tries[i]; };
   for (std::size_t i = 0; i + 1 < tries.size(); ++i)
@@ -290,7 +290,7 @@ TEST_CASE("a changed cluster is announced at once", "[peis][CLU-03]") {
     w.run_for(1ms);
   const auto before = said();
   const auto cluster = [&] {
-    for (const auto* host : w.at(high).hosts()) {
+    for (const auto* host : w.at(high).network().hosts.records()) {
       if (host->id == high)
         return host->cluster;
     }

@@ -49,8 +49,8 @@ struct chain {
     }
     const auto a = peers.front();
     const auto b = peers.back();
-    w.perform(a, w.at(a).subscribe(b, "x", subscription_id{1}, w.now()));
-    w.perform(b, w.at(b).subscribe(any_peer, "x", subscription_id{1}, w.now()));
+    w.perform(a, w.at(a).subscriptions().subscribe(b, "x", subscription_id{1}, w.now()));
+    w.perform(b, w.at(b).subscriptions().subscribe(any_peer, "x", subscription_id{1}, w.now()));
   }
 
   [[nodiscard]] bool separated(peer_id a, peer_id b) const {
@@ -65,13 +65,13 @@ struct chain {
       ++values;
       for (const auto x : {peers.front(), peers.back()})
         if (!w.paused(x))
-          w.perform(x, w.at(x).set_tuple("x", text_content(std::to_string(values)), w.now()));
+          w.perform(x, w.at(x).tuples().set("x", text_content(std::to_string(values)), w.now()));
       w.run_for(value_period);
     }
   }
 
   [[nodiscard]] int seen(peer_id at, peer_id owner) {
-    const auto x = w.at(at).find_tuple(owner, "x");
+    const auto x = w.at(at).reader().find(owner, "x");
     return x == nullptr ? 0 : std::stoi(std::string(x->text()));
   }
 
@@ -105,12 +105,12 @@ struct pair_of_kinds {
     w.add(other);
     w.unmarked.insert(original);
     w.run_for(8s);
-    w.at(original).hook_port(30);
-    w.perform(ours, w.at(ours).send_message(original, 30, bytes(size, 'x'), true, priority::normal,
-                                            request_id{7}, w.now()));
+    w.at(original).messages().hook_port(30);
+    w.perform(ours, w.at(ours).messages().send(original, 30, bytes(size, 'x'), true,
+                                               priority::normal, request_id{7}, w.now()));
   }
 
-  [[nodiscard]] link_id link() { return w.at(ours).links().at(0).link; }
+  [[nodiscard]] link_id link() { return w.at(ours).network().links.views().at(0).link; }
 };
 
 } // namespace
@@ -137,7 +137,7 @@ TEST_CASE("a link in which a long message is stuck is replaced, and the message 
   const auto old = x.link();
   x.w.stuck.insert(old);
   x.w.run_for(5s);
-  REQUIRE(x.w.at(x.ours).links().size() == 1);
+  REQUIRE(x.w.at(x.ours).network().links.views().size() == 1);
   CHECK(x.link() != old);
   const auto closed = x.w.all<close_link>(x.ours);
   REQUIRE(closed.size() == 1);
@@ -235,7 +235,7 @@ struct company {
     w.power_off(killed);
     for (const auto x : peers)
       if (w.alive(x) && !w.unmarked.contains(x))
-        for (const auto& link : w.at(x).links())
+        for (const auto& link : w.at(x).network().links.views())
           if (link.neighbour == killed)
             w.cut(link.link);
     w.run_for(19s);
@@ -244,7 +244,8 @@ struct company {
   }
 
   [[nodiscard]] bool is_known(peer_id at) {
-    return std::ranges::any_of(w.at(at).hosts(), [](const auto* x) { return x->id == killed; });
+    return std::ranges::any_of(w.at(at).network().hosts.records(),
+                               [](const auto* x) { return x->id == killed; });
   }
 };
 
@@ -309,10 +310,10 @@ TEST_CASE(
     w.connect(own, peer_id{30});
   }
   w.run_for(25s);
-  REQUIRE(w.at(own).knows_present(other));
+  REQUIRE(w.at(own).network().knows_present(other));
   if (has_others) {
     w.power_off(other);
-    for (const auto& link : w.at(own).links())
+    for (const auto& link : w.at(own).network().links.views())
       if (link.neighbour == other)
         w.cut(link.link);
   } else {
@@ -322,16 +323,16 @@ TEST_CASE(
   w.config(other).network.addresses[0] = tcp_address("eth0", false, {octet, 0, 0, 1}, 8001);
   w.restart(other);
   w.run_for(4s);
-  REQUIRE(!w.at(own).knows_present(other));
-  auto record = *w.at(other).hosts().at(0);
+  REQUIRE(!w.at(own).network().knows_present(other));
+  auto record = *w.at(other).network().hosts.records().at(0);
   record.marked = false;
-  for (int i = 0; i < 10 && !w.at(own).knows_present(other); ++i) {
+  for (int i = 0; i < 10 && !w.at(own).network().knows_present(other); ++i) {
     if (i % 10 == 0)
       w.perform(own, w.at(own).on_announcement(
                          encode(announcement{protocol_version, "test", record}), w.now()));
     w.run_for(100ms);
   }
-  CHECK(w.at(own).knows_present(other));
+  CHECK(w.at(own).network().knows_present(other));
 }
 
 TEST_CASE("a relay that is back at another port is found at the address that it tells",
@@ -355,16 +356,16 @@ TEST_CASE("a relay that is back at another port is found at the address that it 
   if (is_original)
     w.unmarked = {relay};
   w.run_for(20s);
-  REQUIRE(w.at(peer_id{10}).knows_present(relay));
+  REQUIRE(w.at(peer_id{10}).network().knows_present(relay));
   w.kill(relay);
   w.vacant = {configured};
   w.run_for(30s);
   w.config(relay).network.addresses[0] = tcp_address("eth0", false, {20, 0, 0, 1}, 8001);
   w.restart(relay);
   w.run_for(5s);
-  CHECK(w.at(peer_id{10}).knows_present(relay));
-  REQUIRE(w.at(peer_id{10}).links().size() == 1);
-  CHECK(w.at(peer_id{10}).links()[0].neighbour == relay);
+  CHECK(w.at(peer_id{10}).network().knows_present(relay));
+  REQUIRE(w.at(peer_id{10}).network().links.views().size() == 1);
+  CHECK(w.at(peer_id{10}).network().links.views()[0].neighbour == relay);
 }
 
 } // namespace rubicon::peis::test

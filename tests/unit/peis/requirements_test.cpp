@@ -86,7 +86,7 @@ public:
 
   /// The magic number under which a host is known; 0 if it is not.
   [[nodiscard]] std::int32_t known_magic(peer_id id) const {
-    for (const auto* host : kernel_.hosts()) {
+    for (const auto* host : kernel_.network().hosts.records()) {
       if (host->id == id)
         return host->magic;
     }
@@ -160,16 +160,17 @@ TEST_CASE("periods that were missed are not made up for", "[peis][SCH-02]") {
 TEST_CASE("a hook hears each message of its port once, a callback each tuple once",
           "[peis][SCH-04]") {
   pair p;
-  p.w.at(p.b).hook_port(30);
-  p.w.perform(p.b, p.w.at(p.b).subscribe(p.a, "watched.*", subscription_id{1}, p.w.now()));
+  p.w.at(p.b).messages().hook_port(30);
+  p.w.perform(
+      p.b, p.w.at(p.b).subscriptions().subscribe(p.a, "watched.*", subscription_id{1}, p.w.now()));
   p.w.run_for(1s);
   for (std::uint64_t i = 1; i <= 3; ++i) {
-    p.w.perform(p.a, p.w.at(p.a).send_message(p.b, 30, payload(bytes(10)), true, priority::normal,
-                                              request_id{i}, p.w.now()));
-    p.w.perform(p.a, p.w.at(p.a).send_message(p.b, 31, payload(bytes(10)), true, priority::normal,
-                                              request_id{10 + i}, p.w.now()));
-    p.w.perform(p.a, p.w.at(p.a).set_tuple("watched.x", text_content("1"), p.w.now()));
-    p.w.perform(p.a, p.w.at(p.a).set_tuple("other.x", text_content("1"), p.w.now()));
+    p.w.perform(p.a, p.w.at(p.a).messages().send(p.b, 30, payload(bytes(10)), true,
+                                                 priority::normal, request_id{i}, p.w.now()));
+    p.w.perform(p.a, p.w.at(p.a).messages().send(p.b, 31, payload(bytes(10)), true,
+                                                 priority::normal, request_id{10 + i}, p.w.now()));
+    p.w.perform(p.a, p.w.at(p.a).tuples().set("watched.x", text_content("1"), p.w.now()));
+    p.w.perform(p.a, p.w.at(p.a).tuples().set("other.x", text_content("1"), p.w.now()));
     p.w.run_for(1s);
   }
   CHECK(p.w.all<message>(p.b).size() == 3);
@@ -181,7 +182,7 @@ TEST_CASE("all known hosts can be walked, each with a usable address", "[peis][A
   for (int i = 1; i <= 5; ++i)
     w.add(lan_config_of(i));
   w.run_for(30s);
-  const auto hosts = w.at(here).hosts();
+  const auto hosts = w.at(here).network().hosts.records();
   REQUIRE(hosts.size() == 5);
   for (std::size_t i = 0; i < hosts.size(); ++i) {
     const auto id = peer_id{static_cast<std::int32_t>(i) + 1};
@@ -200,15 +201,15 @@ TEST_CASE("whoever answers a broadcast need not have known who asks", "[peis][AP
   w.add_line(4);
   w.run_for(5s);
   const peer_id far{4};
-  w.at(far).hook_port(30);
-  w.at(here).hook_port(31);
-  w.perform(here, w.at(here).broadcast(30, payload(bytes{'?'}), no_request, w.now()));
+  w.at(far).messages().hook_port(30);
+  w.at(here).messages().hook_port(31);
+  w.perform(here, w.at(here).messages().broadcast(30, payload(bytes{'?'}), no_request, w.now()));
   w.run_for(1s);
   const auto asked = w.all<message>(far);
   REQUIRE(asked.size() == 1);
   CHECK(asked[0].broadcast);
-  w.perform(far, w.at(far).send_message(asked[0].source, 31, payload(bytes{'!'}), true,
-                                        priority::normal, request_id{1}, w.now()));
+  w.perform(far, w.at(far).messages().send(asked[0].source, 31, payload(bytes{'!'}), true,
+                                           priority::normal, request_id{1}, w.now()));
   w.run_for(1s);
   const auto answers = w.all<message>(here);
   REQUIRE(answers.size() == 1);
@@ -308,12 +309,12 @@ TEST_CASE("one configured link joins two networks that cannot hear each other", 
   }
   w.run_for(30s);
   const peer_id far{6};
-  w.at(far).hook_port(30);
-  w.perform(next_door, w.at(next_door).send_message(far, 30, payload(bytes{1}), true,
-                                                    priority::normal, request_id{1}, w.now()));
+  w.at(far).messages().hook_port(30);
+  w.perform(next_door, w.at(next_door).messages().send(far, 30, payload(bytes{1}), true,
+                                                       priority::normal, request_id{1}, w.now()));
   w.run_for(1s);
-  CHECK(w.at(next_door).reachable(peer_id{3}));
-  CHECK(w.at(next_door).reachable(far) == joined);
+  CHECK(w.at(next_door).network().reachable(peer_id{3}));
+  CHECK(w.at(next_door).network().reachable(far) == joined);
   CHECK(w.all<message>(far).size() == (joined ? 1U : 0U));
 }
 
@@ -339,33 +340,33 @@ TEST_CASE("a reliable package is kept until it is acknowledged or given up", "[p
 TEST_CASE("an owner has one value for a name, another owner one of its own", "[peis][TUP-01]") {
   pair p;
   auto& a = p.w.at(p.a);
-  p.w.perform(p.a, a.subscribe(p.b, "lamp", subscription_id{1}, p.w.now()));
-  p.w.perform(p.a, a.set_tuple("lamp", text_content("red"), p.w.now()));
-  p.w.perform(p.b, p.w.at(p.b).set_tuple("lamp", text_content("green"), p.w.now()));
+  p.w.perform(p.a, a.subscriptions().subscribe(p.b, "lamp", subscription_id{1}, p.w.now()));
+  p.w.perform(p.a, a.tuples().set("lamp", text_content("red"), p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).tuples().set("lamp", text_content("green"), p.w.now()));
   p.w.run_for(1s);
-  CHECK(value_of_tuple(a.find_tuple(p.a, "lamp")) == "red");
-  CHECK(value_of_tuple(a.find_tuple(p.b, "lamp")) == "green");
-  CHECK(a.find_tuples(any_peer, "lamp").size() == 2);
-  p.w.perform(p.a, a.set_tuple("LAMP", text_content("blue"), p.w.now()));
-  CHECK(a.find_tuples(any_peer, "lamp").size() == 2);
-  CHECK(value_of_tuple(a.find_tuple(p.a, "lamp")) == "blue");
-  p.w.perform(p.a, a.delete_tuple("lamp", p.w.now()));
-  CHECK(value_of_tuple(a.find_tuple(p.a, "lamp")) == "none");
-  CHECK(value_of_tuple(a.find_tuple(p.b, "lamp")) == "green");
+  CHECK(value_of_tuple(a.reader().find(p.a, "lamp")) == "red");
+  CHECK(value_of_tuple(a.reader().find(p.b, "lamp")) == "green");
+  CHECK(a.reader().find_all(any_peer, "lamp").size() == 2);
+  p.w.perform(p.a, a.tuples().set("LAMP", text_content("blue"), p.w.now()));
+  CHECK(a.reader().find_all(any_peer, "lamp").size() == 2);
+  CHECK(value_of_tuple(a.reader().find(p.a, "lamp")) == "blue");
+  p.w.perform(p.a, a.tuples().remove("lamp", p.w.now()));
+  CHECK(value_of_tuple(a.reader().find(p.a, "lamp")) == "none");
+  CHECK(value_of_tuple(a.reader().find(p.b, "lamp")) == "green");
 }
 
 TEST_CASE("an owner can ask whether anyone subscribes", "[peis][TUP-23]") {
   pair p;
   auto& owner = p.w.at(p.a);
-  CHECK(!owner.has_subscriber("devices.7.output.2"));
-  p.w.perform(p.b,
-              p.w.at(p.b).subscribe(any_peer, "devices.*.output.2", subscription_id{1}, p.w.now()));
+  CHECK(!owner.reader().has_subscriber("devices.7.output.2"));
+  p.w.perform(p.b, p.w.at(p.b).subscriptions().subscribe(any_peer, "devices.*.output.2",
+                                                         subscription_id{1}, p.w.now()));
   p.w.run_for(1s);
-  CHECK(owner.has_subscriber("devices.7.output.2"));
-  CHECK(!owner.has_subscriber("devices.7.output.3"));
-  p.w.perform(p.b, p.w.at(p.b).unsubscribe(subscription_id{1}, p.w.now()));
+  CHECK(owner.reader().has_subscriber("devices.7.output.2"));
+  CHECK(!owner.reader().has_subscriber("devices.7.output.3"));
+  p.w.perform(p.b, p.w.at(p.b).subscriptions().unsubscribe(subscription_id{1}, p.w.now()));
   p.w.run_for(1s);
-  CHECK(!owner.has_subscriber("devices.7.output.2"));
+  CHECK(!owner.reader().has_subscriber("devices.7.output.2"));
 }
 
 } // namespace rubicon::peis::test

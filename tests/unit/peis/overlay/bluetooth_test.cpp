@@ -60,7 +60,9 @@ kernel_config config_with_adapter(std::int32_t id, const bluetooth_address& addr
 }
 
 bytes hello_of(std::int32_t id, const bluetooth_address& address) {
-  return kernel(config_with_adapter(id, address), random_stream(9), instant{}).hello();
+  return kernel(config_with_adapter(id, address), random_stream(9), instant{})
+      .network()
+      .own.hello();
 }
 
 } // namespace
@@ -227,7 +229,7 @@ TEST_CASE("a HELLO tells both sides who the other one is", "[peis][BT-05]") {
   CHECK(to_string(url_of(told->sender.addresses[0])) == "bt://02:00:00:00:00:01;4097");
 
   static_cast<void>(x.on_hello_answer("hci0", robot_device, hello_of(2, robot_device), at(2s)));
-  CHECK(x.bluetooth_is_connectable(robot_device));
+  CHECK(x.network().adapters.is_connectable(robot_device));
   static_cast<void>(x.on_hello(hello_of(3, {}), at(3s)));
   CHECK(x.counters().network.announcements_received == 2);
 }
@@ -261,12 +263,12 @@ TEST_CASE("no link is tried below the threshold, and one is above it", "[peis][B
 TEST_CASE("a peer of another network is a peer, but no link is tried", "[peis][BT-05][LNK-06]") {
   auto foreign = config_with_adapter(2, robot_device);
   foreign.network.network = "elsewhere";
-  const auto answer = kernel(foreign, random_stream(9), instant{}).hello();
+  const auto answer = kernel(foreign, random_stream(9), instant{}).network().own.hello();
   kernel x(config_with_adapter(1, phone_device), random_stream(1), instant{});
   static_cast<void>(
       x.on_bluetooth_scan("hci0", std::vector<seen_device>{{robot_device, -50}}, at(1s)));
   static_cast<void>(x.on_hello_answer("hci0", robot_device, answer, at(2s)));
-  CHECK(x.find_tuple(peer_id{1}, "kernel.hci0.02-4B-00-1F-A0-07.peis")->text() == "yes");
+  CHECK(x.reader().find(peer_id{1}, "kernel.hci0.02-4B-00-1F-A0-07.peis")->text() == "yes");
   outputs done;
   for (auto now = *x.deadline(); now < at(60s); now = *x.deadline()) {
     const auto todo = x.on_time(now);
@@ -281,10 +283,10 @@ TEST_CASE("an answer that is no announcement is that of no peer", "[peis][BT-05]
     static_cast<void>(
         x.on_bluetooth_scan("hci0", std::vector<seen_device>{{robot_device, -50}}, at(1s)));
     static_cast<void>(x.on_hello_answer("hci0", robot_device, answer, at(2s)));
-    CHECK(!x.bluetooth_is_connectable(robot_device));
-    CHECK(x.find_tuple(peer_id{1}, "kernel.hci0.02-4B-00-1F-A0-07.peis")->text() == "no");
+    CHECK(!x.network().adapters.is_connectable(robot_device));
+    CHECK(x.reader().find(peer_id{1}, "kernel.hci0.02-4B-00-1F-A0-07.peis")->text() == "no");
     static_cast<void>(x.on_bluetooth_scan("hci0", {}, at(3s)));
-    CHECK(!x.find_tuple(peer_id{1}, "kernel.hci0.02-4B-00-1F-A0-07.peis"));
+    CHECK(!x.reader().find(peer_id{1}, "kernel.hci0.02-4B-00-1F-A0-07.peis"));
   }
 }
 

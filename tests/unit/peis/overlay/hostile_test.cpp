@@ -120,7 +120,7 @@ TEST_CASE("links take turns, however much one of them has brought", "[peis][P2P-
   const auto request = encode(connect_request{500, peer_id{5}, connect_request::for_merge, "test"});
   w.perform(a, kernel.on_link_octets(other, request, w.now()));
   w.perform(a, kernel.on_time(w.now()));
-  CHECK(kernel.links().back().neighbour == peer_id{5});
+  CHECK(kernel.network().links.views().back().neighbour == peer_id{5});
   CHECK(kernel.counters().network.packages_received - before < 5000);
   w.run_for(1ms);
   CHECK(kernel.counters().network.packages_received - before == 10'000); // nothing is lost
@@ -168,16 +168,16 @@ TEST_CASE("the table of hosts has a limit and room for others", "[peis][KH-03]")
     say(w, a, package_of(header_of(package_type::link, port::host_record, hostile), encode(told)));
   }
   w.run_for(1s);
-  CHECK(w.at(a).hosts().size() <= static_cast<std::size_t>(limit / 2 + 2));
+  CHECK(w.at(a).network().hosts.records().size() <= static_cast<std::size_t>(limit / 2 + 2));
   CHECK(w.at(a).counters().network.hosts_refused >= static_cast<std::uint64_t>(limit));
   const auto b = w.add(2);
   w.connect(a, b);
   w.run_for(5s);
-  CHECK(w.at(a).reachable(b));
+  CHECK(w.at(a).network().reachable(b));
   CHECK(w.all<host_appeared>(a).back().host == b);
   w.perform(a, w.at(a).on_link_closed(hostile_link, w.now()));
   w.run_for(90s);
-  CHECK(w.at(a).hosts().size() == 2); // what cannot be reached is forgotten
+  CHECK(w.at(a).network().hosts.records().size() == 2); // what cannot be reached is forgotten
 }
 
 TEST_CASE("the table of ways has a limit and room for others", "[peis][RTE-01]") {
@@ -214,10 +214,10 @@ TEST_CASE("routing tables that come too fast are put off, and the newest counts"
     say(w, a, package_of(header_of(package_type::link, port::routing, hostile), encode(page)));
   }
   CHECK(w.at(a).counters().network.tables_put_off >= 80);
-  CHECK_FALSE(w.at(a).reachable(peer_id{1099}));
+  CHECK_FALSE(w.at(a).network().reachable(peer_id{1099}));
   w.run_for(1s);
-  CHECK(w.at(a).reachable(peer_id{1099}));
-  CHECK_FALSE(w.at(a).reachable(peer_id{1000}));
+  CHECK(w.at(a).network().reachable(peer_id{1099}));
+  CHECK_FALSE(w.at(a).network().reachable(peer_id{1000}));
 }
 
 TEST_CASE("answers that nobody acknowledges are bounded", "[peis][KH-01]") {
@@ -265,14 +265,14 @@ TEST_CASE("connections that ask for no link take none from others", "[peis][LNK-
   const auto a = w.add(1);
   for (std::uint64_t i = 0; i < 1000; ++i)
     w.perform(a, w.at(a).on_link_open(link_id{5000 + i}, link_role::acceptor, w.now()));
-  CHECK(w.at(a).links().size() == 48);
+  CHECK(w.at(a).network().links.views().size() == 48);
   CHECK(w.at(a).counters().network.greetings_evicted == 952);
   const auto b = w.add(2);
   w.connect(b, a);
   w.run_for(1s);
-  CHECK(w.at(a).reachable(b));
+  CHECK(w.at(a).network().reachable(b));
   w.run_for(5s);
-  CHECK(w.at(a).links().size() == 1);
+  CHECK(w.at(a).network().links.views().size() == 1);
 }
 
 TEST_CASE("a neighbour that never says who it is makes room for one that does",
@@ -281,11 +281,11 @@ TEST_CASE("a neighbour that never says who it is makes room for one that does",
   const auto a = w.add(1);
   hold_all_links(w, a, [](link_id, peer_id) {});
   w.run_for(6s);
-  CHECK(w.at(a).links().size() == 64);
+  CHECK(w.at(a).network().links.views().size() == 64);
   const auto b = w.add(2);
   w.connect(b, a);
   w.run_for(1s);
-  CHECK(w.at(a).reachable(b));
+  CHECK(w.at(a).network().reachable(b));
 }
 
 TEST_CASE("who finds all links in use is told whom else to ask", "[peis][TCP-07]") {
@@ -308,7 +308,7 @@ TEST_CASE("who finds all links in use is told whom else to ask", "[peis][TCP-07]
   });
   CHECK(records == 1); // ours: those of the holders tell no address
   CHECK(w.at(a).counters().network.newcomers_referred == 1);
-  CHECK(w.at(a).links().size() <= 64 + 48);
+  CHECK(w.at(a).network().links.views().size() <= 64 + 48);
 }
 
 TEST_CASE("a neighbour that is alive speaks for itself over its own link only",
@@ -323,7 +323,7 @@ TEST_CASE("a neighbour that is alive speaks for itself over its own link only",
   say(w, a, record_of(hostile));
   w.run_for(10s);
   host_record_message rebirth;
-  rebirth.record = *w.at(a).hosts().at(1);
+  rebirth.record = *w.at(a).network().hosts.records().at(1);
   REQUIRE(rebirth.record.id == b);
   rebirth.record.magic += 1;
   const auto exit = encode(dead_host_message{b, dead_host_message::reason::route});
@@ -342,7 +342,7 @@ TEST_CASE("a neighbour that is alive speaks for itself over its own link only",
   }
   CHECK(w.all<host_vanished>(a).empty());
   CHECK(w.all<host_vanished>(c).empty()); // nor is it passed on
-  CHECK(w.at(a).knows_present(b));
+  CHECK(w.at(a).network().knows_present(b));
   CHECK(w.at(a).counters().network.links_opened == links);
   CHECK(w.at(a).counters().network.claims_refused == 240);
 
@@ -359,10 +359,10 @@ TEST_CASE("a neighbour that is alive speaks for itself over its own link only",
     w.run_for(1s);
   }
   CHECK(w.all<host_vanished>(a).empty());
-  CHECK(w.at(a).hosts().at(1)->magic != rebirth.record.magic);
+  CHECK(w.at(a).network().hosts.records().at(1)->magic != rebirth.record.magic);
   w.perform(b, w.at(b).leave(w.now()));
   w.run_for(1s);
-  CHECK_FALSE(w.at(a).reachable(b));
+  CHECK_FALSE(w.at(a).network().reachable(b));
 }
 
 TEST_CASE("who is behind many ways is asked at a rate", "[peis][KH-01]") {
@@ -380,7 +380,7 @@ TEST_CASE("who is behind many ways is asked at a rate", "[peis][KH-01]") {
   const auto before = sent();
   for (const auto& page : paginate(ways, 1))
     say(w, a, package_of(header_of(package_type::link, port::routing, hostile), encode(page)));
-  CHECK(w.at(a).reachable(peer_id{5599}));
+  CHECK(w.at(a).network().reachable(peer_id{5599}));
   w.run_for(100ms);
   CHECK(sent() - before >= 100);
   CHECK(sent() - before <= 130);

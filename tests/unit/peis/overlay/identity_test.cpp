@@ -133,12 +133,12 @@ TEST_CASE("a newcomer leaves a used id, both are told, and takes it over when it
     CHECK(x.tellings_to_leave(second) >= 1);
     CHECK(x.tellings_to_leave(second) <= 6);
     CHECK(x.at(first).counters().network.links_opened == 1); // nothing disturbed it
-    CHECK(x.at(meeting::middle).find_tuple(peer_id{1}, "kernel.id-taken") == nullptr);
-    CHECK(x.at(second).find_tuple(peer_id{5}, "kernel.id-taken") != nullptr);
+    CHECK(x.at(meeting::middle).reader().find(peer_id{1}, "kernel.id-taken") == nullptr);
+    CHECK(x.at(second).reader().find(peer_id{5}, "kernel.id-taken") != nullptr);
     x.remove(first);
     x.run_for(2min + 30s);
-    CHECK(x.at(second).reachable(peer_id{1}));
-    CHECK(x.at(meeting::middle).knows_present(peer_id{5}));
+    CHECK(x.at(second).network().reachable(peer_id{1}));
+    CHECK(x.at(meeting::middle).network().knows_present(peer_id{5}));
   }
 }
 
@@ -150,7 +150,7 @@ TEST_CASE("of two that come at once one stays", "[peis][RTE-08][IF-12]") {
     const auto b = x.add(5);
     x.run_for(3min);
     CHECK((x.tellings_to_leave(a) == 0) != (x.tellings_to_leave(b) == 0));
-    CHECK(x.at(meeting::middle).knows_present(peer_id{5}));
+    CHECK(x.at(meeting::middle).network().knows_present(peer_id{5}));
     CHECK(x.at(meeting::middle).counters().network.links_opened < 40);
   }
 }
@@ -170,8 +170,8 @@ TEST_CASE("a restart is no rival, whenever it comes", "[peis][RTE-08]") {
     const auto second = x.add(5);
     x.run_for(5s);
     CHECK(x.told(second).empty());
-    CHECK(x.at(meeting::middle).knows_present(peer_id{5}));
-    CHECK(x.at(second).reachable(peer_id{1}));
+    CHECK(x.at(meeting::middle).network().knows_present(peer_id{5}));
+    CHECK(x.at(second).network().reachable(peer_id{1}));
   }
 }
 

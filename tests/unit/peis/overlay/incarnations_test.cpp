@@ -37,7 +37,7 @@ void build(world& w, const wires& shape, int count) {
 }
 
 std::int32_t magic_of(world& w, peer_id at, peer_id whose) {
-  for (const auto* host : w.at(at).hosts()) {
+  for (const auto* host : w.at(at).network().hosts.records()) {
     if (host->id == whose)
       return host->magic;
   }
@@ -92,11 +92,11 @@ void disturb(world& w, random_stream& rng, int count) {
 }
 
 void set(world& w, peer_id who, std::string_view text) {
-  w.perform(who, w.at(who).set_tuple("x", text_content(text), w.now()));
+  w.perform(who, w.at(who).tuples().set("x", text_content(text), w.now()));
 }
 
 std::string seen(world& w, peer_id at, peer_id owner) {
-  const auto x = w.at(at).find_tuple(owner, "x");
+  const auto x = w.at(at).reader().find(owner, "x");
   return x ? std::string(x->text()) : "none";
 }
 
@@ -126,7 +126,7 @@ TEST_CASE("a stale memory on the way keeps nobody unknown", "[peis][KH-02]") {
   if (joins_late)
     w.power_off(peer_id{3});
   w.run_for(5s);
-  for (const auto* host : w.at(peer_id{2}).hosts()) {
+  for (const auto* host : w.at(peer_id{2}).network().hosts.records()) {
     if (host->id == peer_id{1})
       w.remember(peer_id{2}, *host);
   }
@@ -164,7 +164,7 @@ TEST_CASE("a question in one fragment is answered by whom it is for, not on the 
   bytes octets;
   encode(header, octets);
   octets.insert(octets.end(), data.begin(), data.end());
-  const auto link = w.at(peer_id{3}).links().front().link;
+  const auto link = w.at(peer_id{3}).network().links.views().front().link;
   w.perform(peer_id{2}, w.at(peer_id{2}).on_link_octets(link, octets, w.now()));
   w.run_for(1s);
   const auto answer = std::ranges::find_if(w.packages, [](const carried& x) {
@@ -190,8 +190,9 @@ TEST_CASE("values flow again within five seconds of the mend, both ways, whoever
   if (real)
     w.unmarked.insert(other);
   w.run_for(5s);
-  w.perform(ours, w.at(ours).subscribe(other, "x", subscription_id{1}, w.now()));
-  w.perform(other, w.at(other).subscribe(any_peer, "x", subscription_id{1}, w.now()));
+  w.perform(ours, w.at(ours).subscriptions().subscribe(other, "x", subscription_id{1}, w.now()));
+  w.perform(other,
+            w.at(other).subscriptions().subscribe(any_peer, "x", subscription_id{1}, w.now()));
   set(w, ours, "before");
   set(w, other, "before");
   w.run_for(2s);
@@ -217,7 +218,8 @@ TEST_CASE("a restart that only an announcement tells of is a restart", "[peis][R
   world w;
   w.add(lan_config_of(1));
   w.add(lan_config_of(2));
-  w.perform(peer_id{1}, w.at(peer_id{1}).subscribe(any_peer, "x", subscription_id{1}, w.now()));
+  w.perform(peer_id{1},
+            w.at(peer_id{1}).subscriptions().subscribe(any_peer, "x", subscription_id{1}, w.now()));
   w.run_for(5s);
   set(w, peer_id{2}, "old");
   w.run_for(1s);
@@ -244,11 +246,12 @@ TEST_CASE("a long value crosses a slow link with no package sent twice", "[peis]
   w.run_for(3s);
   tuple_content content;
   content.value = bytes(900'000, 'x');
-  w.perform(peer_id{1}, w.at(peer_id{1}).set_tuple("long", content, w.now()));
-  w.perform(peer_id{2},
-            w.at(peer_id{2}).subscribe(peer_id{1}, "long", subscription_id{1}, w.now()));
+  w.perform(peer_id{1}, w.at(peer_id{1}).tuples().set("long", content, w.now()));
+  w.perform(
+      peer_id{2},
+      w.at(peer_id{2}).subscriptions().subscribe(peer_id{1}, "long", subscription_id{1}, w.now()));
   w.run_for(2s);
-  CHECK(w.at(peer_id{2}).find_tuple(peer_id{1}, "long") != nullptr);
+  CHECK(w.at(peer_id{2}).reader().find(peer_id{1}, "long") != nullptr);
   CHECK(w.at(peer_id{1}).counters().network.retransmissions == 0);
 }
 
@@ -262,11 +265,12 @@ TEST_CASE("a link from which nothing leaves is closed", "[peis][ACK-05]") {
   w.connect(peer_id{1}, peer_id{2});
   w.run_for(3s);
   w.drains = false;
-  w.perform(peer_id{1}, w.at(peer_id{1})
-                            .send_message(peer_id{2}, 20, bytes(5000), true, priority::normal,
-                                          request_id{7}, w.now()));
+  w.perform(peer_id{1},
+            w.at(peer_id{1})
+                .messages()
+                .send(peer_id{2}, 20, bytes(5000), true, priority::normal, request_id{7}, w.now()));
   w.run_for(75s);
-  CHECK(w.at(peer_id{1}).links().empty());
+  CHECK(w.at(peer_id{1}).network().links.views().empty());
   const auto outcomes = w.all<outcome>(peer_id{1});
   REQUIRE(outcomes.size() == 1);
   CHECK(!outcomes[0].success);
@@ -285,7 +289,7 @@ TEST_CASE("in-process addresses are told inside the process only", "[peis][LNK-0
   w.connect(peer_id{1}, peer_id{3}); // link 2, to another process
   w.run_for(3s);
   const auto addresses = [&](peer_id at) {
-    for (const auto* host : w.at(at).hosts()) {
+    for (const auto* host : w.at(at).network().hosts.records()) {
       if (host->id == peer_id{1})
         return host->addresses.size();
     }

@@ -42,15 +42,15 @@ TEST_CASE("peers of different networks never exchange a tuple", "[peis][LNK-06]"
   auto other = test::config_of(2);
   other.network.network = "elsewhere";
   const auto b = w.add(other);
-  w.perform(b, w.at(b).subscribe(any_peer, "", subscription_id{1}, w.now()));
+  w.perform(b, w.at(b).subscriptions().subscribe(any_peer, "", subscription_id{1}, w.now()));
   w.clear_logs();
   w.connect(a, b);
   w.run_for(20s);
   for (const auto& x : w.all<tuple_changed>(b))
     CHECK(x.content->owner == b);
   CHECK(w.all<close_link>(b).size() == 1);
-  CHECK(!w.at(a).reachable(b));
-  CHECK(!w.at(b).reachable(a));
+  CHECK(!w.at(a).network().reachable(b));
+  CHECK(!w.at(b).network().reachable(a));
 }
 
 TEST_CASE("a silent connecter is cut off, as is a link that falls silent", "[peis][LNK-07]") {
@@ -66,11 +66,11 @@ TEST_CASE("a silent connecter is cut off, as is a link that falls silent", "[pei
   const auto b = w.add(2);
   w.connect(a, b);
   w.run_for(25s);
-  CHECK(w.at(a).reachable(b));
+  CHECK(w.at(a).network().reachable(b));
   w.keep = [](const package_header&) { return false; };
   w.run_for(41s);
   CHECK(w.all<close_link>(a).back().why == close_cause::silent);
-  CHECK(!w.at(a).reachable(b));
+  CHECK(!w.at(a).network().reachable(b));
 }
 
 TEST_CASE("a corrupted stream closes the link", "[peis][TCP-06]") {
@@ -84,7 +84,7 @@ TEST_CASE("a corrupted stream closes the link", "[peis][TCP-06]") {
   CHECK(w.all<close_link>(a)[0].why == close_cause::bad_stream);
   CHECK(w.at(a).counters().network.links_broken == 1);
   w.run_for(10ms);
-  CHECK(!w.at(b).reachable(a));
+  CHECK(!w.at(b).network().reachable(a));
 }
 
 TEST_CASE("messages arrive whole whatever their size", "[peis][API-02][P2P-05]") {
@@ -94,9 +94,10 @@ TEST_CASE("messages arrive whole whatever their size", "[peis][API-02][P2P-05]")
   const auto b = w.add(2);
   w.connect(a, b);
   w.run_for(1s);
-  w.at(b).hook_port(30);
+  w.at(b).messages().hook_port(30);
   const auto octets = pattern(size);
-  w.perform(a, w.at(a).send_message(b, 30, octets, true, priority::normal, request_id{5}, w.now()));
+  w.perform(a,
+            w.at(a).messages().send(b, 30, octets, true, priority::normal, request_id{5}, w.now()));
   w.run_for(30s);
   const auto got = w.all<message>(b);
   REQUIRE(got.size() == 1);
@@ -118,13 +119,14 @@ TEST_CASE("a 300 kB message survives loss, and each fragment is taken once",
   w.connect(a, relay);
   w.connect(relay, b);
   w.run_for(2s);
-  w.at(b).hook_port(30);
+  w.at(b).messages().hook_port(30);
   random_stream rng(static_cast<std::uint64_t>(seed));
   w.keep = [&](const package_header& x) {
     return x.type == package_type::link || !rng.chance(0.1);
   };
   const auto octets = pattern(300'000);
-  w.perform(a, w.at(a).send_message(b, 30, octets, true, priority::normal, request_id{5}, w.now()));
+  w.perform(a,
+            w.at(a).messages().send(b, 30, octets, true, priority::normal, request_id{5}, w.now()));
   w.run_for(60s);
   const auto got = w.all<message>(b);
   REQUIRE(got.size() == 1);
@@ -139,14 +141,14 @@ TEST_CASE("lost acknowledgements cause no second delivery", "[peis][ACK-08]") {
   const auto b = w.add(2);
   w.connect(a, b);
   w.run_for(1s);
-  w.at(b).hook_port(30);
+  w.at(b).messages().hook_port(30);
   random_stream rng(8);
   w.keep = [&](const package_header& x) {
     return x.port != port::acknowledgements || !rng.chance(0.5);
   };
   for (std::uint64_t i = 1; i <= 200; ++i) {
-    w.perform(
-        a, w.at(a).send_message(b, 30, bytes{1}, true, priority::normal, request_id{i}, w.now()));
+    w.perform(a, w.at(a).messages().send(b, 30, bytes{1}, true, priority::normal, request_id{i},
+                                         w.now()));
     w.run_for(20ms);
   }
   w.run_for(20s);
@@ -164,7 +166,8 @@ TEST_CASE("a black hole sees the retry series and the sender a failure", "[peis]
   w.keep = [](const package_header& x) { return x.port != 30; };
   w.packages.clear();
   const auto start = w.now();
-  w.perform(a, w.at(a).send_message(b, 30, bytes{1}, true, priority::high, request_id{1}, w.now()));
+  w.perform(a,
+            w.at(a).messages().send(b, 30, bytes{1}, true, priority::high, request_id{1}, w.now()));
   w.run_for(11199ms);
   CHECK(w.all<outcome>(a).empty());
   w.run_for(2ms);
@@ -187,8 +190,8 @@ TEST_CASE("a hundred messages in a burst cost at most three acknowledgement pack
   w.run_for(1s);
   const auto before = w.at(b).counters().network;
   for (std::uint64_t i = 1; i <= 100; ++i)
-    w.perform(
-        a, w.at(a).send_message(b, 30, bytes{1}, true, priority::normal, request_id{i}, w.now()));
+    w.perform(a, w.at(a).messages().send(b, 30, bytes{1}, true, priority::normal, request_id{i},
+                                         w.now()));
   w.run_for(13ms); // 1 ms there, 10 ms at most waiting, 1 ms back
   CHECK(w.at(b).counters().network.ack_packages_sent - before.ack_packages_sent <= 3);
   CHECK(w.at(b).counters().network.acks_sent - before.acks_sent <= 200); // each id twice
@@ -210,19 +213,21 @@ TEST_CASE("requests that cannot succeed fail at once", "[peis][API-02][API-08][A
     return false;
   };
   const request_id r{1};
-  CHECK(fails(kernel.send_message(peer_id{99}, 30, {}, true, priority::normal, r, w.now()),
+  CHECK(fails(kernel.messages().send(peer_id{99}, 30, {}, true, priority::normal, r, w.now()),
               cause::no_route));
-  CHECK(fails(kernel.send_message(b, 19, {}, true, priority::normal, r, w.now()), cause::bad_port));
-  CHECK(fails(kernel.send_message(b, 50, {}, true, priority::normal, r, w.now()), cause::bad_port));
-  CHECK(
-      fails(kernel.send_message(b, 30, bytes((16U << 20U) + 1), true, priority::normal, r, w.now()),
-            cause::too_long));
-  CHECK(fails(kernel.broadcast(30, bytes(1025), r, w.now()), cause::too_long));
-  CHECK(fails(kernel.broadcast(5, bytes(1), r, w.now()), cause::bad_port));
-  CHECK(!kernel.hook_port(19));
-  CHECK(!kernel.hook_port(50));
-  CHECK(kernel.hook_port(20));
-  CHECK(kernel.hook_port(49));
+  CHECK(fails(kernel.messages().send(b, 19, {}, true, priority::normal, r, w.now()),
+              cause::bad_port));
+  CHECK(fails(kernel.messages().send(b, 50, {}, true, priority::normal, r, w.now()),
+              cause::bad_port));
+  CHECK(fails(
+      kernel.messages().send(b, 30, bytes((16U << 20U) + 1), true, priority::normal, r, w.now()),
+      cause::too_long));
+  CHECK(fails(kernel.messages().broadcast(30, bytes(1025), r, w.now()), cause::too_long));
+  CHECK(fails(kernel.messages().broadcast(5, bytes(1), r, w.now()), cause::bad_port));
+  CHECK(!kernel.messages().hook_port(19));
+  CHECK(!kernel.messages().hook_port(50));
+  CHECK(kernel.messages().hook_port(20));
+  CHECK(kernel.messages().hook_port(49));
 }
 
 TEST_CASE("queues overflow with counters, and control still passes", "[peis][P2P-03][ACK-05]") {
@@ -233,12 +238,12 @@ TEST_CASE("queues overflow with counters, and control still passes", "[peis][P2P
   const auto b = w.add(2);
   w.connect(a, b);
   w.run_for(1s);
-  w.at(b).hook_port(30);
+  w.at(b).messages().hook_port(30);
   w.drains = false;
   std::uint64_t sent = 0;
   for (std::uint64_t i = 1; i <= 3000; ++i) {
-    w.perform(a, w.at(a).send_message(b, 30, bytes(500), false, priority::normal, request_id{i},
-                                      w.now()));
+    w.perform(a, w.at(a).messages().send(b, 30, bytes(500), false, priority::normal, request_id{i},
+                                         w.now()));
   }
   std::uint64_t refused = 0;
   for (const auto& x : w.all<outcome>(a)) {
@@ -265,9 +270,9 @@ TEST_CASE("a normal message overtakes bulk, a high one overtakes both", "[peis][
   const auto b = w.add(2);
   w.connect(a, b);
   w.run_for(1s);
-  w.at(b).hook_port(30);
+  w.at(b).messages().hook_port(30);
   const auto send = [&](std::size_t size, priority service) {
-    w.perform(a, w.at(a).send_message(b, 30, bytes(size), true, service, no_request, w.now()));
+    w.perform(a, w.at(a).messages().send(b, 30, bytes(size), true, service, no_request, w.now()));
   };
   send(200'000, priority::bulk);
   send(2, priority::normal);

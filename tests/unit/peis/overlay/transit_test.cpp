@@ -21,20 +21,21 @@ public:
     w.add_line(4);
     w.run_for(5s);
     for (const auto id : w.peers())
-      REQUIRE(w.at(id).hook_port(port));
+      REQUIRE(w.at(id).messages().hook_port(port));
   }
 
   /// The second peer's hook: consumes what `stops` asks for.
   void hook(std::function<bool(const package_header&)> stops) {
-    REQUIRE(w.at(second).hook_transit(port, [this, stops](const auto& header, byte_view data) {
-      shown.push_back(to_bytes(data));
-      return stops(header) ? verdict::consume : verdict::ignore;
-    }));
+    REQUIRE(w.at(second).messages().hook_transit(
+        port, [this, stops](const auto& header, byte_view data) {
+          shown.push_back(to_bytes(data));
+          return stops(header) ? verdict::consume : verdict::ignore;
+        }));
   }
 
   void send(peer_id from, peer_id to, bytes octets, bool reliable) {
-    w.perform(from, w.at(from).send_message(to, port, std::move(octets), reliable, priority::normal,
-                                            request_id{++requests}, w.now()));
+    w.perform(from, w.at(from).messages().send(to, port, std::move(octets), reliable,
+                                               priority::normal, request_id{++requests}, w.now()));
   }
 
   world w;
@@ -93,7 +94,8 @@ TEST_CASE("a reliable message that is consumed on its way fails at its sender", 
 TEST_CASE("a consumed broadcast reaches the hook's own host and nobody beyond", "[peis][API-06]") {
   hooked_line line;
   line.hook(everything);
-  line.w.perform(first, line.w.at(first).broadcast(port, bytes{1}, no_request, line.w.now()));
+  line.w.perform(first,
+                 line.w.at(first).messages().broadcast(port, bytes{1}, no_request, line.w.now()));
   line.w.run_for(1s);
   CHECK(line.w.all<message>(second).size() == 1);
   CHECK(line.w.all<message>(third).empty());
@@ -116,14 +118,14 @@ TEST_CASE("a hook that is taken away sees nothing more, and ports of services ta
           "[peis][API-06][API-09]") {
   hooked_line line;
   line.hook(everything);
-  REQUIRE(line.w.at(second).hook_transit(port, {}));
+  REQUIRE(line.w.at(second).messages().hook_transit(port, {}));
   line.send(first, last, {1}, true);
   line.w.run_for(1s);
   CHECK(line.shown.empty());
   CHECK(line.w.all<message>(last).size() == 1);
   for (const auto illegal : std::initializer_list<std::uint16_t>{0, 4, 19, 50, 65535})
-    CHECK(!line.w.at(second).hook_transit(illegal,
-                                          [](const auto&, byte_view) { return verdict::consume; }));
+    CHECK(!line.w.at(second).messages().hook_transit(
+        illegal, [](const auto&, byte_view) { return verdict::consume; }));
 }
 
 } // namespace rubicon::peis::test

@@ -23,17 +23,19 @@ struct workshop {
     w.run_for(4s);
   }
   void produce(peer_id who, std::string_view text) {
-    w.perform(who, w.at(who).set_tuple("out", text_content(text), w.now()));
+    w.perform(who, w.at(who).tuples().set("out", text_content(text), w.now()));
   }
   void point_at(peer_id target) {
     w.perform(configurator, w.at(configurator)
-                                .set_meta_tuple(consumer, meta_key_of("in"), target, "out",
-                                                request_id{1}, w.now()));
+                                .meta_tuples()
+                                .set_reference(consumer, meta_key_of("in"), target, "out",
+                                               request_id{1}, w.now()));
     w.run_for(200ms);
   }
-  void declare() { w.perform(consumer, w.at(consumer).declare_meta_tuple("mi-in", w.now())); }
+  void declare() { w.perform(consumer, w.at(consumer).meta_tuples().declare("mi-in", w.now())); }
   void follow(peer_id who) {
-    w.perform(who, w.at(who).subscribe_indirectly(consumer, "mi-in", subscription_id{5}, w.now()));
+    w.perform(who, w.at(who).subscriptions().subscribe_indirectly(consumer, "mi-in",
+                                                                  subscription_id{5}, w.now()));
     w.run_for(200ms);
   }
   [[nodiscard]] std::string told(peer_id who) const {
@@ -92,15 +94,15 @@ TEST_CASE("formats are those of real kernels", "[peis][META-01][META-04]") {
 TEST_CASE("declaring makes an empty reference and keeps one that is there", "[peis][META-03]") {
   workshop p;
   auto& kernel = p.w.at(p.consumer);
-  CHECK(!kernel.is_meta_tuple(p.consumer, "mi-in"));
+  CHECK(!kernel.meta_tuples().is_meta_tuple(p.consumer, "mi-in"));
   p.declare();
-  CHECK(kernel.is_meta_tuple(p.consumer, "mi-in"));
-  CHECK(kernel.find_tuple(p.consumer, "mi-in")->text() == "(META -1 NULL)");
+  CHECK(kernel.meta_tuples().is_meta_tuple(p.consumer, "mi-in"));
+  CHECK(kernel.reader().find(p.consumer, "mi-in")->text() == "(META -1 NULL)");
   p.follow(p.consumer);
   CHECK(p.told(p.consumer).empty());
   p.point_at(p.first);
   p.declare();
-  CHECK(kernel.find_tuple(p.consumer, "mi-in")->text() == "(META 2 out)");
+  CHECK(kernel.reader().find(p.consumer, "mi-in")->text() == "(META 2 out)");
 }
 
 TEST_CASE("one write switches a consumer from one producer to another", "[peis][META-02]") {
@@ -125,7 +127,7 @@ TEST_CASE("one write switches a consumer from one producer to another", "[peis][
   p.w.run_for(200ms);
   const auto after = p.told(reader).substr(told.find("3x"));
   CHECK(after == "3x 3y ");
-  CHECK(!p.w.at(p.first).has_subscriber("out"));
+  CHECK(!p.w.at(p.first).reader().has_subscriber("out"));
   p.point_at(p.second); // the same again: nothing is repeated
   CHECK(p.told(reader).substr(told.find("3x")) == "3x 3y ");
 }
@@ -137,7 +139,8 @@ TEST_CASE("an unset or broken reference delivers nothing", "[peis][META-02][META
   p.follow(p.consumer);
   p.point_at(p.first);
   const auto rewrite = [&](tuple_content content) {
-    p.w.perform(p.consumer, p.w.at(p.consumer).set_tuple("mi-in", std::move(content), p.w.now()));
+    p.w.perform(p.consumer,
+                p.w.at(p.consumer).tuples().set("mi-in", std::move(content), p.w.now()));
     p.w.run_for(200ms);
     p.produce(p.first, "lost");
     p.w.run_for(200ms);
@@ -153,13 +156,13 @@ TEST_CASE("an unset or broken reference delivers nothing", "[peis][META-02][META
     CHECK(p.w.at(p.consumer).counters().tuples.bad_meta_tuples == 1);
   }
   SECTION("deleted") {
-    p.w.perform(p.consumer, p.w.at(p.consumer).delete_tuple("mi-in", p.w.now()));
+    p.w.perform(p.consumer, p.w.at(p.consumer).tuples().remove("mi-in", p.w.now()));
     p.w.run_for(200ms);
     p.produce(p.first, "lost");
     p.w.run_for(200ms);
   }
   CHECK(p.told(p.consumer) == "2a ");
-  CHECK(!p.w.at(p.first).has_subscriber("out"));
+  CHECK(!p.w.at(p.first).reader().has_subscriber("out"));
   p.point_at(p.first);
   CHECK(p.told(p.consumer) == "2a 2lost ");
 }
@@ -168,12 +171,12 @@ TEST_CASE("reading and writing go through the reference", "[peis][META-02][TUP-2
   workshop p;
   auto& kernel = p.w.at(p.consumer);
   const auto get = [&] {
-    return kernel.get_indirectly(p.consumer, "mi-in", read_mode::keep_old, p.w.now());
+    return kernel.meta_tuples().get_indirectly(p.consumer, "mi-in", read_mode::keep_old, p.w.now());
   };
   const auto set = [&](std::string_view text) {
     p.w.clear_logs();
-    p.w.perform(p.consumer, kernel.set_indirectly(p.consumer, "mi-in", text_content(text),
-                                                  request_id{3}, p.w.now()));
+    p.w.perform(p.consumer, kernel.meta_tuples().set_indirectly(
+                                p.consumer, "mi-in", text_content(text), request_id{3}, p.w.now()));
     p.w.run_for(200ms);
     return p.w.all<outcome>(p.consumer).at(0).why;
   };
@@ -186,14 +189,14 @@ TEST_CASE("reading and writing go through the reference", "[peis][META-02][TUP-2
   p.follow(p.consumer);
   p.point_at(p.first);
   CHECK(set("2") == cause::none);
-  CHECK(p.w.at(p.first).find_tuple(p.first, "out")->text() == "2");
+  CHECK(p.w.at(p.first).reader().find(p.first, "out")->text() == "2");
   REQUIRE(get());
   CHECK(get().content->text() == "2");
   p.point_at(p.consumer); // its own tuple
   CHECK(set("3") == cause::none);
   CHECK(get().content->text() == "3");
-  const auto refused =
-      kernel.set_meta_tuple(p.consumer, "mi-in", p.first, "out.*", request_id{4}, p.w.now());
+  const auto refused = kernel.meta_tuples().set_reference(p.consumer, "mi-in", p.first, "out.*",
+                                                          request_id{4}, p.w.now());
   CHECK(std::get<outcome>(refused.at(0)).why == cause::abstract);
 }
 
@@ -202,18 +205,20 @@ TEST_CASE("an indirect callback asks nobody and ends like others", "[peis][META-
   p.declare();
   p.point_at(p.first);
   auto& kernel = p.w.at(p.consumer);
-  p.w.perform(p.consumer, kernel.register_indirect_callback(p.consumer, "mi-in", subscription_id{5},
-                                                            p.w.now()));
+  p.w.perform(p.consumer, kernel.subscriptions().register_indirect_callback(
+                              p.consumer, "mi-in", subscription_id{5}, p.w.now()));
   p.produce(p.first, "a");
   p.w.run_for(200ms);
   CHECK(p.told(p.consumer).empty());
-  CHECK(!p.w.at(p.first).has_subscriber("out"));
+  CHECK(!p.w.at(p.first).reader().has_subscriber("out"));
   p.point_at(p.consumer);
   p.produce(p.consumer, "b");
   CHECK(p.told(p.consumer) == "1b ");
-  const auto taken = kernel.subscribe(any_peer, "z", subscription_id{5}, p.w.now(), request_id{1});
+  const auto taken =
+      kernel.subscriptions().subscribe(any_peer, "z", subscription_id{5}, p.w.now(), request_id{1});
   CHECK(std::get<outcome>(taken.at(0)).why == cause::bad_handle);
-  p.w.perform(p.consumer, kernel.unsubscribe(subscription_id{5}, p.w.now(), request_id{2}));
+  p.w.perform(p.consumer,
+              kernel.subscriptions().unsubscribe(subscription_id{5}, p.w.now(), request_id{2}));
   CHECK(p.w.all<outcome>(p.consumer).back().success);
   p.produce(p.consumer, "c");
   CHECK(p.told(p.consumer) == "1b ");

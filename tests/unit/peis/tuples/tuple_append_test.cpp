@@ -25,17 +25,17 @@ struct pair_with_log {
 
   pair_with_log() {
     w.run_for(1s);
-    w.perform(b, w.at(b).subscribe(log_of(a), subscription_id{1}, w.now()));
+    w.perform(b, w.at(b).subscriptions().subscribe(log_of(a), subscription_id{1}, w.now()));
     w.run_for(100ms);
   }
   void set(std::string_view text) {
-    w.perform(a, w.at(a).set_tuple("log", text_content(text), w.now()));
+    w.perform(a, w.at(a).tuples().set("log", text_content(text), w.now()));
   }
   void append(peer_id who, std::string_view text, request_id request = no_request) {
-    w.perform(who, w.at(who).append_tuple(log_of(a), to_bytes(text), w.now(), request));
+    w.perform(who, w.at(who).tuples().append(log_of(a), to_bytes(text), w.now(), request));
   }
   [[nodiscard]] std::string held(peer_id who) {
-    const auto x = w.at(who).find_tuple(a, "log");
+    const auto x = w.at(who).reader().find(a, "log");
     return x ? std::string(x->text()) : "none";
   }
   [[nodiscard]] std::size_t sent(std::uint16_t port) const {
@@ -52,7 +52,8 @@ TEST_CASE("appends of owner and writer reach everybody in one order", "[peis][TU
   pair_with_log p;
   const auto c = p.w.add(3);
   p.w.connect(c, p.b);
-  p.w.perform(c, p.w.at(c).subscribe(log_of(any_peer), subscription_id{1}, p.w.now()));
+  p.w.perform(c,
+              p.w.at(c).subscriptions().subscribe(log_of(any_peer), subscription_id{1}, p.w.now()));
   p.w.run_for(3s);
   p.set("0");
   for (int i = 1; i < 6; ++i) {
@@ -77,28 +78,28 @@ TEST_CASE("an append to what does not exist or is reserved has no effect", "[pei
   pair_with_log p;
   p.append(p.a, "x", request_id{1});
   p.append(p.b, "x", request_id{2});
-  const auto name = std::string(p.w.at(p.a).find_tuple(p.a, "kernel.name")->text());
-  p.w.perform(p.b, p.w.at(p.b).append_tuple(prototype_of(p.a, *key::parse("kernel.*")),
-                                            to_bytes("x"), p.w.now(), request_id{3}));
+  const auto name = std::string(p.w.at(p.a).reader().find(p.a, "kernel.name")->text());
+  p.w.perform(p.b, p.w.at(p.b).tuples().append(prototype_of(p.a, *key::parse("kernel.*")),
+                                               to_bytes("x"), p.w.now(), request_id{3}));
   CHECK(p.w.all<outcome>(p.b).back().why == cause::refused); // at once
-  p.w.perform(p.b, p.w.at(p.b).append_tuple(prototype_of(p.a, *key::parse("*.name")), to_bytes("x"),
-                                            p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).tuples().append(prototype_of(p.a, *key::parse("*.name")),
+                                               to_bytes("x"), p.w.now()));
   p.w.run_for(1s);
   CHECK(p.held(p.a) == "none");
   CHECK(p.w.all<outcome>(p.a).at(0).success);
   CHECK(p.w.all<outcome>(p.b).back().success);
-  CHECK(p.w.at(p.a).find_tuple(p.a, "kernel.name")->text() == name);
+  CHECK(p.w.at(p.a).reader().find(p.a, "kernel.name")->text() == name);
   CHECK(p.w.at(p.a).counters().tuples.refused > 0);
 }
 
 TEST_CASE("an append for any owner reaches all that hold a match", "[peis][TUP-07]") {
   pair_with_log p;
   p.set("a");
-  p.w.perform(p.b, p.w.at(p.b).set_tuple("log", text_content("b"), p.w.now()));
-  p.w.perform(p.b, p.w.at(p.b).append_tuple(log_of(any_peer), to_bytes("+"), p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).tuples().set("log", text_content("b"), p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).tuples().append(log_of(any_peer), to_bytes("+"), p.w.now()));
   p.w.run_for(1s);
   CHECK(p.held(p.a) == "a+");
-  CHECK(p.w.at(p.b).find_tuple(p.b, "log")->text() == "b+");
+  CHECK(p.w.at(p.b).reader().find(p.b, "log")->text() == "b+");
 }
 
 TEST_CASE("prototypes narrow what is appended to; a MIME type cannot travel",
@@ -107,16 +108,16 @@ TEST_CASE("prototypes narrow what is appended to; a MIME type cannot travel",
   p.set("a");
   auto wanted = log_of(p.a);
   wanted.mimetype = "text/html";
-  p.w.perform(p.a, p.w.at(p.a).append_tuple(wanted, to_bytes("+"), p.w.now()));
+  p.w.perform(p.a, p.w.at(p.a).tuples().append(wanted, to_bytes("+"), p.w.now()));
   CHECK(p.held(p.a) == "a");
-  const auto refused = p.w.at(p.b).append_tuple(wanted, to_bytes("+"), p.w.now(), request_id{1});
+  const auto refused = p.w.at(p.b).tuples().append(wanted, to_bytes("+"), p.w.now(), request_id{1});
   CHECK(std::get<outcome>(refused.at(0)).why == cause::bad_value);
   wanted.mimetype.reset();
   wanted.value = text_content("A").value;
-  p.w.perform(p.b, p.w.at(p.b).append_tuple(wanted, to_bytes("+"), p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).tuples().append(wanted, to_bytes("+"), p.w.now()));
   p.w.run_for(100ms);
   CHECK(p.held(p.a) == "a+");
-  p.w.perform(p.b, p.w.at(p.b).append_tuple(wanted, to_bytes("+"), p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).tuples().append(wanted, to_bytes("+"), p.w.now()));
   p.w.run_for(100ms);
   CHECK(p.held(p.a) == "a+");
 }
@@ -125,13 +126,13 @@ TEST_CASE("text keeps one trailing NUL, octets are joined as they are", "[peis][
   pair_with_log p;
   p.set("a");
   p.append(p.a, "b");
-  p.w.perform(p.a, p.w.at(p.a).append_tuple(log_of(p.a), text_content("c").value, p.w.now()));
-  CHECK(to_hex(p.w.at(p.a).find_tuple(p.a, "log")->value.view()) == "61626300");
-  p.w.perform(p.a, p.w.at(p.a).set_tuple("log", binary_content({}), p.w.now()));
+  p.w.perform(p.a, p.w.at(p.a).tuples().append(log_of(p.a), text_content("c").value, p.w.now()));
+  CHECK(to_hex(p.w.at(p.a).reader().find(p.a, "log")->value.view()) == "61626300");
+  p.w.perform(p.a, p.w.at(p.a).tuples().set("log", binary_content({}), p.w.now()));
   for (const std::uint8_t octet : bytes{7, 0, 9})
-    p.w.perform(p.a, p.w.at(p.a).append_tuple(log_of(p.a), bytes{octet}, p.w.now()));
+    p.w.perform(p.a, p.w.at(p.a).tuples().append(log_of(p.a), bytes{octet}, p.w.now()));
   p.w.run_for(1s);
-  const auto x = p.w.at(p.b).find_tuple(p.a, "log");
+  const auto x = p.w.at(p.b).reader().find(p.a, "log");
   REQUIRE(x);
   CHECK(to_hex(x->value.view()) == "070009");
   CHECK(x->mimetype == binary_mimetype); // not that of an empty value any more
@@ -204,8 +205,8 @@ TEST_CASE("who subscribes between appends gets all of them once", "[peis][TUP-07
   p.set("0");
   p.append(p.a, "1");
   p.append(p.a, "2");
-  p.w.perform(p.b, p.w.at(p.b).subscribe(prototype_of(any_peer, *key::parse("*")),
-                                         subscription_id{2}, p.w.now()));
+  p.w.perform(p.b, p.w.at(p.b).subscriptions().subscribe(prototype_of(any_peer, *key::parse("*")),
+                                                         subscription_id{2}, p.w.now()));
   p.w.run_for(2ms);
   p.append(p.a, "3");
   p.append(p.a, "4");
@@ -220,7 +221,7 @@ TEST_CASE("who asked for a certain value is not told of appends it may not hold"
   p.w.connect(c, p.a);
   auto wanted = log_of(p.a);
   wanted.value = text_content("012").value;
-  p.w.perform(c, p.w.at(c).subscribe(wanted, subscription_id{1}, p.w.now()));
+  p.w.perform(c, p.w.at(c).subscriptions().subscribe(wanted, subscription_id{1}, p.w.now()));
   p.w.run_for(3s);
   p.set("0");
   for (const auto* text : {"1", "2", "3"}) {

@@ -17,7 +17,7 @@ struct lone_kernel {
   kernel x{test::config_of(1), random_stream(1, "a"), start};
 
   void set(std::string_view name, std::string_view text) {
-    static_cast<void>(x.set_tuple(name, text_content(text), start));
+    static_cast<void>(x.tuples().set(name, text_content(text), start));
   }
   [[nodiscard]] static cause why(const outputs& todo) { return std::get<outcome>(todo.back()).why; }
   [[nodiscard]] static std::string changes(const outputs& todo) {
@@ -93,16 +93,16 @@ TEST_CASE("a subscription by prototype asks for and tells of nothing else", "[pe
   w.run_for(1s);
   prototype wanted = prototype_of(any_peer, named("a.*"));
   wanted.mimetype = "m/m";
-  w.perform(b, w.at(b).subscribe(wanted, subscription_id{1}, w.now()));
-  w.perform(b, w.at(b).subscribe(a, "a.y", subscription_id{2}, w.now()));
+  w.perform(b, w.at(b).subscriptions().subscribe(wanted, subscription_id{1}, w.now()));
+  w.perform(b, w.at(b).subscriptions().subscribe(a, "a.y", subscription_id{2}, w.now()));
   auto content = text_content("1");
-  w.perform(a, w.at(a).set_tuple("a.x", content, w.now()));
+  w.perform(a, w.at(a).tuples().set("a.x", content, w.now()));
   content.mimetype = "m/m";
-  w.perform(a, w.at(a).set_tuple("a.y", content, w.now()));
+  w.perform(a, w.at(a).tuples().set("a.y", content, w.now()));
   w.run_for(100ms);
-  CHECK(!w.at(b).find_tuple(a, "a.x"));
+  CHECK(!w.at(b).reader().find(a, "a.x"));
   CHECK(w.all<tuple_changed>(b).size() == 2); // one for each subscription
-  w.perform(a, w.at(a).delete_tuple("a.y", w.now()));
+  w.perform(a, w.at(a).tuples().remove("a.y", w.now()));
   w.run_for(100ms);
   CHECK(w.all<tuple_deleted>(b).size() == 2);
 }
@@ -119,12 +119,12 @@ TEST_CASE("a full tuple can be inserted, here and at another owner", "[peis][TUP
   x.form = encoding::binary;
   x.mimetype = "m/m";
   x.user_time = {11, 12};
-  x.expiry = w.at(a).network_time(w.now() + 60s);
+  x.expiry = w.at(a).reader().network_time(w.now() + 60s);
   for (const auto owner : {a, b}) {
     x.owner = owner;
-    w.perform(a, w.at(a).insert_tuple(x, w.now(), request_id{1}));
+    w.perform(a, w.at(a).tuples().insert(x, w.now(), request_id{1}));
     w.run_for(100ms);
-    const auto stored = w.at(owner).find_tuple(owner, "a");
+    const auto stored = w.at(owner).reader().find(owner, "a");
     REQUIRE(stored);
     CHECK(stored->value == x.value);
     CHECK(stored->form == encoding::binary);
@@ -143,7 +143,7 @@ TEST_CASE("an abstract tuple cannot be inserted", "[peis][TUP-06][TUP-24]") {
   x.owner = peer_id{1};
   x.name = named("a");
   const auto why = [&](const tuple& draft) {
-    return lone_kernel::why(k.x.insert_tuple(draft, start, request_id{1}));
+    return lone_kernel::why(k.x.tuples().insert(draft, start, request_id{1}));
   };
   CHECK(why(x) == cause::none);
   const auto owner = GENERATE(1, 2); // ours, and somebody else's
@@ -175,7 +175,7 @@ TEST_CASE("an abstract tuple cannot be inserted", "[peis][TUP-06][TUP-24]") {
 TEST_CASE("reading one tuple tells whether it is new", "[peis][TUP-12]") {
   lone_kernel k;
   k.set("a.b", "1");
-  const auto get = [&](read_mode mode) { return k.x.get_tuple(peer_id{1}, "A.b", mode, start); };
+  const auto get = [&](read_mode mode) { return k.x.reader().get(peer_id{1}, "A.b", mode, start); };
   CHECK(get(read_mode::filter_old).was_new);
   CHECK(!get(read_mode::filter_old));
   const auto old = get(read_mode::keep_old);
@@ -191,7 +191,7 @@ TEST_CASE("reading one tuple needs its full name", "[peis][TUP-12][TUP-24]") {
   lone_kernel k;
   k.set("a.b", "1");
   const auto why = [&](peer_id owner, std::string_view name) {
-    return k.x.get_tuple(owner, name, read_mode::keep_old, start).why;
+    return k.x.reader().get(owner, name, read_mode::keep_old, start).why;
   };
   CHECK(why(any_peer, "a.b") == cause::abstract);
   CHECK(why(peer_id{1}, "a.*") == cause::abstract);
@@ -201,11 +201,11 @@ TEST_CASE("reading one tuple needs its full name", "[peis][TUP-12][TUP-24]") {
 
 TEST_CASE("nothing expired is ever read", "[peis][TUP-12][TUP-15]") {
   lone_kernel k;
-  static_cast<void>(k.x.set_tuple("a", text_content("1", start + 1s), start));
+  static_cast<void>(k.x.tuples().set("a", text_content("1", start + 1s), start));
   result_set found;
-  CHECK(k.x.get_tuple(peer_id{1}, "a", read_mode::keep_old, start));
-  CHECK(!k.x.get_tuple(peer_id{1}, "a", read_mode::keep_old, start + 1s));
-  k.x.get_tuples(prototype_of(any_peer, named("a")), found, start + 1s);
+  CHECK(k.x.reader().get(peer_id{1}, "a", read_mode::keep_old, start));
+  CHECK(!k.x.reader().get(peer_id{1}, "a", read_mode::keep_old, start + 1s));
+  k.x.reader().get_all(prototype_of(any_peer, named("a")), found, start + 1s);
   CHECK(found.is_empty());
 }
 
@@ -213,18 +213,18 @@ TEST_CASE("a result set gathers what several queries find", "[peis][TUP-13][TUP-
   world w;
   for (const int id : {1, 2, 3, 4}) {
     const auto peer = w.add(id);
-    w.perform(peer, w.at(peer).set_tuple("t", text_content(std::to_string(id)), w.now()));
+    w.perform(peer, w.at(peer).tuples().set("t", text_content(std::to_string(id)), w.now()));
     if (id > 1)
       w.connect(peer, peer_id{1});
   }
   const peer_id me{1};
-  w.perform(me, w.at(me).subscribe(any_peer, "t", subscription_id{1}, w.now()));
+  w.perform(me, w.at(me).subscriptions().subscribe(any_peer, "t", subscription_id{1}, w.now()));
   w.run_for(3s);
   w.packages.clear();
-  w.perform(me, w.at(me).set_tuple("a", text_content("a"), w.now()));
+  w.perform(me, w.at(me).tuples().set("a", text_content("a"), w.now()));
   result_set found;
-  w.at(me).get_tuples(prototype_of(any_peer, named("t")), found, w.now());
-  w.at(me).get_tuples(prototype_of(any_peer, named("a")), found, w.now());
+  w.at(me).reader().get_all(prototype_of(any_peer, named("t")), found, w.now());
+  w.at(me).reader().get_all(prototype_of(any_peer, named("a")), found, w.now());
   CHECK(w.packages.empty()); // nobody was asked
   CHECK(found.size() == 5);
   std::string all;
@@ -241,7 +241,8 @@ TEST_CASE("a result set gathers what several queries find", "[peis][TUP-13][TUP-
   found.reset();
   CHECK(found.is_empty());
   CHECK(!found.next());
-  w.at(me).get_tuples(prototype_of(any_peer, named("t")), found, w.now(), read_mode::filter_old);
+  w.at(me).reader().get_all(prototype_of(any_peer, named("t")), found, w.now(),
+                            read_mode::filter_old);
   CHECK(found.is_empty());
 }
 
@@ -251,38 +252,38 @@ TEST_CASE("callbacks tell of what arrives and ask nobody for it", "[peis][CB-01]
   const auto b = w.add(2);
   w.connect(a, b);
   w.run_for(1s);
-  w.perform(a, w.at(a).set_tuple("x", text_content("1"), w.now()));
-  w.perform(b, w.at(b).register_callback(prototype_of(any_peer, named("*")), subscription_id{9},
-                                         w.now()));
+  w.perform(a, w.at(a).tuples().set("x", text_content("1"), w.now()));
+  w.perform(b, w.at(b).subscriptions().register_callback(prototype_of(any_peer, named("*")),
+                                                         subscription_id{9}, w.now()));
   w.run_for(1s);
-  CHECK(!w.at(a).has_subscriber("x"));
-  CHECK(!w.at(b).find_tuple(a, "x"));
-  w.perform(b, w.at(b).subscribe(a, "x", subscription_id{1}, w.now()));
+  CHECK(!w.at(a).reader().has_subscriber("x"));
+  CHECK(!w.at(b).reader().find(a, "x"));
+  w.perform(b, w.at(b).subscriptions().subscribe(a, "x", subscription_id{1}, w.now()));
   w.run_for(100ms);
-  w.perform(a, w.at(a).set_tuple("x", text_content("1"), w.now())); // equal: told all the same
+  w.perform(a, w.at(a).tuples().set("x", text_content("1"), w.now())); // equal: told all the same
   w.run_for(100ms);
-  w.perform(a, w.at(a).delete_tuple("x", w.now()));
+  w.perform(a, w.at(a).tuples().remove("x", w.now()));
   w.run_for(100ms);
   std::size_t told = 0;
   for (const auto& x : w.all<tuple_changed>(b))
     told += x.subscription == subscription_id{9} ? 1 : 0;
   CHECK(told == 2);
   CHECK(w.all<tuple_deleted>(b).size() == 2);
-  w.perform(b, w.at(b).unsubscribe(subscription_id{9}, w.now(), request_id{1}));
+  w.perform(b, w.at(b).subscriptions().unsubscribe(subscription_id{9}, w.now(), request_id{1}));
   CHECK(w.all<outcome>(b).back().success);
   w.clear_logs();
-  w.perform(a, w.at(a).set_tuple("x", text_content("2"), w.now()));
+  w.perform(a, w.at(a).tuples().set("x", text_content("2"), w.now()));
   w.run_for(100ms);
   CHECK(w.all<tuple_changed>(b).size() == 1); // the subscription lives on
 }
 
 TEST_CASE("a callback on own tuples hears of local and remote writes", "[peis][CB-01]") {
   lone_kernel k;
-  static_cast<void>(
-      k.x.register_callback(prototype_of(peer_id{1}, named("a")), subscription_id{4}, start));
-  CHECK(!k.x.has_subscriber("a"));
-  CHECK(lone_kernel::changes(k.x.set_tuple("a", text_content("1"), start)) == "4=1 ");
-  CHECK(lone_kernel::changes(k.x.delete_tuple("a", start)) == "4- ");
+  static_cast<void>(k.x.subscriptions().register_callback(prototype_of(peer_id{1}, named("a")),
+                                                          subscription_id{4}, start));
+  CHECK(!k.x.reader().has_subscriber("a"));
+  CHECK(lone_kernel::changes(k.x.tuples().set("a", text_content("1"), start)) == "4=1 ");
+  CHECK(lone_kernel::changes(k.x.tuples().remove("a", start)) == "4- ");
 }
 
 TEST_CASE("10 000 updates at full speed are 10 000 calls in order", "[peis][CB-02]") {
@@ -291,10 +292,10 @@ TEST_CASE("10 000 updates at full speed are 10 000 calls in order", "[peis][CB-0
   const auto b = w.add(2);
   w.connect(a, b);
   w.run_for(1s);
-  w.perform(b, w.at(b).subscribe(a, "x", subscription_id{1}, w.now()));
+  w.perform(b, w.at(b).subscriptions().subscribe(a, "x", subscription_id{1}, w.now()));
   w.run_for(100ms);
   for (int i = 0; i < 10'000; ++i) {
-    w.perform(a, w.at(a).set_tuple("x", text_content(std::to_string(i)), w.now()));
+    w.perform(a, w.at(a).tuples().set("x", text_content(std::to_string(i)), w.now()));
     if (i % 100 == 99)
       w.run_for(30ms);
   }
@@ -312,10 +313,11 @@ TEST_CASE("each failure has its cause", "[peis][TUP-24]") {
   kernel x(config, random_stream(1, "a"), start);
   const request_id r{1};
   const auto set = [&](std::string_view name, tuple_content content) {
-    return lone_kernel::why(x.set_tuple(name, std::move(content), start, r));
+    return lone_kernel::why(x.tuples().set(name, std::move(content), start, r));
   };
   const auto subscribe = [&](std::uint64_t id) {
-    return lone_kernel::why(x.subscribe(any_peer, "a", subscription_id{id}, start, r));
+    return lone_kernel::why(
+        x.subscriptions().subscribe(any_peer, "a", subscription_id{id}, start, r));
   };
   CHECK(set("a*", text_content("")) == cause::bad_key);
   CHECK(set("a", binary_content(bytes(tuple_value_max + 1))) == cause::too_long); // overflow
@@ -329,8 +331,10 @@ TEST_CASE("each failure has its cause", "[peis][TUP-24]") {
   CHECK(subscribe(own_ids_first) == cause::bad_handle);
   CHECK(subscribe(2) == cause::none);
   CHECK(subscribe(3) == cause::space_full);
-  CHECK(lone_kernel::why(x.unsubscribe(subscription_id{7}, start, r)) == cause::bad_handle);
-  CHECK(x.get_indirectly(peer_id{1}, "a", read_mode::keep_old, start).why == cause::bad_meta_tuple);
+  CHECK(lone_kernel::why(x.subscriptions().unsubscribe(subscription_id{7}, start, r)) ==
+        cause::bad_handle);
+  CHECK(x.meta_tuples().get_indirectly(peer_id{1}, "a", read_mode::keep_old, start).why ==
+        cause::bad_meta_tuple);
   CHECK(result_set().value().why == cause::bad_index);
   CHECK(x.counters().tuples.refused > 0);
 }
@@ -342,13 +346,13 @@ TEST_CASE("values of a dead host stay with a mark where that is wanted", "[peis]
   const auto a = w.add(config);
   const auto b = w.add(2);
   w.connect(a, b);
-  w.perform(a, w.at(a).subscribe(b, "x", subscription_id{1}, w.now()));
-  w.perform(b, w.at(b).set_tuple("x", text_content("1"), w.now()));
+  w.perform(a, w.at(a).subscriptions().subscribe(b, "x", subscription_id{1}, w.now()));
+  w.perform(b, w.at(b).tuples().set("x", text_content("1"), w.now()));
   w.run_for(3s);
-  CHECK(!w.at(a).find_tuple(b, "x")->stale);
+  CHECK(!w.at(a).reader().find(b, "x")->stale);
   w.perform(b, w.at(b).leave(w.now()));
   w.run_for(1s);
-  const auto last = w.at(a).find_tuple(b, "x");
+  const auto last = w.at(a).reader().find(b, "x");
   REQUIRE(last);
   CHECK(last->stale);
   CHECK(last->text() == "1");

@@ -16,11 +16,11 @@ struct observed_pair {
   observed_pair() { w.run_for(12s); }
 
   [[nodiscard]] std::string read(std::string_view name) {
-    const auto x = w.at(a).get_tuple(a, name, read_mode::keep_old, w.now());
+    const auto x = w.at(a).reader().get(a, name, read_mode::keep_old, w.now());
     return x ? std::string(x.content->text()) : "none";
   }
   void subscribe(peer_id who, std::string_view name) {
-    w.perform(who, w.at(who).subscribe(a, name, subscription_id{1}, w.now()));
+    w.perform(who, w.at(who).subscriptions().subscribe(a, name, subscription_id{1}, w.now()));
     w.run_for(10ms);
   }
   [[nodiscard]] std::vector<std::string> told(peer_id who) const {
@@ -57,12 +57,12 @@ TEST_CASE("looking at statistics computes them and sends nothing", "[peis][TUP-2
   observed_pair p;
   p.w.packages.clear();
   const auto before = p.read("kernel.traffic");
-  p.w.perform(p.a, p.w.at(p.a).set_tuple("later", text_content(""), p.w.now()));
+  p.w.perform(p.a, p.w.at(p.a).tuples().set("later", text_content(""), p.w.now()));
   CHECK(p.read("kernel.all-keys").find("later") != std::string::npos);
   CHECK(p.read("kernel.traffic") == before); // not older than its period
   CHECK(p.w.packages.empty());
   result_set found;
-  p.w.at(p.a).get_tuples(prototype_of(any_peer, *key::parse("kernel.*")), found, p.w.now());
+  p.w.at(p.a).reader().get_all(prototype_of(any_peer, *key::parse("kernel.*")), found, p.w.now());
   CHECK(found.size() == 12);
   p.w.run_for(30s);
   CHECK(p.read("kernel.traffic") != before);
@@ -79,7 +79,7 @@ TEST_CASE("statistics are told while somebody watches them", "[peis][TUP-22][SCH
   p.w.run_for(20s);
   REQUIRE(p.told(who).size() == 5); // each 5 s
   CHECK(p.told(who)[1] == "0.0140");
-  p.w.perform(who, p.w.at(who).unsubscribe(subscription_id{1}, p.w.now()));
+  p.w.perform(who, p.w.at(who).subscriptions().unsubscribe(subscription_id{1}, p.w.now()));
   p.w.run_for(1s);
   const auto sets = p.w.at(p.a).counters().tuples.sets;
   p.w.run_for(60s);
@@ -91,7 +91,8 @@ TEST_CASE("all keys are told when they change, at most once a second", "[peis][T
   p.subscribe(p.b, "kernel.all-keys");
   p.w.clear_logs();
   for (int i = 0; i < 50; ++i) {
-    p.w.perform(p.a, p.w.at(p.a).set_tuple("k" + std::to_string(i), text_content(""), p.w.now()));
+    p.w.perform(p.a,
+                p.w.at(p.a).tuples().set("k" + std::to_string(i), text_content(""), p.w.now()));
     p.w.run_for(50ms);
   }
   p.w.run_for(2s);
@@ -100,7 +101,7 @@ TEST_CASE("all keys are told when they change, at most once a second", "[peis][T
   CHECK(told.size() <= 4);
   CHECK(told.back().find(" k49 ") != std::string::npos);
   p.w.clear_logs();
-  p.w.perform(p.a, p.w.at(p.a).delete_tuple("k49", p.w.now()));
+  p.w.perform(p.a, p.w.at(p.a).tuples().remove("k49", p.w.now()));
   p.w.run_for(100ms);
   REQUIRE(p.told(p.b).size() == 1); // at once after a quiet second
   CHECK(p.told(p.b)[0].find(" k49 ") == std::string::npos);
