@@ -106,6 +106,8 @@ private:
       auto words = run_words(words_.file, *seed);
       if (!words_.length.empty())
         words.insert(words.end(), {"--for", words_.length});
+      for (const auto& each : words_.settings)
+        words.insert(words.end(), {"--set", each});
       runs_.push_back({*seed, steady::now(), child_process(own_binary, words)});
     }
   }
@@ -219,6 +221,7 @@ exit_status perform(const swarm_command& x) {
   instead.mode = config::run_mode::virtual_time;
   swarm_words words{x.file, x.length, x.jobs.value_or(std::thread::hardware_concurrency())};
   words.jobs = std::max<std::uint64_t>(words.jobs, 1);
+  words.settings = instead.settings = x.settings;
   if (!x.hosts.empty())
     return run_on_hosts(x, instead, words);
   const auto file = load_or_complain(x.file, instead, x.known);

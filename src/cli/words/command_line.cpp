@@ -100,7 +100,16 @@ void add_file(CLI::App& app, std::string& file) {
       ->type_name("");
 }
 
+void add_settings(CLI::App& app, config::settings& x) {
+  app.add_option("--set", x,
+                 "Set a key of the file, as in island.kitchen.id=3, with * for all tables; a name "
+                 "alone is a parameter of the file; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("PATH=VALUE");
+}
+
 void add_overrides(CLI::App& app, config::overrides& x) {
+  add_settings(app, x.settings);
   add_path(app, "--topology", "FILE", x.topology,
            "TOSSIM topology with gains, instead of the one that the TOML file names");
   add_path(app, "--noise-trace", "FILE", x.noise_trace,
@@ -375,6 +384,7 @@ CLI::App& add_swarm(CLI::App& app, swarm_command& x) {
              });
   add_parsed(swarm, "--timeout", "TIME", "Real time after which a run is aborted; default: 5min",
              [&](const auto& text) { x.timeout = parse_length(text, "--timeout"); });
+  add_settings(swarm, x.settings);
   swarm.add_flag("--json", x.json, "Print one JSON object only");
   add_path(swarm, "--report", "FILE", x.page_file,
            "Write the results, and how they differ between seeds, as one HTML page");

@@ -124,7 +124,8 @@ struct swarm_command {
   config::extensions known;
   seed_range seeds;
   std::optional<std::uint64_t> jobs; ///< runs at a time, 1 to 1024; unset: one a core
-  std::string length;      ///< as given, understood by `run --for`; empty: as the file says
+  std::string length; ///< as given, understood by `run --for`; empty: as the file says
+  config::settings settings;
   duration timeout = 5min; ///< of real time, for each run
   bool json = false;
   std::string page_file;          ///< HTML goes here; empty: nowhere

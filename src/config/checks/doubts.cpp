@@ -17,7 +17,7 @@ std::vector<problem> doubts_of(const loaded& x, const std::string& file_name) {
   complaints all;
   for (auto& [at, message] : found)
     all.doubt(at, std::move(message));
-  std::ranges::move(all.doubts_of(file_name), std::back_inserter(out));
+  std::ranges::move(with_settings(all.doubts_of(file_name), x.settings), std::back_inserter(out));
   std::ranges::stable_sort(out, {}, [](const problem& y) { return std::pair(y.line, y.column); });
   if (out.size() > doubts_max)
     out.resize(doubts_max);

@@ -91,7 +91,7 @@ TEST_CASE("what decides what runs is repeated, in any order, and quoted", "[cli]
 
 TEST_CASE("no option of run is forgotten where a run is repeated", "[cli]") {
   const std::vector<std::string> repeated{"--mode", "--speed",  "--topology", "--noise-trace",
-                                          "--host", "--starts", "--elapsed"};
+                                          "--host", "--starts", "--elapsed",  "--set"};
   const auto& others = options_not_repeated();
   const auto help = parse({"run", "--help"});
   REQUIRE(std::holds_alternative<show_command>(help));
@@ -417,4 +417,17 @@ TEST_CASE("a condition compares numbers as numbers, and all else as text", "[cli
   CHECK(holds("= = 1", "= 1"));
   CHECK_FALSE(parse_condition("> warm"));
   CHECK_FALSE(parse_condition("<="));
+}
+
+TEST_CASE("settings are kept in their order, and repeated", "[cli]") {
+  const std::vector<std::string> all{"radio.loss=0.2", "island.*.sink.position_m=[3, 4]"};
+  const auto run = parse_run({"--set", all[0].c_str(), "--set", all[1].c_str()});
+  CHECK(run.instead.settings == all);
+  CHECK(run.deciding == "--set radio.loss=0.2 --set 'island.*.sink.position_m=[3, 4]'");
+  const auto check = parse({"check", "a.toml", "--set", all[1].c_str()});
+  REQUIRE(std::holds_alternative<check_command>(check));
+  CHECK(std::get<check_command>(check).instead.settings == std::vector{all[1]});
+  const auto swarm = parse({"swarm", "a.toml", "--set", all[0].c_str(), "--seeds", "1..2"});
+  REQUIRE(std::holds_alternative<swarm_command>(swarm));
+  CHECK(std::get<swarm_command>(swarm).settings == std::vector{all[0]});
 }
