@@ -305,7 +305,7 @@ TEST_CASE("all hosts on one computer have ports of their own", "[deploy][GEN-05]
 
 TEST_CASE("a bundle holds the file with its settings in place", "[deploy][NFR-07]") {
   const folder files;
-  files.with("stove.csv", "time,t\n0,20\n");
+  static_cast<void>(files.with("stove.csv", "time,t\n0,20\n"));
   const auto path = files.with("house.toml", house_toml);
   config::overrides instead;
   instead.settings = {"ecology.seed=9", "island.kitchen.mote.stove.type=8"};
