@@ -13,7 +13,6 @@
 
 #include "config/file_readers.hpp"
 #include "config/island/trace_files.hpp"
-#include "config/toml/parameters.hpp"
 #include "config/toml/schema.hpp"
 #include "config/toml/written.hpp"
 

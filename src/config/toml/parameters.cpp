@@ -1,5 +1,3 @@
-#include "config/toml/parameters.hpp"
-
 #include <algorithm>
 #include <cstddef>
 #include <optional>
@@ -9,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "config/toml/settings.hpp"
 #include "core/text/name.hpp"
 #include "core/text/spelling.hpp"
 

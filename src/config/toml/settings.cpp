@@ -8,7 +8,6 @@
 #include <utility>
 #include <variant>
 
-#include "config/toml/parameters.hpp"
 #include "config/toml/text_check.hpp"
 #include "core/text/spelling.hpp"
 
@@ -167,6 +166,30 @@ private:
   complaints& problems_;
 };
 
+/// Puts the table before a name that stands alone; no plain value of ours stands outside of a
+/// table.
+void find_parameter(const node& root, path_parts& path) {
+  const auto* parameters = root.find(parameters_key);
+  if (path.size() == 1 && parameters != nullptr &&
+      (parameters->find(path.front()) != nullptr || root.find(path.front()) == nullptr))
+    path.insert(path.begin(), std::string(parameters_key));
+}
+
+/// Why a path leads to no parameter; empty if it does, or leads elsewhere.
+std::string unknown_parameter(const node& root, const path_parts& path) {
+  if (path.size() != 2 || path.front() != parameters_key || path.back() == "*")
+    return {};
+  std::vector<std::string> names;
+  if (const auto* parameters = root.find(parameters_key);
+      parameters != nullptr && parameters->as<node_table>() != nullptr)
+    for (const auto& each : *parameters->as<node_table>())
+      names.push_back(each.key);
+  if (std::ranges::find(names, path.back()) != names.end())
+    return {};
+  return "there is no parameter `" + path.back() + "` in [parameters]" +
+         suggestion(path.back(), names);
+}
+
 } // namespace
 
 void apply(const settings& all, node& root, complaints& problems) {
@@ -178,10 +201,13 @@ void apply(const settings& all, node& root, complaints& problems) {
       problems.add(at, "must be the path of a key and its value, as in island.kitchen.id=3");
       continue;
     }
-    const auto* parameters = root.find(parameters_key);
-    if (path->size() == 1 && parameters != nullptr && parameters->find(path->front()) != nullptr)
-      path->insert(path->begin(), std::string(parameters_key));
     const auto value = value_of(all[i].substr(end + 1), at);
+    if (value.as<node_table>() == nullptr)
+      find_parameter(root, *path);
+    if (const auto why = unknown_parameter(root, *path); !why.empty()) {
+      problems.add(at, why);
+      continue;
+    }
     walk(*path, value, problems).go(root, 0);
   }
 }

@@ -1,7 +1,9 @@
-// Values that a command line sets in a file: `--set island.kitchen.id=3`.
+// Values that a command line sets in a file, `--set island.kitchen.id=3`, and [parameters] of a
+// file, which its texts name as in `"${loss}"`.
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "config/toml/document.hpp"
@@ -20,5 +22,12 @@ void apply(const settings& all, node& root, complaints& problems);
 /// The same problems with the setting itself as their file, where they are of one.
 [[nodiscard]] std::vector<problem> with_settings(std::vector<problem> problems,
                                                  const settings& all);
+
+inline constexpr std::string_view parameters_key = "parameters";
+
+/// Puts the values of parameters where texts name them. A text that is `${NAME}` and nothing else
+/// becomes the value; within a longer text it is written as the file would, without quotes; `$${`
+/// is a plain `${`. The table itself is taken out; a file without it is left as it is.
+void put_parameters(node& root, complaints& problems);
 
 } // namespace rubicon::config

@@ -123,6 +123,16 @@ TEST_CASE("texts of a file name its parameters", "[config][GEN-04]") {
   CHECK(problems_with(toml, {"loss=3"}).find("not 3") != std::string::npos);
 }
 
+TEST_CASE("a setting of a parameter that the file does not have is refused", "[config][GEN-06]") {
+  const auto toml = two_islands + "[parameters]\nloss = 0.1\n[radio]\nloss = \"${loss}\"\n";
+  for (const std::string each : {"los=0.3", "parameters.los=0.3"})
+    CHECK(problems_with(toml, {each}) == "--set " + each +
+                                             ": there is no parameter `los` in [parameters]: did "
+                                             "you mean `loss`?");
+  CHECK(problems_with(two_islands, {"parameters.loss=1"}) ==
+        "--set parameters.loss=1: there is no parameter `loss` in [parameters]: there is none");
+}
+
 TEST_CASE("a mistake with parameters has a place", "[config][GEN-06]") {
   const auto after = [](const std::string& rest) {
     return problems_of(load(std::string(head) + rest, {}));
