@@ -401,6 +401,65 @@ CLI::App& add_swarm(CLI::App& app, swarm_command& x) {
   return swarm;
 }
 
+void parse_variations(const std::vector<std::string>& texts, std::vector<study::variation>& out) {
+  for (const auto& text : texts) {
+    auto found = study::parse_variation(text);
+    if (const auto* why = std::get_if<std::string>(&found))
+      throw CLI::ValidationError("--vary", "'" + text + "' " + *why);
+    out.push_back(std::get<study::variation>(std::move(found)));
+  }
+}
+
+CLI::App& add_sweep(CLI::App& app, sweep_command& x) {
+  auto& sweep = *app.add_subcommand(
+      "sweep", "Run an ecology with all combinations of some values, and keep what they give");
+  add_file(sweep, x.file);
+  sweep
+      .add_option_function<std::vector<std::string>>(
+          "--vary", [&x](const auto& all) { parse_variations(all, x.variations); },
+          "A key or parameter, as of --set, and its values: a list as in loss=0,0.1,0.2, or a "
+          "range "
+          "with its step as in range=15m..40m/5; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("PATH=VALUES")
+      ->required();
+  add_parsed(sweep, "--seeds", "A..B", "The seeds of each variant, both ends included",
+             [&](const auto& text) { x.seeds = parse_seeds(text); })
+      ->required();
+  add_path(sweep, "--out", "DATABASE", x.database,
+           "SQLite database of the results; runs that it has are not repeated")
+      ->required();
+  add_settings(sweep, x.settings);
+  add_parsed(sweep, "--jobs", "N", "Number of parallel runs; default: one per core",
+             [&](const auto& text) { x.jobs = parse_jobs(text); });
+  add_parsed(sweep, "--for", "TIME", "Ecology time of each run; default: the file's",
+             [&](const auto& text) {
+               static_cast<void>(parse_length(text));
+               x.length = text;
+             });
+  add_parsed(sweep, "--timeout", "TIME", "Real time after which a run is aborted; default: 5min",
+             [&](const auto& text) { x.timeout = parse_length(text, "--timeout"); });
+  sweep
+      .add_option("--of", x.scalars,
+                  "Number of the report that the summary shows, such as messages.delivery; may be "
+                  "repeated")
+      ->allow_extra_args(false)
+      ->type_name("SCALAR");
+  sweep.add_flag("--csv", x.csv, "Print the summary as CSV");
+  sweep.footer("Ctrl-C ends it with status 130; runs that have ended are in the database.");
+  return sweep;
+}
+
+CLI::App& add_query(CLI::App& app, query_command& x) {
+  auto& query = *app.add_subcommand("query", "Ask the database of a sweep");
+  query.add_option("DATABASE", x.database, "As `rubicon sweep` has made it")
+      ->required()
+      ->type_name("");
+  query.add_option("SQL", x.sql, "A SELECT of SQLite")->required()->type_name("");
+  query.add_flag("--csv", x.csv, "Print the rows as CSV");
+  return query;
+}
+
 CLI::App& add_explain(CLI::App& app, explain_command& x) {
   auto& explain = *app.add_subcommand("explain", "Trace a message or a value in a recorded run");
   explain.add_option("RECORD", x.record, "File written by run --record")->required()->type_name("");
@@ -490,6 +549,16 @@ void check_combination(const deploy_command& x) {
   if (x.file == standard_input)
     throw CLI::ValidationError("FILE",
                                "it is sent with the files that it names: not from standard input");
+}
+
+void check_combination(const sweep_command& x) {
+  if (x.file == standard_input)
+    throw CLI::ValidationError("FILE", "each run reads it again: not from standard input");
+  if (x.seeds.last > INT64_MAX)
+    throw CLI::ValidationError("--seeds", "a database holds seeds up to 2^63 - 1");
+  const auto variants = study::variants_of(x.variations);
+  if (const auto* why = std::get_if<std::string>(&variants))
+    throw CLI::ValidationError("--vary", *why);
 }
 
 void check_combination(const swarm_command& x) {
@@ -667,6 +736,10 @@ command parse_words(std::span<const char* const> arguments, const original_optio
   doctor_command doctor;
   const auto& doctor_app = add_doctor(app, doctor);
   const auto& swarm_app = add_swarm(app, swarm);
+  sweep_command sweep;
+  const auto& sweep_app = add_sweep(app, sweep);
+  query_command query;
+  const auto& query_app = add_query(app, query);
   explain_command explain;
   const auto& explain_app = add_explain(app, explain);
   view_command view;
@@ -685,6 +758,7 @@ command parse_words(std::span<const char* const> arguments, const original_optio
     check_combination(explain);
     check_combination(deploy);
     check_combination(swarm);
+    check_combination(sweep);
     if (!run.host.empty())
       run.options.mode = config::run_mode::wall;
     run.instead.seed = run.options.seed;
@@ -717,6 +791,10 @@ command parse_words(std::span<const char* const> arguments, const original_optio
     return *std::move(asked);
   if (swarm_app.parsed())
     return swarm;
+  if (sweep_app.parsed())
+    return sweep;
+  if (query_app.parsed())
+    return query;
   if (explain_app.parsed())
     return explain;
   if (view_app.parsed())

@@ -19,6 +19,7 @@
 #include "deploy/host_access.hpp"
 #include "explain/print/text.hpp"
 #include "io/tls/certificates.hpp"
+#include "study/grid.hpp"
 
 namespace rubicon::cli {
 
@@ -133,6 +134,28 @@ struct swarm_command {
   control::tls_files tls;         ///< with `hosts`
 };
 
+/// `rubicon sweep FILE`
+struct sweep_command {
+  std::string file;
+  config::extensions known;
+  config::settings settings;
+  std::vector<study::variation> variations;
+  seed_range seeds;
+  std::optional<std::uint64_t> jobs; ///< as of swarm
+  std::string length;                ///< the same
+  duration timeout = 5min;           ///< the same
+  std::string database;
+  std::vector<std::string> scalars; ///< that the summary shows; none: the usual ones
+  bool csv = false;
+};
+
+/// `rubicon query DATABASE SQL`
+struct query_command {
+  std::string database;
+  std::string sql;
+  bool csv = false;
+};
+
 /// `rubicon view RECORD`
 struct view_command {
   std::string record;
@@ -178,8 +201,9 @@ struct refused_command {
 
 using command =
     std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
-                 check_command, schema_command, swarm_command, explain_command, view_command,
-                 certs_command, network_command, serial_command, show_command, refused_command>;
+                 check_command, schema_command, swarm_command, sweep_command, query_command,
+                 explain_command, view_command, certs_command, network_command, serial_command,
+                 show_command, refused_command>;
 
 /// @param arguments the program's name first
 [[nodiscard]] command parse_command_line(std::span<const char* const> arguments);

@@ -431,3 +431,20 @@ TEST_CASE("settings are kept in their order, and repeated", "[cli]") {
   REQUIRE(std::holds_alternative<swarm_command>(swarm));
   CHECK(std::get<swarm_command>(swarm).settings == std::vector{all[0]});
 }
+
+TEST_CASE("a sweep has variations, seeds and a database", "[cli]") {
+  const auto x = parse({"sweep", "a.toml", "--vary", "loss=0,0.1", "--vary", "range=15m..25m/5",
+                        "--seeds", "1..30", "--out", "study.db", "--set", "radio.queue=3"});
+  REQUIRE(std::holds_alternative<sweep_command>(x));
+  const auto& sweep = std::get<sweep_command>(x);
+  REQUIRE(sweep.variations.size() == 2);
+  CHECK(sweep.variations[0].path == "loss");
+  CHECK(sweep.variations[1].values == std::vector<std::string>{"15m", "20m", "25m"});
+  CHECK(sweep.seeds.last == 30);
+  CHECK(sweep.database == "study.db");
+  CHECK(contains(refusal({"sweep", "a.toml", "--vary", "loss=1..2", "--seeds", "1", "--out", "d"}),
+                 "'loss=1..2' is not a range"));
+  CHECK(contains(refusal({"sweep", "-", "--vary", "loss=1", "--seeds", "1", "--out", "d"}),
+                 "not from standard input"));
+  CHECK(contains(refusal({"sweep", "a.toml", "--vary", "loss=1", "--out", "d"}), "--seeds"));
+}
