@@ -150,8 +150,8 @@ void store::closer::operator()(sqlite3* x) const {
 
 std::variant<store, std::string> store::open(const std::string& path, access how) {
   sqlite3* opened = nullptr;
-  const int flags =
-      how == access::read ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  // Also to read: what a killed process has left half done must be undone first.
+  const int flags = SQLITE_OPEN_READWRITE | (how == access::read ? 0 : SQLITE_OPEN_CREATE);
   const int status = sqlite3_open_v2(path.c_str(), &opened, flags, nullptr);
   handle database(opened);
   if (status != SQLITE_OK)
@@ -161,8 +161,7 @@ std::variant<store, std::string> store::open(const std::string& path, access how
   try {
     if (!is_ours(database.get()))
       return "is not a database of a study";
-    if (how == access::write)
-      execute(database.get(), tables);
+    execute(database.get(), how == access::write ? tables : "PRAGMA query_only = 1");
   } catch (const std::runtime_error&) {
     return "cannot be used: " + std::string(sqlite3_errmsg(database.get()));
   }

@@ -79,10 +79,9 @@ plan_of(const sweep_command& x, const std::vector<study::variant_values>& varian
       complain(packed.loaded, x.file);
       return std::nullopt;
     }
-    const auto text = binary + ' ' + deploy::hash_of(packed.what) + ' ' + x.length + ' ';
+    const auto text = binary + '-' + deploy::hash_of(packed.what) + '-' + x.length + '-';
     for (auto seed = x.seeds.first;; ++seed) {
-      planned.keys.push_back(
-          to_hex(fold64().add(std::string_view(text + std::to_string(seed))).value()));
+      planned.keys.push_back(text + std::to_string(seed));
       if (seed == x.seeds.last)
         break;
     }
