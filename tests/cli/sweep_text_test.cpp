@@ -47,7 +47,7 @@ TEST_CASE("a summary compares variants seed by seed", "[cli]") {
   CHECK(text.starts_with("messages.delivery\n"));
   CHECK(text.find("20.000") != std::string::npos);
   CHECK(text.find("-4.8414 to 44.841") != std::string::npos); // 10 * 4.302653 / sqrt(3)
-  CHECK(text.find("-1.0000  -1.0000 to -1.0000") != std::string::npos);
+  CHECK(text.find("-1.0000         -1.0000 to -1.0000") != std::string::npos);
 }
 
 TEST_CASE("a summary as CSV has a line for each scalar and variant", "[cli]") {
