@@ -69,8 +69,9 @@ std::optional<ecology_file> load_or_complain(const std::string& file,
   if (!loaded.problems.empty())
     return std::nullopt;
   auto warnings = config::warnings_of(loaded, name);
-  return ecology_file{*std::move(loaded.ecology),
-                      fold64().add(std::string_view(*read.text)).value(), std::move(warnings)};
+  const auto text = config::resolved_text(*read.text, instead.settings);
+  return ecology_file{*std::move(loaded.ecology), fold64().add(std::string_view(text)).value(),
+                      std::move(warnings)};
 }
 
 } // namespace rubicon::cli

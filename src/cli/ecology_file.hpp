@@ -16,7 +16,7 @@ inline constexpr const char* standard_input = "-";
 
 struct ecology_file {
   config::ecology_description ecology;
-  std::uint64_t text_hash = 0;                ///< fold64 of the file's octets
+  std::uint64_t text_hash = 0;                ///< fold64 of the file's octets, settings in place
   std::vector<config::problem> warnings = {}; ///< valid, but probably not what is meant
 };
 

@@ -26,6 +26,8 @@
 #include "cli/run/run_command.hpp"
 #include "cli/run/view_command.hpp"
 #include "cli/schema_command.hpp"
+#include "cli/study/query_command.hpp"
+#include "cli/study/sweep_command.hpp"
 #include "cli/words/exit_status.hpp"
 #include "core/text/printable.hpp"
 

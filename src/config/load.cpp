@@ -13,8 +13,8 @@
 
 #include "config/file_readers.hpp"
 #include "config/island/trace_files.hpp"
-#include "config/toml/document.hpp"
 #include "config/toml/schema.hpp"
+#include "config/toml/written.hpp"
 
 namespace rubicon::config {
 
@@ -38,6 +38,24 @@ directory names_in(const node& root) {
   for (const auto& [name, profile] : with.types)
     out.mote_types.insert(name);
   return out;
+}
+
+/// put_parameters() has checked and used it.
+struct parameter_value {
+  using type = json_text;
+  [[nodiscard]] static std::optional<json_text> read(const node& /*x*/, const asker& /*who*/) {
+    return json_text();
+  }
+  [[nodiscard]] static form takes() {
+    return types_form("text, number or flag", {"string", "number", "boolean"});
+  }
+};
+
+/// Its values stand where the file names them.
+void read_parameters(table_reader& root) {
+  std::optional<named_values<json_text>> ignored;
+  root.optional(parameters_key, pairs_of<parameter_value>{}, ignored,
+                {"values that texts of the file name, as in `\"${loss}\"`", "none"});
 }
 
 ecology_description read_file_tables(table_reader& in, const named_files& files) {
@@ -70,6 +88,7 @@ ecology_description read_file_tables(table_reader& in, const named_files& files)
   std::ranges::move(read_changes(in, with, out), std::back_inserter(out.faults));
   out.expectations = read_expectations(in);
   out.bluetooth_devices = read_bluetooth_devices(in);
+  read_parameters(in);
   in.finish();
   check_end(in, out);
   if (!in.has("island") && !in.has("peer"))
@@ -89,7 +108,31 @@ folder_names no_folder(const std::string& /*path*/) {
   return {std::nullopt, "cannot be opened here"};
 }
 
+resolved resolve(std::string_view toml, const std::string& file_name, const settings& all,
+                 complaints& problems) {
+  auto parsed = parse(toml, file_name);
+  if (auto* wrong = std::get_if<problem>(&parsed))
+    return std::vector{std::move(*wrong)};
+  auto& root = std::get<node>(parsed);
+  apply(all, root, problems);
+  put_parameters(root, problems);
+  if (!problems.empty())
+    return with_settings(problems.of_file(file_name), all);
+  return std::move(root);
+}
+
 } // namespace
+
+resolved resolve(std::string_view toml, const std::string& file_name, const settings& all) {
+  complaints problems;
+  return resolve(toml, file_name, all, problems);
+}
+
+std::string resolved_text(std::string_view toml, const settings& all) {
+  const auto found = all.empty() ? resolved() : resolve(toml, {}, all);
+  const auto* root = std::get_if<node>(&found);
+  return all.empty() || root == nullptr ? std::string(toml) : written(*root);
+}
 
 file_text read_file(const std::string& path, std::size_t octets_max) {
   std::error_code ignored;
@@ -134,24 +177,26 @@ folder_names read_folder(const std::string& path) {
 
 loaded load_text(std::string_view toml, const std::string& file_name, const overrides& instead,
                  const file_reader& read, const folder_reader& list, const extensions& known) {
-  const auto parsed = parse(toml, file_name);
-  if (const auto* wrong = std::get_if<problem>(&parsed))
-    return {std::nullopt, {*wrong}};
   reading shared;
+  auto root = resolve(toml, file_name, instead.settings, shared.problems);
+  if (auto* wrong = std::get_if<std::vector<problem>>(&root))
+    return {std::nullopt, std::move(*wrong)};
   const named_files files{file_name, instead, read ? read : no_file, list ? list : no_folder,
                           known};
   trace_files traces(files);
   shared.traces = &traces;
   shared.files = &files;
-  table_reader in(std::get<node>(parsed), "the file", shared);
+  table_reader in(std::get<node>(root), "the file", shared);
   auto ecology = read_file_tables(in, files);
   if (!shared.problems.empty())
-    return {std::nullopt, shared.problems.of_file(file_name), shared.problems.skipped()};
+    return {std::nullopt, with_settings(shared.problems.of_file(file_name), instead.settings),
+            shared.problems.skipped()};
   return {std::move(ecology),
           {},
           shared.problems.skipped(),
-          shared.problems.warnings_of(file_name),
-          std::move(shared.seen)};
+          with_settings(shared.problems.warnings_of(file_name), instead.settings),
+          std::move(shared.seen),
+          instead.settings};
 }
 
 loaded load_file(const std::string& path, const overrides& instead, const extensions& known) {

@@ -8,12 +8,15 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "apps/registry.hpp"
 #include "config/plan/ecology.hpp"
 #include "config/plan/places.hpp"
+#include "config/toml/document.hpp"
 #include "config/toml/problem.hpp"
+#include "config/toml/settings.hpp"
 #include "proxy/classes/program.hpp"
 
 namespace rubicon::config {
@@ -25,6 +28,7 @@ struct loaded {
   std::vector<problem> warnings = {}; ///< what is no mistake, but hardly what is meant, in order,
                                       ///< as far as it is seen while the file is read
   file_places seen = {};              ///< for the rest of these: warnings.hpp
+  config::settings settings = {}; ///< that places may be of
 };
 
 /// What a command line may say in the place of the TOML file.
@@ -35,6 +39,7 @@ struct overrides {
   std::optional<run_mode> mode = std::nullopt; ///< it decides what may be real
   std::optional<duration> time_of_day{};       ///< that `start = "now"` stands for; unset: midnight
   std::vector<proxy::clock_change> clock_changes{}; ///< of that clock, during the run
+  config::settings settings = {};                   ///< written into the file before it is read
 };
 
 /// What files may name beside what every binary has.
@@ -69,7 +74,18 @@ using folder_reader = std::function<folder_names(const std::string& path)>;
 /// From the disk; more than 1000 files are refused.
 [[nodiscard]] folder_names read_folder(const std::string& path);
 
-/// A syntax error hides everything else; all other problems are reported together.
+/// A file as its readers see it, with settings and parameters in place; or the reasons why there is
+/// none.
+using resolved = std::variant<node, std::vector<problem>>;
+[[nodiscard]] resolved resolve(std::string_view toml, const std::string& file_name,
+                               const settings& all);
+
+/// The text of a file with settings in place; the text itself without any, or if there is a
+/// problem.
+[[nodiscard]] std::string resolved_text(std::string_view toml, const settings& all);
+
+/// A syntax error hides everything else, and so does a setting or parameter that cannot be put in
+/// place; all other problems are reported together.
 /// @param file_name how problems call the text; names in it are relative to this file's folder
 /// @param read reads the files that the text names; without it, none can be opened
 /// @param known a file that names another program or application has a problem

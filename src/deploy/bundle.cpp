@@ -78,6 +78,12 @@ packed pack(const std::string& path, const config::overrides& instead,
     return found;
   };
   out.loaded = config::load_text(out.what.toml, path, instead, read_file, read_folder, known);
+  if (out.loaded.ecology && !instead.settings.empty()) {
+    out.what.toml = config::resolved_text(out.what.toml, instead.settings);
+    auto resolved = instead; // places of secrets are those of the text that is sent
+    resolved.settings.clear();
+    out.loaded = config::load_text(out.what.toml, path, resolved, read_file, read_folder, known);
+  }
   if (is_too_large)
     out.loaded.problems.push_back({path, 0, 0,
                                    "it names files of more than " +

@@ -221,6 +221,8 @@ TEST_CASE("a replay is a command that a shell understands", "[cli]") {
   CHECK(replay_command({"my home.toml", "10min", 2, true}, 7) ==
         "rubicon run 'my home.toml' --seed 7 --for 10min --mode virtual");
   CHECK(replay_command({"it's.toml"}, 7) == "rubicon run 'it'\\''s.toml' --seed 7");
+  CHECK(replay_command({"a.toml", {}, 1, false, {"x=1", "y=a b"}}, 7) ==
+        "rubicon run a.toml --set x=1 --set 'y=a b' --seed 7");
 }
 
 TEST_CASE("each violation is one line", "[cli]") {

@@ -1,20 +1,15 @@
 #include "cli/hosts/swarm_command.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <list>
 #include <optional>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include <poll.h>
-#include <sys/signalfd.h>
-#include <unistd.h>
 
 #include "cli/child_process.hpp"
 #include "cli/ecology_file.hpp"
@@ -22,6 +17,7 @@
 #include "cli/own_binary.hpp"
 #include "cli/print/console.hpp"
 #include "cli/print/swarm_output.hpp"
+#include "cli/signal_descriptor.hpp"
 #include "cli/swarm.hpp"
 #include "config/plan/placement.hpp"
 #include "config/toml/units.hpp"
@@ -36,44 +32,6 @@ namespace rubicon::cli {
 namespace {
 
 using steady = std::chrono::steady_clock;
-
-/// SIGINT, SIGTERM and SIGHUP as a descriptor that poll() knows; they end the process again
-/// afterwards.
-class signal_descriptor {
-public:
-  signal_descriptor() {
-    sigset_t signals;
-    sigemptyset(&signals);
-    sigaddset(&signals, SIGINT);
-    sigaddset(&signals, SIGTERM);
-    if (struct sigaction how{};
-        ::sigaction(SIGHUP, nullptr, &how) == 0 && how.sa_handler != SIG_IGN)
-      sigaddset(&signals, SIGHUP);
-    static_cast<void>(pthread_sigmask(SIG_BLOCK, &signals, &before_));
-    descriptor_ = ::signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
-    if (descriptor_ == -1)
-      throw std::system_error(errno, std::generic_category(), "no signal descriptor");
-  }
-  ~signal_descriptor() {
-    static_cast<void>(take());
-    ::close(descriptor_);
-    static_cast<void>(pthread_sigmask(SIG_SETMASK, &before_, nullptr));
-  }
-  signal_descriptor(const signal_descriptor&) = delete;
-  signal_descriptor& operator=(const signal_descriptor&) = delete;
-
-  [[nodiscard]] int get() const { return descriptor_; }
-
-  /// Whether a signal came since the last time.
-  [[nodiscard]] bool take() const {
-    signalfd_siginfo what{};
-    return ::read(descriptor_, &what, sizeof what) == sizeof what;
-  }
-
-private:
-  int descriptor_ = -1;
-  sigset_t before_{};
-};
 
 struct seed_run {
   std::uint64_t seed = 0;
@@ -106,6 +64,8 @@ private:
       auto words = run_words(words_.file, *seed);
       if (!words_.length.empty())
         words.insert(words.end(), {"--for", words_.length});
+      for (const auto& each : words_.settings)
+        words.insert(words.end(), {"--set", each});
       runs_.push_back({*seed, steady::now(), child_process(own_binary, words)});
     }
   }
@@ -219,6 +179,7 @@ exit_status perform(const swarm_command& x) {
   instead.mode = config::run_mode::virtual_time;
   swarm_words words{x.file, x.length, x.jobs.value_or(std::thread::hardware_concurrency())};
   words.jobs = std::max<std::uint64_t>(words.jobs, 1);
+  words.settings = instead.settings = x.settings;
   if (!x.hosts.empty())
     return run_on_hosts(x, instead, words);
   const auto file = load_or_complain(x.file, instead, x.known);

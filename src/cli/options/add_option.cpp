@@ -28,8 +28,18 @@ CLI::Option* add_file(CLI::App& app, std::string& file) {
       ->type_name("");
 }
 
+CLI::Option* add_settings(CLI::App& app, config::settings& x) {
+  return app
+      .add_option("--set", x,
+                  "Set a key of the file, as in island.kitchen.id=3, with * for all tables; a name "
+                  "alone is a parameter of the file; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("PATH=VALUE");
+}
+
 std::vector<CLI::Option*> add_overrides(CLI::App& app, config::overrides& x) {
-  return {add_path(app, "--topology", "FILE", x.topology,
+  return {add_settings(app, x.settings),
+          add_path(app, "--topology", "FILE", x.topology,
                    "TOSSIM topology with gains, instead of the one that the TOML file names"),
           add_path(app, "--noise-trace", "FILE", x.noise_trace,
                    "Noise readings, instead of those that the TOML file names")};

@@ -28,7 +28,10 @@ CLI::Option* add_path(CLI::App& app, const char* name, const char* type, std::st
 /// FILE, the description of an ecology.
 CLI::Option* add_file(CLI::App& app, std::string& file);
 
-/// Files that replace those that FILE names.
+/// `--set`
+CLI::Option* add_settings(CLI::App& app, config::settings& x);
+
+/// Settings, and files that replace those that FILE names.
 std::vector<CLI::Option*> add_overrides(CLI::App& app, config::overrides& x);
 
 /// `--view`: the live page.

@@ -138,6 +138,7 @@ void hosts_command_line::add_swarm() {
   add_parsed(swarm_app_, "--timeout", "TIME",
              "Real time after which a run is aborted; default: 5min",
              [&](const auto& text) { swarm_.timeout = parse_length(text, "--timeout"); });
+  add_settings(swarm_app_, swarm_.settings);
   swarm_app_.add_flag("--json", swarm_.json, "Print one JSON object only");
   add_path(swarm_app_, "--report", "FILE", swarm_.page_file,
            "Write the results, and how they differ between seeds, as one HTML page");

@@ -20,6 +20,7 @@
 #include "cli/options/refusal.hpp"
 #include "cli/options/run_command_line.hpp"
 #include "cli/options/serial_command_line.hpp"
+#include "cli/options/study_command_line.hpp"
 #include "cli/words/describe.hpp"
 #include "cli/words/version.hpp"
 #include "config/load.hpp"
@@ -70,7 +71,7 @@ public:
       return *std::move(x);
     if (auto x = serial_.parsed())
       return *std::move(x);
-    for (auto&& x : {file_.parsed(), hosts_.parsed(), record_.parsed(), help_.parsed()})
+    for (auto&& x : {file_.parsed(), hosts_.parsed(), study_.parsed(), record_.parsed(), help_.parsed()})
       if (x)
         return *x;
     return refused_command{"rubicon: no command\n"};
@@ -82,6 +83,7 @@ private:
   run_command_line run_{app};
   file_command_line file_{app};
   hosts_command_line hosts_{app};
+  study_command_line study_{app};
   record_command_line record_{app};
   certs_command_line certs_{app};
   serial_command_line serial_{app};

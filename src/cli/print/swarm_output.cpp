@@ -77,8 +77,8 @@ bool swarm_output::write_page(bool interrupted) {
   page::swarm_page x{words_.file,       {},       totals.runs, totals.failures,
                      totals.violations, figures_, failed_};
   x.seeds = std::to_string(seeds_.seeds().first) + ".." + std::to_string(seeds_.seeds().last);
-  x.command = "rubicon swarm " + shell_word(words_.file) + " --seeds " + x.seeds +
-              (words_.length.empty() ? "" : " --for " + shell_word(words_.length));
+  x.command = "rubicon swarm " + shell_word(words_.file) + setting_options(words_) + " --seeds " +
+              x.seeds + (words_.length.empty() ? "" : " --for " + shell_word(words_.length));
   x.real_s = seconds(elapsed());
   x.events = totals.events;
   x.interrupted = interrupted;

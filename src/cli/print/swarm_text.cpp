@@ -41,9 +41,16 @@ std::string speed(double simulated_s, duration real) {
 
 } // namespace
 
+std::string setting_options(const swarm_words& x) {
+  std::string text;
+  for (const auto& each : x.settings)
+    text += " --set " + shell_word(each);
+  return text;
+}
+
 std::string replay_command(const swarm_words& x, std::uint64_t seed) {
-  return "rubicon run " + shell_word(x.file) + " --seed " + std::to_string(seed) +
-         (x.length.empty() ? "" : " --for " + shell_word(x.length)) +
+  return "rubicon run " + shell_word(x.file) + setting_options(x) + " --seed " +
+         std::to_string(seed) + (x.length.empty() ? "" : " --for " + shell_word(x.length)) +
          (x.from_wall ? " --mode virtual" : "");
 }
 

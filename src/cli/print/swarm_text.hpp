@@ -16,8 +16,12 @@ struct swarm_words {
   std::string file;
   std::string length = {}; ///< as given to --for, or empty
   std::uint64_t jobs = 1;
-  bool from_wall = false; ///< the file says wall: a replay must say virtual
+  bool from_wall = false;                 ///< the file says wall: a replay must say virtual
+  std::vector<std::string> settings = {}; ///< of --set
 };
+
+/// ` --set PATH=VALUE` for each setting, for a POSIX shell.
+[[nodiscard]] std::string setting_options(const swarm_words& x);
 
 /// The command that repeats one run, for a POSIX shell: `rubicon run home.toml --seed 7`.
 [[nodiscard]] std::string replay_command(const swarm_words& x, std::uint64_t seed);

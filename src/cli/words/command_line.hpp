@@ -18,6 +18,7 @@
 #include "deploy/host_access.hpp"
 #include "explain/print/text.hpp"
 #include "io/tls/certificates.hpp"
+#include "study/grid.hpp"
 
 namespace rubicon::cli {
 
@@ -142,12 +143,35 @@ struct swarm_command {
   config::extensions known;
   seed_range seeds;
   std::optional<std::uint64_t> jobs; ///< runs at a time, 1 to 1024; unset: one a core
-  std::string length;      ///< as given, understood by `run --for`; empty: as the file says
+  std::string length; ///< as given, understood by `run --for`; empty: as the file says
+  config::settings settings;
   duration timeout = 5min; ///< of real time, for each run
   bool json = false;
   std::string page_file;          ///< HTML goes here; empty: nowhere
   std::vector<std::string> hosts; ///< `[[host]]` of the file or ADDRESS:PORT; none: this computer
   control::tls_files tls;         ///< with `hosts`
+};
+
+/// `rubicon sweep FILE`
+struct sweep_command {
+  std::string file;
+  config::extensions known;
+  config::settings settings;
+  std::vector<study::variation> variations;
+  seed_range seeds;
+  std::optional<std::uint64_t> jobs; ///< as of swarm
+  std::string length;                ///< the same
+  duration timeout = 5min;           ///< the same
+  std::string database;
+  std::vector<std::string> scalars; ///< that the summary shows; none: the usual ones
+  bool csv = false;
+};
+
+/// `rubicon query DATABASE SQL`
+struct query_command {
+  std::string database;
+  std::string sql;
+  bool csv = false;
 };
 
 /// `rubicon view RECORD`
@@ -196,7 +220,7 @@ struct refused_command {
 using command =
     std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
                  check_command, explain_key_command, new_command, schema_command,
-                 completion_command, pages_command, swarm_command, explain_command, view_command,
+                 completion_command, pages_command, swarm_command, sweep_command, query_command, explain_command, view_command,
                  certs_command, network_command, serial_command, show_command, refused_command>;
 
 } // namespace rubicon::cli

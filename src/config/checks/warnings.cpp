@@ -17,7 +17,7 @@ std::vector<problem> warnings_of(const loaded& x, const std::string& file_name) 
   complaints all;
   for (auto& [at, message] : found)
     all.warn(at, std::move(message));
-  std::ranges::move(all.warnings_of(file_name), std::back_inserter(out));
+  std::ranges::move(with_settings(all.warnings_of(file_name), x.settings), std::back_inserter(out));
   std::ranges::stable_sort(out, {}, [](const problem& y) { return std::pair(y.line, y.column); });
   if (out.size() > warnings_max)
     out.resize(warnings_max);

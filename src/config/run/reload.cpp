@@ -314,7 +314,7 @@ private:
 followed_file::followed_file(std::string_view toml, std::string name, overrides instead,
                              extensions known)
     : name_(std::move(name)), instead_(std::move(instead)), known_(std::move(known)) {
-  auto parsed = parse(toml, name_);
+  auto parsed = resolve(toml, name_, instead_.settings);
   auto loaded = load_with_files(toml, name_, instead_, known_);
   if (auto* root = std::get_if<node>(&parsed); root != nullptr && loaded.ecology) {
     first_ = newest_ = *std::move(root);
@@ -324,7 +324,7 @@ followed_file::followed_file(std::string_view toml, std::string name, overrides 
 
 reloaded followed_file::read(std::string_view toml, duration now) {
   reloaded out;
-  auto parsed = parse(toml, name_);
+  auto parsed = resolve(toml, name_, instead_.settings);
   auto loaded = load_with_files(toml, name_, instead_, known_);
   if (!loaded.problems.empty()) {
     out.refused = std::move(loaded.problems);
@@ -346,7 +346,7 @@ reloaded followed_file::read(std::string_view toml, duration now) {
   plan_comparison plan(newest_, root, now, out, refused);
   plan.compare("fault", std::move(faults));
   plan.compare("change", std::move(changes));
-  out.refused = refused.of_file(name_);
+  out.refused = with_settings(refused.of_file(name_), instead_.settings);
   newest_ = std::move(root);
   described_ = *std::move(loaded.ecology);
   return out;

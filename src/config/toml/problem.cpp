@@ -16,7 +16,22 @@ std::string to_string(const problem& x) {
   return printable(place + ": " + x.message, octets_max);
 }
 
+namespace {
+constexpr unsigned settings_begin = 1U << 31U; ///< no file has so many lines (file_octets_max)
+} // namespace
+
+mark mark_of_setting(std::size_t index) {
+  return {settings_begin + static_cast<unsigned>(index), 0};
+}
+
+std::optional<std::size_t> setting_of(mark x) {
+  return x.line < settings_begin ? std::nullopt
+                                 : std::optional<std::size_t>(x.line - settings_begin);
+}
+
 std::string place_text(mark x) {
+  if (setting_of(x))
+    return "(--set)";
   return "(line " + std::to_string(x.line) + ", column " + std::to_string(x.column) + ')';
 }
 

@@ -3,6 +3,7 @@
 
 #include <compare>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,13 +24,19 @@ struct problem {
 /// `file:line:column: message`, `file:line: message` or `file: message`; printable().
 [[nodiscard]] std::string to_string(const problem& x);
 
-/// A place in the file that is read.
+/// A place in the file that is read, or one of the settings of the command line.
 struct mark {
   unsigned line = 0;
   unsigned column = 0;
 
   friend auto operator<=>(const mark&, const mark&) = default;
 };
+
+/// The place of what a setting has written, counted from 0: behind all lines that a file can have.
+[[nodiscard]] mark mark_of_setting(std::size_t index);
+
+/// Which setting that is; nothing for a place in the file.
+[[nodiscard]] std::optional<std::size_t> setting_of(mark x);
 
 /// A value and its place.
 template <class T>
@@ -38,7 +45,7 @@ struct located {
   mark at;
 };
 
-/// `(line 3, column 7)`
+/// `(line 3, column 7)` or `(--set)`
 [[nodiscard]] std::string place_text(mark x);
 
 /// Gathers the problems of one file, and of the files that it names.

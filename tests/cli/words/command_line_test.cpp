@@ -444,3 +444,33 @@ TEST_CASE("a condition compares numbers as numbers, and all else as text", "[cli
   CHECK_FALSE(parse_condition("> warm"));
   CHECK_FALSE(parse_condition("<="));
 }
+
+TEST_CASE("settings are kept in their order, and repeated", "[cli]") {
+  const std::vector<std::string> all{"radio.loss=0.2", "island.*.sink.position_m=[3, 4]"};
+  const auto run = parse_run({"--set", all[0].c_str(), "--set", all[1].c_str()});
+  CHECK(run.instead.settings == all);
+  CHECK(run.deciding == "--set radio.loss=0.2 --set 'island.*.sink.position_m=[3, 4]'");
+  const auto check = parse({"check", "a.toml", "--set", all[1].c_str()});
+  REQUIRE(std::holds_alternative<check_command>(check));
+  CHECK(std::get<check_command>(check).instead.settings == std::vector{all[1]});
+  const auto swarm = parse({"swarm", "a.toml", "--set", all[0].c_str(), "--seeds", "1..2"});
+  REQUIRE(std::holds_alternative<swarm_command>(swarm));
+  CHECK(std::get<swarm_command>(swarm).settings == std::vector{all[0]});
+}
+
+TEST_CASE("a sweep has variations, seeds and a database", "[cli]") {
+  const auto x = parse({"sweep", "a.toml", "--vary", "loss=0,0.1", "--vary", "range=15m..25m/5",
+                        "--seeds", "1..30", "--out", "study.db", "--set", "radio.queue=3"});
+  REQUIRE(std::holds_alternative<sweep_command>(x));
+  const auto& sweep = std::get<sweep_command>(x);
+  REQUIRE(sweep.variations.size() == 2);
+  CHECK(sweep.variations[0].path == "loss");
+  CHECK(sweep.variations[1].values == std::vector<std::string>{"15m", "20m", "25m"});
+  CHECK(sweep.seeds.last == 30);
+  CHECK(sweep.database == "study.db");
+  CHECK(contains(refusal({"sweep", "a.toml", "--vary", "loss=1..2", "--seeds", "1", "--out", "d"}),
+                 "'loss=1..2' is not a range"));
+  CHECK(contains(refusal({"sweep", "-", "--vary", "loss=1", "--seeds", "1", "--out", "d"}),
+                 "not from standard input"));
+  CHECK(contains(refusal({"sweep", "a.toml", "--vary", "loss=1", "--out", "d"}), "--seeds"));
+}

@@ -302,3 +302,18 @@ TEST_CASE("all hosts on one computer have ports of their own", "[deploy][GEN-05]
   CHECK(loaded.ecology->hosts[1].listen == "127.0.0.1");
   CHECK(loaded.ecology->hosts[1].networks.empty());
 }
+
+TEST_CASE("a bundle holds the file with its settings in place", "[deploy][NFR-07]") {
+  const folder files;
+  static_cast<void>(files.with("stove.csv", "time,t\n0,20\n"));
+  const auto path = files.with("house.toml", house_toml);
+  config::overrides instead;
+  instead.settings = {"ecology.seed=9", "island.kitchen.mote.stove.type=8"};
+  const auto packed = pack(path, instead, std::nullopt, {});
+  REQUIRE(packed.loaded.problems.empty());
+  CHECK(packed.what.seed == 9);
+  const auto loaded = load(packed.what, {}, {});
+  REQUIRE(loaded.problems.empty());
+  CHECK(loaded.ecology->islands.front().motes.back().type == 8);
+  CHECK(hash_of(packed.what) != hash_of(pack(path, {}, std::nullopt, {}).what));
+}
