@@ -13,6 +13,13 @@ add_library(pcap::pcap UNKNOWN IMPORTED)
 set_target_properties(pcap::pcap PROPERTIES
   IMPORTED_LOCATION ${PCAP_LIBRARY}
   INTERFACE_INCLUDE_DIRECTORIES ${PCAP_INCLUDE_DIR})
+# Debian's Lua has no CMake package. This one is compiled as C++: its errors are exceptions.
+find_path(LUA_INCLUDE_DIR lua5.4/lua.h REQUIRED)
+find_library(LUA_LIBRARY lua5.4-c++ REQUIRED)
+add_library(lua::lua UNKNOWN IMPORTED)
+set_target_properties(lua::lua PROPERTIES
+  IMPORTED_LOCATION ${LUA_LIBRARY}
+  INTERFACE_INCLUDE_DIRECTORIES ${LUA_INCLUDE_DIR})
 
 if(RUBICON_ACTORS)
   find_package(spdlog 1.10 REQUIRED)

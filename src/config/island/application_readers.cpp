@@ -208,7 +208,8 @@ std::vector<program_kind> mote_programs(const table_reader& in) {
                       {"reservoir", [&](table_reader& x) { return read_reservoir(x, true); }},
                       {"readout", [&](table_reader& x) { return read_readout(x); }},
                       {"average", [&](table_reader& x) { return read_average(x); }},
-                      {"stream_switch", [&](table_reader& x) { return read_stream_switch(x); }}},
+                      {"stream_switch", [&](table_reader& x) { return read_stream_switch(x); }},
+                      {"lua", read_lua}},
                      in);
 }
 
@@ -218,7 +219,8 @@ std::vector<program_kind> pc_programs(const table_reader& in, uniqueness<std::st
                       {"readout", [&](table_reader& x) { return read_readout(x); }},
                       {"average", [&](table_reader& x) { return read_average(x); }},
                       {"stream_switch", [&](table_reader& x) { return read_stream_switch(x); }},
-                      {"recorder", [&](table_reader& x) { return read_recorder(x, files); }}},
+                      {"recorder", [&](table_reader& x) { return read_recorder(x, files); }},
+                      {"lua", read_lua}},
                      in);
 }
 

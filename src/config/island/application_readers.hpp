@@ -31,6 +31,9 @@ using program_kind = std::pair<std::string_view, std::function<placed_program(ta
 [[nodiscard]] std::vector<program_kind> pc_programs(const table_reader& in,
                                                     uniqueness<std::string>& files);
 
+/// app = "lua". The script is read and compiled; what is wrong with it has its place in the script.
+[[nodiscard]] placed_program read_lua(table_reader& in);
+
 /// All programs of a PC. @param key of their array
 [[nodiscard]] std::vector<apps::app_config> read_pc_programs(table_reader& in, std::string_view key,
                                                              const std::string& title,

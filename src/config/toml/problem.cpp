@@ -41,7 +41,8 @@ void complaints::add(mark at, std::string message) {
 
 void complaints::add(problem x) {
   x.message = printable(x.message);
-  elsewhere_.push_back(std::move(x));
+  if (std::ranges::find(elsewhere_, x) == elsewhere_.end())
+    elsewhere_.push_back(std::move(x));
 }
 
 void complaints::skip(problem x) {

@@ -84,8 +84,8 @@ apps = [{ keys = ["a"] }]
 
 apps = [{ app = "colector", keys = ["a"] }]
 #               ^ `app` must be "proxy_manager", "rules", "collector", "translate", "rfid_reader",
-#   "goal", "init", "stream_reader", "reservoir", "readout", "average", "stream_switch" or
-#   "recorder", not "colector"; did you mean "collector"?
+#   "goal", "init", "stream_reader", "reservoir", "readout", "average", "stream_switch",
+#   "recorder" or "lua", not "colector"; did you mean "collector"?
 
 apps = [{ app = "collector", keys = ["a"], rate = "1s" }]
 #                                          ^ unknown key `rate` in app = "collector": there is app,
