@@ -21,6 +21,8 @@ event event_of(bluetooth::output& x, const bytes& hello) {
   return std::get<device_noted>(std::move(x));
 }
 
+} // namespace
+
 /// What a peer knows: of itself, its links, hosts and routes (peis/overlay).
 struct known_parts {
   known_parts(p2p_config config, random_stream rng, instant now)
@@ -117,8 +119,6 @@ struct change_parts {
   routing_updates updates;
   package_handler packages;
 };
-
-} // namespace
 
 /// Later ones refer to earlier ones.
 struct p2p::parts {
