@@ -12,9 +12,9 @@
 #include <variant>
 
 #include "config/file_readers.hpp"
-#include "config/island/trace_files.hpp"
 #include "config/toml/schema.hpp"
 #include "config/toml/written.hpp"
+#include "config/trace_files.hpp"
 
 namespace rubicon::config {
 

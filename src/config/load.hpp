@@ -28,7 +28,7 @@ struct loaded {
   std::vector<problem> warnings = {}; ///< what is no mistake, but hardly what is meant, in order,
                                       ///< as far as it is seen while the file is read
   file_places seen = {};              ///< for the rest of these: warnings.hpp
-  config::settings settings = {}; ///< that places may be of
+  config::settings settings = {};     ///< that places may be of
 };
 
 /// What a command line may say in the place of the TOML file.

@@ -71,7 +71,8 @@ public:
       return *std::move(x);
     if (auto x = serial_.parsed())
       return *std::move(x);
-    for (auto&& x : {file_.parsed(), hosts_.parsed(), study_.parsed(), record_.parsed(), help_.parsed()})
+    for (auto&& x :
+         {file_.parsed(), hosts_.parsed(), study_.parsed(), record_.parsed(), help_.parsed()})
       if (x)
         return *x;
     return refused_command{"rubicon: no command\n"};

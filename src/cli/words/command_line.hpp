@@ -220,7 +220,8 @@ struct refused_command {
 using command =
     std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
                  check_command, explain_key_command, new_command, schema_command,
-                 completion_command, pages_command, swarm_command, sweep_command, query_command, explain_command, view_command,
-                 certs_command, network_command, serial_command, show_command, refused_command>;
+                 completion_command, pages_command, swarm_command, sweep_command, query_command,
+                 explain_command, view_command, certs_command, network_command, serial_command,
+                 show_command, refused_command>;
 
 } // namespace rubicon::cli

@@ -1,6 +1,6 @@
 #include "config/island/model_readers.hpp"
 #include "config/island/mote_readers.hpp"
-#include "config/island/trace_files.hpp"
+#include "config/trace_files.hpp"
 #include "device/trace_keys.hpp"
 #include "device/transducer_keys.hpp"
 

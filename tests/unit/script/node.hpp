@@ -13,24 +13,28 @@
 
 namespace rubicon::script {
 
-class recording_process final : public communication::process {
+class recording_process final : public communication::synaptic_commands,
+                                public communication::stream_commands,
+                                public communication::message_commands,
+                                public communication::node_commands {
 public:
   using status = communication::status;
 
   std::vector<std::string> commands;
   instant time{};
   bool accepts = true;
+  communication::process process{*this, *this, *this, *this};
   std::function<void()> at_command; ///< what comes about inside of each
 
   status refuse() override { return communication::FAIL; }
-  int create_syn_channel(bool is_out, mote_address other, std::uint8_t size,
-                         const synaptic::parameters& x) override {
+  int create(bool is_out, mote_address other, std::uint8_t size,
+             const synaptic::parameters& x) override {
     return made(std::string("create_syn_channel ") + (is_out ? "out " : "in ") + to_string(other) +
                 ' ' + std::to_string(size) + ' ' + std::to_string(x.divisor));
   }
-  status dispose_syn_channel(int x) override { return done("dispose " + std::to_string(x)); }
-  status start_syn_channel(int x) override { return done("start " + std::to_string(x)); }
-  status stop_syn_channel(int x) override { return done("stop " + std::to_string(x)); }
+  status dispose(int x) override { return done("dispose " + std::to_string(x)); }
+  status start(int x) override { return done("start " + std::to_string(x)); }
+  status stop(int x) override { return done("stop " + std::to_string(x)); }
   status write_output(int x, std::uint8_t k, float value) override {
     return done("write_output " + std::to_string(x) + ' ' + std::to_string(k) + ' ' +
                 std::to_string(value));
@@ -106,7 +110,7 @@ public:
   /// @returns what it has printed
   std::vector<std::string> start() {
     const auto now = std::exchange(node.time, instant{}); // as of a node that starts
-    program.start(communication::interface(node), now);
+    program.start(communication::interface(node.process), now);
     node.time = now;
     return program.take_notices();
   }

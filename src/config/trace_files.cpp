@@ -1,4 +1,4 @@
-#include "config/island/trace_files.hpp"
+#include "config/trace_files.hpp"
 
 #include <filesystem>
 #include <variant>
