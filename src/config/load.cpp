@@ -52,10 +52,14 @@ struct parameter_value {
 };
 
 /// Its values stand where the file names them.
-void read_parameters(table_reader& root) {
-  std::optional<named_values<json_text>> ignored;
-  root.optional(parameters_key, pairs_of<parameter_value>{}, ignored,
-                {"values that texts of the file name, as in `\"${loss}\"`", "none"});
+struct parameter_table {
+  std::optional<named_values<json_text>> values;
+};
+
+auto parameter_keys() {
+  return keys::of(
+      keys::optional(parameters_key, &parameter_table::values, pairs_of<parameter_value>{},
+                     {"values that texts of the file name, as in `\"${loss}\"`", "none"}));
 }
 
 ecology_description read_file_tables(table_reader& in, const named_files& files) {
@@ -88,7 +92,8 @@ ecology_description read_file_tables(table_reader& in, const named_files& files)
   std::ranges::move(read_changes(in, with, out), std::back_inserter(out.faults));
   out.expectations = read_expectations(in);
   out.bluetooth_devices = read_bluetooth_devices(in);
-  read_parameters(in);
+  parameter_table ignored;
+  in.all(ignored, parameter_keys());
   in.finish();
   check_end(in, out);
   if (!in.has("island") && !in.has("peer"))

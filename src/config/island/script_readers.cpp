@@ -26,28 +26,43 @@ void read_script(table_reader& in, const std::string& file, script::program_conf
     in.problems().add(problem{path, wrong->line, 0, std::move(wrong->message)});
 }
 
+struct script_table {
+  std::string file;
+  std::size_t streams = 0;
+  named_values<double> settings;
+};
+
+auto script_keys() {
+  using x = script_table;
+  return keys::of(keys::required(
+      "script", &x::file, text{path_octets_max},
+      {"[script](lua.md) in Lua, relative to the folder of the TOML file", "", "file"}));
+}
+
+auto setting_keys() {
+  using x = script_table;
+  return keys::of(keys::optional("streams", &x::streams, whole<std::size_t>{0, 32},
+                                 "streams of each sort that it has open at most"),
+                  keys::optional("settings", &x::settings, pairs_of<real>{},
+                                 {"numbers for the script, which has them in its table `settings`",
+                                  "none", "`{ on_at = 25.0 }`"}));
+}
+
 } // namespace
 
 placed_program read_lua(table_reader& in) {
   script::program_config app;
-  std::string file;
-  std::size_t streams = 0;
-  in.required("script", text{path_octets_max}, file,
-              {"[script](lua.md) in Lua, relative to the folder of the TOML file", "", "file"});
+  script_table x;
+  in.all(x, script_keys());
   in.all(app.most);
-  in.optional("streams", whole<std::size_t>{0, 32}, streams,
-              "streams of each sort that it has open at most");
-  named_values<double> values;
-  in.optional("settings", pairs_of<real>{}, values,
-              {"numbers for the script, which has them in its table `settings`", "none",
-               "`{ on_at = 25.0 }`"});
-  for (const auto& [name, value] : values)
+  in.all(x, setting_keys());
+  for (const auto& [name, value] : x.settings)
     app.values.emplace(name.value, value);
   if (in.shared().files != nullptr && in.sound())
-    read_script(in, file, app);
+    read_script(in, x.file, app);
   return {apps::custom_config{
               script::make_kind(std::make_shared<const script::program_config>(std::move(app)),
-                                streams),
+                                x.streams),
               {}},
           {}};
 }

@@ -39,7 +39,7 @@ public:
   void doubt_unused() {
     for (const auto& each : known_)
       if (!used_.contains(each.key))
-        problems_.doubt(each.at, "no value names the parameter `" + each.key + '`');
+        problems_.warn(each.at, "no value names the parameter `" + each.key + '`');
   }
 
 private:

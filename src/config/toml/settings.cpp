@@ -31,7 +31,7 @@ void put(node& x, mark at) {
 }
 
 /// TOML, or else a text: the shell has taken the quotes of most texts.
-node value_of(const std::string& text, mark at) {
+node parsed_value(const std::string& text, mark at) {
   node out{at, text};
   auto parsed = parse("x = " + text, {});
   if (auto* root = std::get_if<node>(&parsed)) {
@@ -201,7 +201,7 @@ void apply(const settings& all, node& root, complaints& problems) {
       problems.add(at, "must be the path of a key and its value, as in island.kitchen.id=3");
       continue;
     }
-    const auto value = value_of(all[i].substr(end + 1), at);
+    const auto value = parsed_value(all[i].substr(end + 1), at);
     if (value.as<node_table>() == nullptr)
       find_parameter(root, *path);
     if (const auto why = unknown_parameter(root, *path); !why.empty()) {

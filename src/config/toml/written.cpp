@@ -38,19 +38,19 @@ bool is_tables(const node& x) {
                              [](const node& y) { return y.as<node_table>() != nullptr; });
 }
 
-std::string value_of(const node& x);
+std::string written_value(const node& x);
 
 struct value_text {
   std::string operator()(const node_table& x) const {
     std::string out;
     for (const auto& each : x)
-      out += (out.empty() ? " " : ", ") + key_of(each.key) + " = " + value_of(each.value);
+      out += (out.empty() ? " " : ", ") + key_of(each.key) + " = " + written_value(each.value);
     return '{' + out + (out.empty() ? "}" : " }");
   }
   std::string operator()(const node_array& x) const {
     std::string out;
     for (const auto& each : x)
-      out += (out.empty() ? "" : ", ") + value_of(each);
+      out += (out.empty() ? "" : ", ") + written_value(each);
     return '[' + out + ']';
   }
   std::string operator()(const std::string& x) const { return in_toml(x); }
@@ -65,14 +65,14 @@ struct value_text {
   std::string operator()(const date_or_time& /*x*/) const { return "\"\""; }
 };
 
-std::string value_of(const node& x) {
+std::string written_value(const node& x) {
   return std::visit(value_text{}, x.content);
 }
 
 void write(const node_table& table, const std::string& path, std::string& out) {
   for (const auto& each : table)
     if (each.value.as<node_table>() == nullptr && !is_tables(each.value))
-      out += key_of(each.key) + " = " + value_of(each.value) + '\n';
+      out += key_of(each.key) + " = " + written_value(each.value) + '\n';
   for (const auto& each : table) {
     const auto below = path + (path.empty() ? "" : ".") + key_of(each.key);
     if (const auto* members = each.value.as<node_table>()) {
