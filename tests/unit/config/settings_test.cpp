@@ -2,7 +2,7 @@
 #include <variant>
 #include <vector>
 
-#include "config/checks/doubts.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/load.hpp"
 #include "config/run/reload.hpp"
 #include "config/toml/written.hpp"
@@ -27,9 +27,9 @@ std::string problems_with(const std::string& toml, const config::settings& setti
 const std::string two_islands = mote_head + "name = \"stove\"\n"
                                             "[[island]]\nname = \"l\"\nid = 2\n";
 
-std::string doubt_texts(const config::loaded& x) {
+std::string warning_texts(const config::loaded& x) {
   std::string out;
-  for (const auto& each : x.doubts)
+  for (const auto& each : x.warnings)
     out += to_string(each) + '\n';
   return out;
 }
@@ -114,7 +114,7 @@ TEST_CASE("texts of a file name its parameters", "[config][GEN-04]") {
   auto found = load(toml, {});
   REQUIRE(problems_of(found) == "none");
   CHECK(found.ecology->radio.loss == 0.1);
-  CHECK(doubt_texts(found).empty());
+  CHECK(warning_texts(found).empty());
   for (const auto* each : {"loss=0.3", "parameters.loss=0.3"}) {
     found = load(toml, {each});
     REQUIRE(problems_of(found) == "none");
@@ -151,7 +151,7 @@ TEST_CASE("a mistake with parameters has a place", "[config][GEN-06]") {
 
 TEST_CASE("a parameter that nothing names is a warning", "[config][GEN-06]") {
   const auto found = load(std::string(head) + "[parameters]\nloss = 0.1\n", {});
-  CHECK(doubt_texts(found) == "e.toml:7:1: no value names the parameter `loss`\n");
+  CHECK(warning_texts(found) == "e.toml:7:1: no value names the parameter `loss`\n");
 }
 
 TEST_CASE("texts keep what is no parameter", "[config][GEN-04]") {
