@@ -74,6 +74,24 @@ TEST_CASE("thirty peers on one LAN find each other and keep 3 to 7 links each",
   }
 }
 
+TEST_CASE("a large network settles: then no link opens", "[ecology][peis][CM-01]") {
+  auto what = example("scenarios/peis/lan.toml");
+  while (what.peers.size() < 250) {
+    auto next = what.peers.front();
+    next.id = peer_id{static_cast<std::int32_t>(1000 + what.peers.size())};
+    next.name = "p" + std::to_string(what.peers.size());
+    what.peers.push_back(std::move(next));
+  }
+  const auto opened_after = [&](duration length) {
+    what.length = length;
+    const auto x = run(what, 1);
+    CHECK(x.violations.empty());
+    CHECK(hosts_known_min(x) == 250);
+    return links_opened(x);
+  };
+  CHECK(opened_after(75s) == opened_after(105s));
+}
+
 TEST_CASE("a network in two parts has two clusters and is one again when it heals",
           "[ecology][peis][CLU-01][CLU-02]") {
   for (std::uint64_t seed = 1; seed <= seeds(4); ++seed) {

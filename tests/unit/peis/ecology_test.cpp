@@ -97,27 +97,6 @@ TEST_CASE("thirty peers on one network settle into a small, stable mesh",
   CHECK(opened(w) - before < 3); // less than one change a minute
 }
 
-TEST_CASE("two hundred peers settle: then no link opens, and no message lacks a route",
-          "[peis][CM-01]") {
-  world w(3);
-  for (int i = 1; i <= 200; ++i)
-    w.add(lan_config_of(i));
-  w.run_for(90s);
-  REQUIRE(all_reachable(w));
-  const auto unrouted = [&] {
-    std::uint64_t sum = 0;
-    for (const auto id : w.peers())
-      sum += w.at(id).counters().network.no_route + w.at(id).counters().network.hops;
-    return sum;
-  };
-  const auto links_before = opened(w);
-  const auto unrouted_before = unrouted();
-  w.run_for(60s);
-  CHECK(opened(w) == links_before);
-  CHECK(unrouted() == unrouted_before);
-  CHECK(diameter(w) <= 4);
-}
-
 TEST_CASE("twenty peers of one host know each other within three seconds", "[peis][TCP-03]") {
   world w;
   for (int i = 1; i <= 20; ++i) {

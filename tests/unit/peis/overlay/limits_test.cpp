@@ -59,11 +59,11 @@ TEST_CASE("limits are those that are documented", "[peis][docs][P2P-03]") {
   CHECK(entries("hosts") == config.tables.hosts);
   CHECK(entries("routes") == config.tables.routes);
   CHECK(entries("a neighbour's routing table") == routing_pages_max * entries_per_page);
-  CHECK(entries("questions about hosts that nobody has described") ==
-        config.tables.questions_per_second);
+  CHECK(entries("questions about hosts without a record") == config.tables.questions_per_second);
   CHECK(entries("routing tables") == static_cast<std::uint64_t>(1s / config.tables.table_gap));
   CHECK(entries("how connecting to a host has gone") == config.tables.contacts);
-  CHECK(entries("where sources without a route were heard") == config.tables.heard_over);
+  CHECK(entries("links over which sources without a route were received") ==
+        config.tables.heard_over);
   CHECK(entries("ids seen") == config.tables.seen);
   CHECK(entries("messages put together") == config.assembly.messages_max);
   CHECK(octets("messages put together") == config.assembly.octets_max);
