@@ -20,7 +20,7 @@
 #include "config/plan/ecology.hpp"
 #include "core/numbers/random.hpp"
 #include "peis/kernel/kernel.hpp"
-#include "peis/kernel/kernel_clients.hpp"
+#include "peis/kernel_clients.hpp"
 #include "peis/media/simulated_link.hpp"
 #include "report/report.hpp"
 

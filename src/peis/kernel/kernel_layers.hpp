@@ -10,9 +10,9 @@
 #include "peis/kernel/kernel_events.hpp"
 #include "peis/kernel/kernel_statistics.hpp"
 #include "peis/kernel/message_ports.hpp"
-#include "peis/kernel/quit_requests.hpp"
 #include "peis/p2p/p2p.hpp"
 #include "peis/space/tuple_space.hpp"
+#include "peis/tuples/quit_requests.hpp"
 #include "peis/wire/types.hpp"
 
 namespace rubicon::peis {

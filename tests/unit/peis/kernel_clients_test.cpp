@@ -1,5 +1,5 @@
 // Components that share one kernel.
-#include "peis/kernel/kernel_clients.hpp"
+#include "peis/kernel_clients.hpp"
 #include "support/catch.hpp"
 #include "unit/peis/ids.hpp"
 

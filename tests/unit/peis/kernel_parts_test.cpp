@@ -1,6 +1,6 @@
 // Parts of a kernel that decide alone: requests to quit, ports of messages.
 #include "peis/kernel/message_ports.hpp"
-#include "peis/kernel/quit_requests.hpp"
+#include "peis/tuples/quit_requests.hpp"
 #include "support/catch.hpp"
 #include "unit/peis/ids.hpp"
 

@@ -1,4 +1,4 @@
-#include "peis/kernel/quit_requests.hpp"
+#include "peis/tuples/quit_requests.hpp"
 
 #include <iterator>
 

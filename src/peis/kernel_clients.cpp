@@ -1,4 +1,4 @@
-#include "peis/kernel/kernel_clients.hpp"
+#include "peis/kernel_clients.hpp"
 
 #include <algorithm>
 #include <utility>

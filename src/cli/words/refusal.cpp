@@ -1,4 +1,4 @@
-#include "cli/options/refusal.hpp"
+#include "cli/words/refusal.hpp"
 
 #include <algorithm>
 #include <vector>
