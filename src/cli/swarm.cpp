@@ -64,9 +64,16 @@ void take_report(seed_outcome& x, const json& report) {
 
 } // namespace
 
-std::vector<std::string> run_words(const std::string& file, std::uint64_t seed) {
-  return {"rubicon", "run",     file,    "--seed", std::to_string(seed), "--json",
-          "--mode",  "virtual", "--log", "off",    "--threads",          "1"};
+std::vector<std::string> run_words(const std::string& file, std::uint64_t seed,
+                                   const std::string& length, const config::settings& settings) {
+  std::vector<std::string> words{"rubicon",   "run",    file,      "--seed", std::to_string(seed),
+                                 "--json",    "--mode", "virtual", "--log",  "off",
+                                 "--threads", "1"};
+  if (!length.empty())
+    words.insert(words.end(), {"--for", length});
+  for (const auto& each : settings)
+    words.insert(words.end(), {"--set", each});
+  return words;
 }
 
 std::optional<seed_outcome> judge(std::uint64_t seed, const child_end& how, duration real,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cli/child_process.hpp"
+#include "config/toml/settings.hpp"
 #include "core/time.hpp"
 #include "report/report.hpp"
 
@@ -33,7 +34,10 @@ struct seed_outcome {
 };
 
 /// The words of `rubicon run` that make the run with one seed of a file.
-[[nodiscard]] std::vector<std::string> run_words(const std::string& file, std::uint64_t seed);
+/// @param length as for `--for`; empty: the file's
+[[nodiscard]] std::vector<std::string> run_words(const std::string& file, std::uint64_t seed,
+                                                 const std::string& length = {},
+                                                 const config::settings& settings = {});
 
 /// Reads what these words left behind. A run without a report counts as one with a
 /// violation: it overran its time ("no end"), a signal ended it ("no crash", with the last line of

@@ -2,22 +2,17 @@
 
 #include <algorithm>
 #include <chrono>
-#include <list>
 #include <optional>
 #include <thread>
 #include <utility>
 #include <variant>
 #include <vector>
 
-#include <poll.h>
-
-#include "cli/child_process.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/hosts/swarm_hosts.hpp"
-#include "cli/own_binary.hpp"
 #include "cli/print/console.hpp"
 #include "cli/print/swarm_output.hpp"
-#include "cli/signal_descriptor.hpp"
+#include "cli/run/child_runs.hpp"
 #include "cli/swarm.hpp"
 #include "config/plan/placement.hpp"
 #include "config/toml/units.hpp"
@@ -33,26 +28,22 @@ namespace {
 
 using steady = std::chrono::steady_clock;
 
-struct seed_run {
-  std::uint64_t seed = 0;
-  steady::time_point started;
-  child_process child;
-  bool overran = false;
-};
-
-/// The runs in progress on this computer; what they mean is decided in `swarm`.
+/// The runs on this computer; what they mean is decided in `swarm`.
 class swarm_runs {
 public:
   swarm_runs(const swarm_command& x, const swarm_words& words)
-      : command_(x), words_(words), seeds_(x.seeds), out_(x, seeds_, words) {}
+      : words_(words), seeds_(x.seeds), out_(x, seeds_, words), runs_(x.timeout) {}
 
   exit_status run_all() {
-    for (start_some(); !runs_.empty() && !interrupted_ && out_.is_read(); start_some())
-      wait_and_collect();
-    runs_.clear(); // kills those that a signal left
-    if (interrupted_)
+    for (start_some(); runs_.size() > 0 && !runs_.interrupted() && out_.is_read(); start_some()) {
+      for (auto& each : runs_.wait(out_.drawn_every()))
+        collect(each);
+      out_.draw_progress();
+    }
+    runs_.kill_all();
+    if (runs_.interrupted())
       out_.add(seeds_.give_up());
-    return out_.finish(interrupted_);
+    return out_.finish(runs_.interrupted());
   }
 
 private:
@@ -61,65 +52,23 @@ private:
       const auto seed = seeds_.next();
       if (!seed)
         return;
-      auto words = run_words(words_.file, *seed);
-      if (!words_.length.empty())
-        words.insert(words.end(), {"--for", words_.length});
-      for (const auto& each : words_.settings)
-        words.insert(words.end(), {"--set", each});
-      runs_.push_back({*seed, steady::now(), child_process(own_binary, words)});
+      runs_.start(*seed, run_words(words_.file, *seed, words_.length, words_.settings));
     }
   }
 
-  /// Until something happened, a run has had its time, or the progress is to be drawn again.
-  [[nodiscard]] int patience_ms() const {
-    auto until = steady::time_point::max();
-    for (const auto& run : runs_)
-      until = std::min(until, run.started + command_.timeout);
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - steady::now());
-    const auto longest = std::chrono::floor<std::chrono::milliseconds>(out_.drawn_every());
-    return static_cast<int>(std::clamp(left, std::chrono::milliseconds(0), longest).count());
-  }
-
-  void wait_and_collect() {
-    std::vector<pollfd> watched{{signals_.get(), POLLIN, 0}};
-    for (const auto& run : runs_) {
-      for (const auto descriptor : run.child.descriptors())
-        watched.push_back({descriptor, POLLIN, 0});
-    }
-    static_cast<void>(::poll(watched.data(), watched.size(), patience_ms()));
-    interrupted_ = interrupted_ || signals_.take();
-    for (auto run = runs_.begin(); run != runs_.end() && !interrupted_;) {
-      run->child.read();
-      if (!run->overran && steady::now() - run->started >= command_.timeout) {
-        run->overran = true;
-        run->child.kill();
-      }
-      if (!run->child.descriptors().empty()) {
-        ++run;
-        continue;
-      }
-      collect(*run);
-      run = runs_.erase(run);
-    }
-    out_.draw_progress();
-  }
-
-  void collect(seed_run& run) {
-    const auto real = run.overran ? command_.timeout : duration(steady::now() - run.started);
-    auto outcome = judge(run.seed, run.child.wait(), real, run.overran);
-    if (outcome)
+  void collect(const child_runs::ended_run& x) {
+    if (runs_.interrupted())
+      return;
+    if (auto outcome = judge(x.id, x.how, x.real, x.overran))
       out_.add(seeds_.ended(*std::move(outcome)));
     else
-      interrupted_ = true; // the same Ctrl-C that comes to us
+      runs_.interrupt(); // the same Ctrl-C that comes to us
   }
 
-  const swarm_command& command_;
   const swarm_words words_;
   swarm seeds_;
   swarm_output out_;
-  bool interrupted_ = false;
-  signal_descriptor signals_;
-  std::list<seed_run> runs_; // ends before the signals are let through
+  child_runs runs_;
 };
 
 /// `[[host]]` of the file, or ADDRESS:PORT. @returns why there is none

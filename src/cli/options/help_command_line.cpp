@@ -15,7 +15,7 @@ help_command_line::help_command_line(CLI::App& app)
       ->check(CLI::IsMember({"bash", "zsh", "fish"}))
       ->type_name("");
   completion_app_.footer(
-      "For this session: eval \"$(rubicon completion bash)\". Packages install it.");
+      "In a running shell: eval \"$(rubicon completion bash)\". Packages install it.");
   help_app_.add_option("COMMAND", of_, "Its words, as in tuples set; default: this overview")
       ->type_name("");
   // For packages: all pages of the manual, dated.

@@ -1,9 +1,7 @@
 #include "cli/study/sweep_command.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <fstream>
-#include <list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,13 +10,10 @@
 #include <variant>
 #include <vector>
 
-#include <poll.h>
-
-#include "cli/child_process.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/own_binary.hpp"
 #include "cli/print/console.hpp"
-#include "cli/signal_descriptor.hpp"
+#include "cli/run/child_runs.hpp"
 #include "cli/study/sweep_text.hpp"
 #include "cli/swarm.hpp"
 #include "config/toml/units.hpp"
@@ -30,8 +25,6 @@
 namespace rubicon::cli {
 
 namespace {
-
-using steady = std::chrono::steady_clock;
 
 constexpr std::uint64_t runs_max = 1'000'000;
 
@@ -90,20 +83,13 @@ plan_of(const sweep_command& x, const std::vector<study::variant_values>& varian
   return out;
 }
 
-struct sweep_run {
-  std::size_t variant = 0;
-  std::size_t number = 0; ///< of the seed
-  steady::time_point started;
-  child_process child;
-  bool overran = false;
-};
-
 /// The runs in progress.
 class sweep_runs {
 public:
   sweep_runs(const sweep_command& x, const std::vector<planned_variant>& plan, study::store& store)
       : command_(x), plan_(plan), store_(store),
-        jobs_(std::max<std::uint64_t>(1, x.jobs.value_or(std::thread::hardware_concurrency()))) {
+        jobs_(std::max<std::uint64_t>(1, x.jobs.value_or(std::thread::hardware_concurrency()))),
+        runs_(x.timeout) {
     for (std::size_t i = 0; i < plan.size(); ++i)
       for (std::size_t j = 0; j < plan[i].keys.size(); ++j) {
         if (store.has(plan[i].keys[j]))
@@ -116,68 +102,47 @@ public:
   [[nodiscard]] std::size_t missing() const { return missing_.size(); }
 
   exit_status run_all() {
-    for (start_some(); !runs_.empty() && !interrupted_; start_some())
-      wait_and_collect();
-    runs_.clear(); // kills those that a signal left
-    return interrupted_ ? exit_status::interrupted
-           : failed_    ? exit_status::failed
-                        : exit_status::good;
+    for (start_some(); runs_.size() > 0 && !runs_.interrupted(); start_some())
+      for (const auto& each : runs_.wait(500ms))
+        collect(each);
+    runs_.kill_all();
+    return runs_.interrupted() ? exit_status::interrupted
+           : failed_           ? exit_status::failed
+                               : exit_status::good;
   }
 
 private:
+  [[nodiscard]] std::uint64_t seed_of(std::size_t number) const {
+    return command_.seeds.first + number;
+  }
+
   void start_some() {
     for (; runs_.size() < jobs_ && next_ < missing_.size(); ++next_) {
       const auto [variant, number] = missing_[next_];
-      auto words = run_words(command_.file, command_.seeds.first + number);
-      if (!command_.length.empty())
-        words.insert(words.end(), {"--for", command_.length});
-      for (const auto& each : plan_[variant].settings)
-        words.insert(words.end(), {"--set", each});
-      runs_.push_back({variant, number, steady::now(), child_process(own_binary, words)});
+      runs_.start(next_, run_words(command_.file, seed_of(number), command_.length,
+                                   plan_[variant].settings));
     }
   }
 
-  void wait_and_collect() {
-    constexpr int patience_ms = 500; // then runs that take too long are looked for
-    std::vector<pollfd> watched{{signals_.get(), POLLIN, 0}};
-    for (const auto& run : runs_)
-      for (const auto descriptor : run.child.descriptors())
-        watched.push_back({descriptor, POLLIN, 0});
-    static_cast<void>(::poll(watched.data(), watched.size(), patience_ms));
-    interrupted_ = interrupted_ || signals_.take();
-    for (auto run = runs_.begin(); run != runs_.end() && !interrupted_;) {
-      run->child.read();
-      if (!run->overran && steady::now() - run->started >= command_.timeout) {
-        run->overran = true;
-        run->child.kill();
-      }
-      if (!run->child.descriptors().empty()) {
-        ++run;
-        continue;
-      }
-      collect(*run);
-      run = runs_.erase(run);
-    }
-  }
-
-  void collect(sweep_run& run) {
-    const auto seed = command_.seeds.first + run.number;
-    const auto real = duration(steady::now() - run.started);
-    const auto how = run.child.wait();
-    const auto judged = judge(seed, how, real, run.overran);
-    auto result = result_of(how.out);
+  void collect(const child_runs::ended_run& x) {
+    if (runs_.interrupted())
+      return;
+    const auto [variant, number] = missing_[x.id];
+    const auto seed = seed_of(number);
+    const auto judged = judge(seed, x.how, x.real, x.overran);
+    auto result = result_of(x.how.out);
     if (!judged) {
-      interrupted_ = true; // the same Ctrl-C that comes to us
-    } else if (!result || run.overran || how.signal != 0 || how.overlong) {
+      runs_.interrupt(); // the same Ctrl-C that comes to us
+    } else if (!result || x.overran || x.how.signal != 0 || x.how.overlong) {
       failed_ = true;
       for (const auto& each : judged->violations)
-        say(plan_[run.variant].label + ", seed " + std::to_string(seed) + ": " + each.detail);
+        say(plan_[variant].label + ", seed " + std::to_string(seed) + ": " + each.detail);
     } else {
-      result->key = plan_[run.variant].keys[run.number];
+      result->key = plan_[variant].keys[number];
       result->file = command_.file;
       result->seed = seed;
-      result->real_s = seconds(real);
-      result->parameters = plan_[run.variant].parameters;
+      result->real_s = seconds(x.real);
+      result->parameters = plan_[variant].parameters;
       store_.add(*result);
     }
   }
@@ -188,10 +153,8 @@ private:
   const std::uint64_t jobs_;
   std::vector<std::pair<std::size_t, std::size_t>> missing_; ///< variant and number of the seed
   std::size_t next_ = 0;
-  bool interrupted_ = false;
   bool failed_ = false;
-  signal_descriptor signals_;
-  std::list<sweep_run> runs_; // ends before the signals are let through
+  child_runs runs_;
 };
 
 study_summary summary_of(const sweep_command& x, std::vector<study::variant_values> variants,
