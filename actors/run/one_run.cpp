@@ -170,6 +170,8 @@ scheduler::stop_cause one_run::run_to(instant end) {
       if (const auto length = still.look(world_.now()))
         note_standstill(*length);
     const bool is_last = cause != scheduler::stop_cause::reached_end || world_.now() >= end;
+    if (!is_last && !over_ && ended_early_.empty())
+      report_on_time();
     if (!over_ && ended_early_.empty()) {
       if (world_.now() >= watch_next)
         watch_time(root_state(), world_.now());
@@ -186,6 +188,14 @@ scheduler::stop_cause one_run::run_to(instant end) {
       lifetime_.look(root_state());
   }
   return scheduler::stop_cause::requested;
+}
+
+void one_run::report_on_time() {
+  const auto now = std::chrono::steady_clock::now();
+  if (!wall_ || options_.report_every <= 0s || now < next_report_)
+    return;
+  next_report_ = now + options_.report_every;
+  options_.on_report(report_so_far());
 }
 
 void one_run::note_standstill(duration length) {

@@ -1,6 +1,7 @@
 // One run of an ecology: its world, its root supervisor, and what ends it.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -51,6 +52,8 @@ private:
   /// sample where one is wanted.
   scheduler::stop_cause run_to(instant end);
   void note_standstill(duration length);
+  /// In wall time, when report_every has passed.
+  void report_on_time();
   [[nodiscard]] instant next_multiple(duration every);
   [[nodiscard]] duration look_every() const;
   void look();
@@ -83,6 +86,7 @@ private:
   const run_options& options_;
   report::run_report& report_;
   const bool wall_;
+  std::chrono::steady_clock::time_point next_report_{}; ///< the first at once
   const double speed_;
   std::string ended_early_; ///< why; empty while nothing is wrong
   bool over_ = false;

@@ -67,6 +67,10 @@ struct run_options {
   std::function<void(const report::run_sample&)> on_sample; ///< at each, and at the end
   std::function<void(const report::tuple_write&)> on_tuple; ///< as a component asks its peer for it
 
+  /// In wall time, called about as often with the report so far; everybody is asked for it.
+  duration report_every{}; ///< real time; 0: never
+  std::function<void(report::run_report)> on_report;
+
   /// In wall time, called at each SIGHUP, which does not end the run then; empty: it does.
   std::function<void()> on_hangup;
 

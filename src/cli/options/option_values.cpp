@@ -55,13 +55,13 @@ std::uint64_t parse_jobs(const std::string& text) {
   return *jobs;
 }
 
-void parse_page_place(const std::string& text, page_place& x) {
+void parse_page_place(const std::string& text, page_place& x, const char* option) {
   const auto colon = text.rfind(':');
   const auto port = parse_whole(colon == std::string::npos ? text : text.substr(colon + 1));
   if (colon != std::string::npos)
     x.address = text.substr(0, colon);
   if (!parse_ipv4_address(x.address) || !port || *port > 65535)
-    throw CLI::ValidationError("--view", "not a port, or an IPv4 address and a port: '" + text +
+    throw CLI::ValidationError(option, "not a port, or an IPv4 address and a port: '" + text +
                                              "' (say 8080, or nothing for any)");
   x.port = static_cast<std::uint16_t>(*port);
 }

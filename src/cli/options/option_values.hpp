@@ -30,6 +30,6 @@ namespace rubicon::cli {
 [[nodiscard]] std::uint64_t parse_jobs(const std::string& text);
 
 /// `PORT` or `ADDRESS:PORT`
-void parse_page_place(const std::string& text, page_place& x);
+void parse_page_place(const std::string& text, page_place& x, const char* option = "--view");
 
 } // namespace rubicon::cli

@@ -42,6 +42,7 @@ run_command_line::run_command_line(CLI::App& app)
   add_clock();
   add_report();
   add_page();
+  add_metrics();
   add_logs();
   add_records();
   add_host();
@@ -108,6 +109,21 @@ void run_command_line::add_page() {
             "Let the page cause faults and changes and set tuples, with =kernel also kernel.* "
             "tuples; in wall time"))
       ->needs(view);
+}
+
+void run_command_line::add_metrics() {
+  auto& metrics = run_.watch.metrics;
+  auto* const place = shows(
+      add_parsed(app_, "--metrics", "PORT",
+                 "Serve metrics for Prometheus at http://127.0.0.1:PORT/metrics, or at "
+                 "ADDRESS:PORT; in wall time",
+                 [&metrics](const auto& text) {
+                   metrics.emplace();
+                   parse_page_place(text, metrics->at, "--metrics");
+                 }));
+  shows(app_.add_flag_callback("--metrics-of-motes", [&metrics] { metrics->motes = true; },
+                               "Metrics of each mote too, not only of islands"))
+      ->needs(place);
 }
 
 void run_command_line::add_logs() {
@@ -177,6 +193,8 @@ void run_command_line::add_checks() {
 void run_command_line::check_combination() const {
   if (run_.check_determinism)
     check_determinism();
+  if (run_.watch.metrics && run_.check_determinism)
+    throw CLI::ValidationError("--check-determinism", "runs twice, --metrics shows one run");
   if (!run_.part_file.empty() && run_.watch.view)
     throw CLI::ValidationError("--view", "the page of a deployment shows all parts");
   if (!run_.host.empty() && run_.check_determinism)

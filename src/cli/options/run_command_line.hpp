@@ -36,6 +36,7 @@ private:
   void add_clock();
   void add_report();
   void add_page();
+  void add_metrics();
   void add_logs();
   void add_records();
   void add_host();

@@ -21,6 +21,7 @@
 #include "cli/print/local_time.hpp"
 #include "cli/print/logging.hpp"
 #include "cli/print/progress_bar.hpp"
+#include "cli/print/served_metrics.hpp"
 #include "cli/run/bundle_file.hpp"
 #include "cli/run/event_lines.hpp"
 #include "cli/run/live_page.hpp"
@@ -246,6 +247,12 @@ exit_status report_run(const run_command& x, ecology_file file) {
     chain(options.on_begun, [&again](const run_control& run) { again->begin(run); });
     options.on_hangup = [&again] { again->read(); };
   }
+  std::optional<served_metrics> metrics;
+  if (x.watch.metrics) {
+    metrics.emplace(*x.watch.metrics);
+    options.report_every = served_metrics::collect_every;
+    options.on_report = [&metrics](const report::run_report& so_far) { metrics->show(so_far); };
+  }
   std::optional<viewed_run> viewed;
   if (x.watch.view) {
     viewed.emplace(x, file.ecology);
@@ -255,6 +262,8 @@ exit_status report_run(const run_command& x, ecology_file file) {
                             x.log_level != "off");
   watch.finish(report, command_of(x, report.seed), digest);
   const auto status = print_report(report, x.json, x.full);
+  if (metrics)
+    metrics->show(report); // a page may keep the process
   if (viewed && !report.interrupted)
     viewed->finish(report);
   else if (!viewed && !x.json && console_of(stderr).is_terminal)
@@ -458,6 +467,12 @@ exit_status perform(const run_command& wanted) {
       static_cast<void>(print(stderr, std::string(option) + why));
       return exit_status::refused;
     }
+  }
+  if (x.watch.metrics &&
+      x.options.mode.value_or(file->ecology.mode) != config::run_mode::wall) {
+    static_cast<void>(print(
+        stderr, "--metrics: a virtual run ends before anybody collects them: add --mode wall\n"));
+    return exit_status::refused;
   }
   std::optional<running_note> note; // for commands that look into it
   if (x.options.mode.value_or(file->ecology.mode) == config::run_mode::wall)

@@ -225,14 +225,15 @@ private:
     if (!is_own_host(host))
       return refuse(http::status::forbidden, "this host name is not served here\n");
     const auto target = view_of(request.target());
-    const auto slash = target.find('/', 1);
+    const auto slash = all_.site.token.empty() ? 0 : target.find('/', 1);
     if (!target.starts_with('/') || slash == std::string_view::npos ||
-        !is_same(target.substr(1, slash - 1), all_.site.token))
+        !is_same(target.substr(1, slash == 0 ? 0 : slash - 1), all_.site.token))
       return refuse(http::status::not_found, "not found: open the address that rubicon prints\n");
-    all_.unauthorised.remove(this);
+    if (!all_.site.token.empty())
+      all_.unauthorised.remove(this);
     const auto name = target.substr(slash + 1, target.find('?') - slash - 1);
     if (websocket::is_upgrade(request)) {
-      if (name != all_.site.socket_name)
+      if (name != all_.site.socket_name || !all_.site.on_session)
         return refuse(http::status::not_found, "not found\n");
       if (!is_own_origin(view_of(request[http::field::origin]), host))
         return refuse(http::status::forbidden, "only the page served here may connect\n");
@@ -244,14 +245,18 @@ private:
     if (request.method() != http::verb::get && request.method() != http::verb::head)
       return refuse(http::status::method_not_allowed, "only GET and HEAD are supported\n");
     const auto found = all_.site.files.find(std::string(name));
-    if (found == all_.site.files.end())
+    if (found != all_.site.files.end())
+      return send(http::status::ok, found->second);
+    auto made = all_.site.on_request ? all_.site.on_request(name) : std::nullopt;
+    if (!made)
       return refuse(http::status::not_found, "not found\n");
-    send(http::status::ok, found->second);
+    made_ = std::move(*made);
+    send(http::status::ok, made_);
   }
 
   void refuse(http::status status, const char* why) {
-    refusal_ = {"text/plain; charset=utf-8", why};
-    send(status, refusal_);
+    made_ = {"text/plain; charset=utf-8", why};
+    send(status, made_);
   }
 
   void send(http::status status, const web_file& what) {
@@ -283,8 +288,8 @@ private:
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
-  http::response<http::span_body<const char>> response_; ///< of what the site, or refusal_, has
-  web_file refusal_;
+  http::response<http::span_body<const char>> response_; ///< of what the site, or made_, has
+  web_file made_;
 };
 
 } // namespace
