@@ -107,15 +107,12 @@ report::message_report report_of(const transport::messenger_counters& x,
   return r;
 }
 
-void add_layer(report::cause_counts& to, const communication::layer& x) {
-  report::add_counters<communication::layer_counters>(to, "layer", x.counters());
-  report::add_counters<stream::streams_counters>(to, "streams",
-                                                 x.ports().streams.core().counters());
-  report::add_counters<synaptic::channels_counters>(to, "synaptic",
-                                                    x.ports().synaptic.core().counters());
-  report::add_counters<transport::messenger_counters>(to, "transport", x.messages().counters());
-  report::add_counters<transport::tunnels_counters>(to, "tunnels",
-                                                    x.ports().channels.tunnels().counters());
+void add_layer(report::cause_counts& to, const communication::all_layer_counters& x) {
+  report::add_counters<communication::layer_counters>(to, "layer", x.layer);
+  report::add_counters<stream::streams_counters>(to, "streams", x.streams);
+  report::add_counters<synaptic::channels_counters>(to, "synaptic", x.synaptic);
+  report::add_counters<transport::messenger_counters>(to, "transport", x.transport);
+  report::add_counters<transport::tunnels_counters>(to, "tunnels", x.tunnels);
 }
 
 message_status messages_of(mote_address who, const communication::layer& x, bool ended) {
@@ -161,7 +158,7 @@ network_status status_of(mote_address address, const mote::node& x, instant own,
   r.state_octets = x.footprint();
   r.lost = lost_of(losses_of(x));
   report::add_counters<mote::node_counters>(r.counters, "node", x.counters());
-  add_layer(r.counters, x.above());
+  add_layer(r.counters, communication::all_counters(x.above()));
   return status;
 }
 

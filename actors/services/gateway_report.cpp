@@ -47,13 +47,14 @@ void report_counters(gateway_pointer self, bool ends) {
   const auto island = state.arguments.config.island;
   const auto& ecology = state.arguments.ecology;
   const auto& pc = state.gateway.pc();
+  const auto layer = pc.layer_counters();
   self->send(ecology, serial_status{island, counted(state)});
   if (!state.arguments.plain.motes.rules.empty() || state.plain.counters().packets > 0)
     report_real_line(self, ends);
   self->send(ecology,
              message_status{{island, no_mote},
                             false,
-                            report_of(pc.messages(), pc.offers(), pc.outstanding(), ends)});
+                            report_of(layer.transport, layer.layer, pc.outstanding(), ends)});
   state.programs.report(self, ecology, state.arguments.name, now(self), ends);
   report::cause_counts modules;
   report::add_counters<gateway::gateway_counters>(modules, "gateway", state.gateway.counters());
@@ -68,7 +69,7 @@ void report_counters(gateway_pointer self, bool ends) {
                                                    state.real_port.counters());
   report::add_counters<serial::frame_counters>(modules, "real_frames", state.real_port.frames());
   report::add_counters<gateway::plain_line_counters>(modules, "plain_line", state.plain.counters());
-  add_layer(modules, pc.above());
+  add_layer(modules, layer);
   send_modules(self, ecology, state.arguments.name, std::move(modules));
 }
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "communication/layer_counters.hpp"
 #include "core/account/message_ledger.hpp"
 
 namespace rubicon::communication {
@@ -101,6 +102,12 @@ std::optional<instant> layer::deadline() const {
 std::size_t layer::footprint() const {
   return ports_.messages.footprint() + ports_.channels.footprint() +
          ports_.streams.core().footprint() + ports_.synaptic.core().footprint();
+}
+
+all_layer_counters all_counters(const layer& x) {
+  const auto& ports = x.ports();
+  return {x.counters(), ports.streams.core().counters(), ports.synaptic.core().counters(),
+          x.messages().counters(), ports.channels.tunnels().counters()};
 }
 
 } // namespace rubicon::communication

@@ -22,32 +22,6 @@ communication::pc_config pc_of(const gateway_config& config) {
   return x;
 }
 
-void add(transport::messenger_counters& to, const transport::messenger_counters& x) {
-  to.reliable_sent += x.reliable_sent;
-  to.reliable_acked += x.reliable_acked;
-  to.reliable_failed += x.reliable_failed;
-  to.unreliable_sent += x.unreliable_sent;
-  to.failed_unanswered += x.failed_unanswered;
-  to.failed_refused += x.failed_refused;
-  to.failed_left += x.failed_left;
-  to.refused += x.refused;
-  to.refused_crowded += x.refused_crowded;
-  to.retries += x.retries;
-  to.hellos += x.hellos;
-  to.received += x.received;
-  to.duplicates += x.duplicates;
-  to.throttled += x.throttled;
-  to.strangers += x.strangers;
-  to.malformed += x.malformed;
-  to.stray_answers += x.stray_answers;
-}
-
-void add(communication::layer_counters& to, const communication::layer_counters& x) {
-  to.offered += x.offered;
-  to.unjoined += x.unjoined;
-  to.misaddressed += x.misaddressed;
-}
-
 } // namespace
 
 /// The program that exchanges messages between motes and tuples.
@@ -106,10 +80,10 @@ void island_pc::start(instant now) {
 }
 
 communication::outputs island_pc::begin_term(std::uint32_t term, bool is_line_up, instant now) {
-  add(earlier_messages_, above().messages().counters());
-  earlier_messages_.reliable_failed += outstanding(); // their answers are not received any more
-  earlier_messages_.failed_left += outstanding();
-  add(earlier_offers_, above().counters());
+  earlier_ += communication::all_counters(above());
+  earlier_.transport.reliable_failed += outstanding(); // their answers are not received any more
+  earlier_.transport.failed_left += outstanding();
+  earlier_pc_ += pc_.counters();
   messages_->layer.reset();
   const stopping its_messages;
   auto next = config_;
@@ -135,16 +109,14 @@ std::optional<network::time_answer> island_pc::answer_to(const network::time_req
   return network::time_answer{x.number, time};
 }
 
-transport::messenger_counters island_pc::messages() const {
-  auto sum = above().messages().counters();
-  add(sum, earlier_messages_);
-  return sum;
+communication::all_layer_counters island_pc::layer_counters() const {
+  auto sum = communication::all_counters(above());
+  return sum += earlier_;
 }
 
-communication::layer_counters island_pc::offers() const {
-  auto sum = above().counters();
-  add(sum, earlier_offers_);
-  return sum;
+communication::pc_counters island_pc::counters() const {
+  auto sum = pc_.counters();
+  return sum += earlier_pc_;
 }
 
 } // namespace rubicon::gateway

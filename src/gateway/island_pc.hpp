@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "communication/layer_counters.hpp"
 #include "communication/pc.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
@@ -57,10 +58,10 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const { return pc_.deadline(); } ///< the term's
   [[nodiscard]] std::optional<duration> clock_offset() const { return clock_offset_; }
   [[nodiscard]] const communication::layer& above() const { return pc_.above(); }
-  [[nodiscard]] const communication::pc_counters& counters() const { return pc_.counters(); }
   [[nodiscard]] std::size_t outstanding() const { return above().messages().outstanding(); }
-  [[nodiscard]] transport::messenger_counters messages() const; ///< of all terms
-  [[nodiscard]] communication::layer_counters offers() const;   ///< the same: of its programs
+  // Of all terms.
+  [[nodiscard]] communication::all_layer_counters layer_counters() const;
+  [[nodiscard]] communication::pc_counters counters() const;
 
 private:
   class messages_for_tuples;
@@ -71,8 +72,8 @@ private:
   std::unique_ptr<messages_for_tuples> messages_;
   observer observer_;
   random_stream rng_; ///< of further terms
-  transport::messenger_counters earlier_messages_;
-  communication::layer_counters earlier_offers_;
+  communication::all_layer_counters earlier_; ///< of terms that are over
+  communication::pc_counters earlier_pc_;     ///< the same
   bool was_started_before_ = false;
   duration clock_wait_{};
   std::optional<duration> clock_offset_; ///< network time is so much ahead

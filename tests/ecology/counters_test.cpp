@@ -1,11 +1,14 @@
 // What a run counts is what happened: whatever crashes, is refused or is started again.
 #include <fstream>
+#include <map>
+#include <sstream>
 #include <string>
 
 #include "ecology/faults/recorded.hpp"
 #include "ecology_files.hpp"
 #include "explain/outcome.hpp"
 #include "explain/traces.hpp"
+#include "report/print/metrics.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -212,4 +215,40 @@ TEST_CASE("no loss is told that did not happen", "[ecology][explain]") {
   CHECK(all.messages.size() > 1'000);
   CHECK(lost == counted);
   CHECK(later == 0);
+}
+
+namespace {
+
+/// The counters of a run's metrics, by name and labels.
+std::map<std::string, double> counters_of(const report::run_report& x) {
+  std::map<std::string, double> counters;
+  std::istringstream text(report::to_metrics(x, {.motes = true}));
+  for (std::string line; std::getline(text, line);) {
+    const auto name = line.substr(0, line.find_first_of("{ "));
+    if (name.ends_with("_total"))
+      counters[line.substr(0, line.rfind(' '))] = std::stod(line.substr(line.rfind(' ')));
+  }
+  return counters;
+}
+
+} // namespace
+
+TEST_CASE("no counter of the metrics falls while its source lives", "[ecology][counters]") {
+  const std::string folder = RUBICON_CONFIG_DIR;
+  for (const auto* file : {"/home.toml", "/learning.toml", "/smepp-line.toml", "/scenarios/two-gateways.toml"}) {
+    auto home = ecology::of_file(folder + file);
+    std::map<std::string, double> before;
+    for (int i = 0; i < 20; ++i) {
+      home.run_for(20s);
+      auto now = counters_of(home.report());
+      for (const auto& [name, value] : before) {
+        CAPTURE(file, i, name, value);
+        if (!now.contains(name))
+          CHECK(name.find("_total{peer=") != std::string::npos); // counters of a life that has ended
+        else if (name.find("_total{peer=") == std::string::npos)
+          CHECK(now.at(name) >= value);
+      }
+      before = std::move(now);
+    }
+  }
 }

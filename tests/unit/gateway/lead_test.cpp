@@ -135,7 +135,7 @@ TEST_CASE("its output tuples and what was in flight end with the lead", "[gatewa
   CHECK(pick<gateway::erase>(out)[0].key == "devices.7.output.1");
   CHECK(x.devices() == std::vector{fan});
   static_cast<void>(lead(x, 2, instant{2s}));
-  const auto counted = x.pc().messages(); // every reliable message has an end
+  const auto counted = x.pc().layer_counters().transport; // every reliable message has an end
   CHECK(counted.reliable_sent == 1);
   CHECK(counted.reliable_failed == 1);
   CHECK(x.pc().outstanding() == 0);
