@@ -71,7 +71,7 @@ private:
   communication::pc pc_;
   std::unique_ptr<messages_for_tuples> messages_;
   observer observer_;
-  random_stream rng_; ///< of further terms
+  random_stream rng_;                         ///< of further terms
   communication::all_layer_counters earlier_; ///< of terms that are over
   communication::pc_counters earlier_pc_;     ///< the same
   bool was_started_before_ = false;

@@ -235,7 +235,8 @@ std::map<std::string, double> counters_of(const report::run_report& x) {
 
 TEST_CASE("no counter of the metrics falls while its source lives", "[ecology][counters]") {
   const std::string folder = RUBICON_CONFIG_DIR;
-  for (const auto* file : {"/home.toml", "/learning.toml", "/smepp-line.toml", "/scenarios/two-gateways.toml"}) {
+  for (const auto* file :
+       {"/home.toml", "/learning.toml", "/smepp-line.toml", "/scenarios/two-gateways.toml"}) {
     auto home = ecology::of_file(folder + file);
     std::map<std::string, double> before;
     for (int i = 0; i < 20; ++i) {
@@ -244,7 +245,8 @@ TEST_CASE("no counter of the metrics falls while its source lives", "[ecology][c
       for (const auto& [name, value] : before) {
         CAPTURE(file, i, name, value);
         if (!now.contains(name))
-          CHECK(name.find("_total{peer=") != std::string::npos); // counters of a life that has ended
+          CHECK(name.find("_total{peer=") !=
+                std::string::npos); // counters of a life that has ended
         else if (name.find("_total{peer=") == std::string::npos)
           CHECK(now.at(name) >= value);
       }

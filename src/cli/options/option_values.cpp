@@ -62,7 +62,7 @@ void parse_page_place(const std::string& text, page_place& x, const char* option
     x.address = text.substr(0, colon);
   if (!parse_ipv4_address(x.address) || !port || *port > 65535)
     throw CLI::ValidationError(option, "not a port, or an IPv4 address and a port: '" + text +
-                                             "' (say 8080, or nothing for any)");
+                                           "' (say 8080, or nothing for any)");
   x.port = static_cast<std::uint16_t>(*port);
 }
 

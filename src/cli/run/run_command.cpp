@@ -468,8 +468,7 @@ exit_status perform(const run_command& wanted) {
       return exit_status::refused;
     }
   }
-  if (x.watch.metrics &&
-      x.options.mode.value_or(file->ecology.mode) != config::run_mode::wall) {
+  if (x.watch.metrics && x.options.mode.value_or(file->ecology.mode) != config::run_mode::wall) {
     static_cast<void>(print(
         stderr, "--metrics: a virtual run ends before anybody collects them: add --mode wall\n"));
     return exit_status::refused;

@@ -23,13 +23,13 @@ struct metrics_place {
 
 /// What the command line asks for; empty names: nothing.
 struct watch_options {
-  std::string page_file;             ///< HTML goes here
-  std::string csv_folder;            ///< tables go here
-  std::optional<duration> csv_every; ///< between two samples; unset: a hundredth of the run
-  std::optional<page_place> view;    ///< serves the live page
+  std::string page_file;                ///< HTML goes here
+  std::string csv_folder;               ///< tables go here
+  std::optional<duration> csv_every;    ///< between two samples; unset: a hundredth of the run
+  std::optional<page_place> view;       ///< serves the live page
   std::optional<metrics_place> metrics; ///< serves metrics
-  bool control = false;              ///< which lets faults happen, and tuples be set
-  bool control_kernel = false;       ///< also those by which kernels are steered
+  bool control = false;                 ///< which lets faults happen, and tuples be set
+  bool control_kernel = false;          ///< also those by which kernels are steered
 };
 
 } // namespace rubicon::cli

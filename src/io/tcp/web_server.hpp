@@ -46,10 +46,10 @@ struct web_site {
   /// First part of each path: requests without it get 404. Empty: paths have no such part.
   std::string token;
   std::map<std::string, web_file> files; ///< by name, `` is the page; at `/TOKEN/NAME`
-  /// What a name that `files` lacks stands for at this moment, if for anything; may be empty. Called
-  /// by the server's thread.
+  /// What a name that `files` lacks stands for at this moment, if for anything; may be empty.
+  /// Called by the server's thread.
   std::function<std::optional<web_file>(std::string_view name)> on_request;
-  std::string socket_name = "live";      ///< of the WebSocket, likewise
+  std::string socket_name = "live";                         ///< of the WebSocket, likewise
   std::function<std::unique_ptr<web_session>()> on_session; ///< may be empty: there is none
   /// Called every web_server::news_every, by the server's thread; may be empty.
   std::function<void()> on_time;

@@ -30,11 +30,10 @@ inline constexpr bool is_optional<std::optional<T>> = true;
 /// Fields that say how things are at that moment; all other numbers only grow while their source
 /// lives. What is `largest` is among the former without a line here.
 constexpr std::array levels{
-    "in_transit",     "open",           "mac_open",        "reliable_open", "inputs_open",
-    "events_open",    "peers",          "tuples",          "links",         "hosts_known",
-    "programs",       "members",        "synchronised",    "aligned",       "hops",
-    "outside_longest", "error_max",     "silence",         "latency",       "pause",
-    "first_after",    "missing",        "state_octets",
+    "in_transit",   "open",    "mac_open",    "reliable_open",   "inputs_open",  "events_open",
+    "peers",        "tuples",  "links",       "hosts_known",     "programs",     "members",
+    "synchronised", "aligned", "hops",        "outside_longest", "error_max",    "silence",
+    "latency",      "pause",   "first_after", "missing",         "state_octets",
 };
 
 bool is_level(std::string_view field) {
@@ -61,9 +60,9 @@ struct split_name {
 split_name split(std::string_view field) {
   for (const auto& each : units) {
     const auto at = field.find(each.ours);
-    const bool is_word = at != std::string_view::npos && (at == 0 || field[at - 1] == '_') &&
-                         (at + each.ours.size() == field.size() ||
-                          field[at + each.ours.size()] == '_');
+    const bool is_word =
+        at != std::string_view::npos && (at == 0 || field[at - 1] == '_') &&
+        (at + each.ours.size() == field.size() || field[at + each.ours.size()] == '_');
     if (!is_word)
       continue;
     std::string rest(field);

@@ -160,8 +160,9 @@ TEST_CASE("a site without a token makes its files as they are requested", "[io][
   io::web_site site;
   int made = 0;
   site.on_request = [&made](std::string_view name) {
-    return name == "metrics" ? std::optional(io::web_file{"text/plain", std::to_string(++made) + "."})
-                             : std::nullopt;
+    return name == "metrics"
+               ? std::optional(io::web_file{"text/plain", std::to_string(++made) + "."})
+               : std::nullopt;
   };
   auto opened = io::web_server::open(std::move(site));
   REQUIRE(std::holds_alternative<io::web_server>(opened));
@@ -170,10 +171,11 @@ TEST_CASE("a site without a token makes its files as they are requested", "[io][
   CHECK(answer(server, request(server, "/metrics?x=y"), "2.").ends_with("\r\n\r\n2."));
   for (const auto* path : {"/", "/metric", "/metrics/", "//metrics", "/live", "metrics"})
     CHECK(!answer(server, request(server, path)).starts_with("HTTP/1.1 200"));
-  CHECK(answer(server, request(server, "/live", upgrade("http://127.0.0.1:" +
-                                                        std::to_string(server.port()))))
+  CHECK(answer(server, request(server, "/live",
+                               upgrade("http://127.0.0.1:" + std::to_string(server.port()))))
             .starts_with("HTTP/1.1 404"));
-  CHECK(answer(server, request(server, "/metrics", {}, "evil.example")).starts_with("HTTP/1.1 403"));
+  CHECK(
+      answer(server, request(server, "/metrics", {}, "evil.example")).starts_with("HTTP/1.1 403"));
 }
 
 TEST_CASE("a WebSocket is for the own page alone", "[io][web]") {
