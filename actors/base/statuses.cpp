@@ -107,7 +107,7 @@ report::message_report report_of(const transport::messenger_counters& x,
   return r;
 }
 
-void add_layer(report::cause_counts& to, const communication::all_layer_counters& x) {
+void add_layer(report::cause_counts& to, const communication::layer_totals& x) {
   report::add_counters<communication::layer_counters>(to, "layer", x.layer);
   report::add_counters<stream::streams_counters>(to, "streams", x.streams);
   report::add_counters<synaptic::channels_counters>(to, "synaptic", x.synaptic);
@@ -158,7 +158,7 @@ network_status status_of(mote_address address, const mote::node& x, instant own,
   r.state_octets = x.footprint();
   r.lost = lost_of(losses_of(x));
   report::add_counters<mote::node_counters>(r.counters, "node", x.counters());
-  add_layer(r.counters, communication::all_counters(x.above()));
+  add_layer(r.counters, communication::totals_of(x.above()));
   return status;
 }
 

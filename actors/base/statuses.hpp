@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "actors/messages/supervision.hpp"
-#include "communication/layer_counters.hpp"
+#include "communication/layer_totals.hpp"
 #include "core/describe/fields.hpp"
 #include "mote/node.hpp"
 #include "mote/sink.hpp"
@@ -33,7 +33,7 @@ namespace rubicon {
                                          bool ended);
 
 /// What the Communication Layer of a node has counted, module by module.
-void add_layer(report::cause_counts& to, const communication::all_layer_counters& x);
+void add_layer(report::cause_counts& to, const communication::layer_totals& x);
 
 /// Sends what modules of a node have counted in one life, if that is anything.
 /// @param who the node's name in the report

@@ -89,7 +89,7 @@ void send_status(pc_pointer self, bool ends) {
   self->send(arguments.ecology, std::move(status));
   state.programs.report(self, arguments.ecology, arguments.name, now(self), ends);
   report::cause_counts modules;
-  add_layer(modules, communication::all_counters(state.pc.above()));
+  add_layer(modules, communication::totals_of(state.pc.above()));
   report::add_counters<communication::pc_counters>(modules, "pc", state.pc.counters());
   report::add_counters<communication::program_port_counters>(modules, "programs",
                                                              state.separate.counters());

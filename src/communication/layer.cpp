@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "communication/layer_counters.hpp"
+#include "communication/layer_totals.hpp"
 #include "core/account/message_ledger.hpp"
 
 namespace rubicon::communication {
@@ -104,7 +104,7 @@ std::size_t layer::footprint() const {
          ports_.streams.core().footprint() + ports_.synaptic.core().footprint();
 }
 
-all_layer_counters all_counters(const layer& x) {
+layer_totals totals_of(const layer& x) {
   const auto& ports = x.ports();
   return {x.counters(), ports.streams.core().counters(), ports.synaptic.core().counters(),
           x.messages().counters(), ports.channels.tunnels().counters()};

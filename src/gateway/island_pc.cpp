@@ -80,7 +80,7 @@ void island_pc::start(instant now) {
 }
 
 communication::outputs island_pc::begin_term(std::uint32_t term, bool is_line_up, instant now) {
-  earlier_ += communication::all_counters(above());
+  earlier_ += communication::totals_of(above());
   earlier_.transport.reliable_failed += outstanding(); // their answers are not received any more
   earlier_.transport.failed_left += outstanding();
   earlier_pc_ += pc_.counters();
@@ -109,8 +109,8 @@ std::optional<network::time_answer> island_pc::answer_to(const network::time_req
   return network::time_answer{x.number, time};
 }
 
-communication::all_layer_counters island_pc::layer_counters() const {
-  auto sum = communication::all_counters(above());
+communication::layer_totals island_pc::layer_counters() const {
+  auto sum = communication::totals_of(above());
   return sum += earlier_;
 }
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "communication/layer_counters.hpp"
+#include "communication/layer_totals.hpp"
 #include "communication/pc.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
@@ -60,7 +60,7 @@ public:
   [[nodiscard]] const communication::layer& above() const { return pc_.above(); }
   [[nodiscard]] std::size_t outstanding() const { return above().messages().outstanding(); }
   // Of all terms.
-  [[nodiscard]] communication::all_layer_counters layer_counters() const;
+  [[nodiscard]] communication::layer_totals layer_counters() const;
   [[nodiscard]] communication::pc_counters counters() const;
 
 private:
@@ -71,9 +71,9 @@ private:
   communication::pc pc_;
   std::unique_ptr<messages_for_tuples> messages_;
   observer observer_;
-  random_stream rng_;                         ///< of further terms
-  communication::all_layer_counters earlier_; ///< of terms that are over
-  communication::pc_counters earlier_pc_;     ///< the same
+  random_stream rng_;                     ///< of further terms
+  communication::layer_totals earlier_;   ///< of terms that are over
+  communication::pc_counters earlier_pc_; ///< the same
   bool was_started_before_ = false;
   duration clock_wait_{};
   std::optional<duration> clock_offset_; ///< network time is so much ahead

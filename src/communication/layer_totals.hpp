@@ -12,15 +12,15 @@ namespace rubicon::communication {
 
 class layer;
 
-struct all_layer_counters {
+struct layer_totals {
   layer_counters layer;
   stream::streams_counters streams;
   synaptic::channels_counters synaptic;
   transport::messenger_counters transport;
   transport::tunnels_counters tunnels;
 };
-RUBICON_FIELDS(all_layer_counters, layer, streams, synaptic, transport, tunnels);
+RUBICON_FIELDS(layer_totals, layer, streams, synaptic, transport, tunnels);
 
-[[nodiscard]] all_layer_counters all_counters(const layer& x);
+[[nodiscard]] layer_totals totals_of(const layer& x);
 
 } // namespace rubicon::communication
