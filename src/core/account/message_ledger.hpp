@@ -166,8 +166,8 @@ private:
   std::function<void(const message_end&)> observer_;
 };
 
-/// Of one message, until no copy of it is left: counts in its sender's tally how it ends. Its ledger
-/// calls it, under its lock.
+/// Of one message, until no copy of it is left: counts in its sender's tally how it ends. Its
+/// ledger calls it, under its lock.
 ///
 ///   open --note_arrival()--> ended (arrived)     open --end()--> ended (lost or handed over)
 ///   open --cancel()--> cancelled

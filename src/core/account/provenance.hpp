@@ -16,8 +16,8 @@ namespace rubicon {
 class message_account;
 class message_ledger;
 
-/// How many hold an account, which is what derives from this: @ref message_account alone. Counted by
-/// account_ref.
+/// How many hold an account, which is what derives from this: @ref message_account alone. Counted
+/// by account_ref.
 class copy_count {
 public:
   copy_count(const copy_count&) = delete;
