@@ -10,9 +10,6 @@ namespace rubicon::peer {
 namespace {
 
 constexpr duration inquiry_margin = 5s; ///< an inquiry that has not ended then has failed
-constexpr std::size_t room = std::size_t{64} * 1024; ///< octets that may wait for the controller
-
-void ignore_sent(std::size_t /*octets*/) {}
 
 } // namespace
 
@@ -37,7 +34,7 @@ void bluetooth_scanner::start(duration length) {
   scanning_ = true;
   seen_.clear();
   controller_ = io::packet_stream(*loop_, std::move(std::get<io::descriptor>(socket)), room);
-  controller_.start({[this](byte_view packet) { on_inquiry(packet); }, ignore_sent,
+  controller_.start({[this](byte_view packet) { on_inquiry(packet); }, [](std::size_t) {},
                      [this](const std::string&) { end(false); }});
   static_cast<void>(controller_.send(peis::inquiry_command(length))); // its queue is empty
   end_.start(length + inquiry_margin, [this] { end(false); });

@@ -22,6 +22,7 @@ namespace rubicon::peer {
 class bluetooth_scanner {
 public:
   static constexpr std::size_t seen_max = 256; ///< devices of one scan; more are dropped
+  static constexpr std::size_t room = std::size_t{64} * 1024; ///< octets for the controller
 
   /// @param name of the adapter, for its user
   /// @param where, adapter, user must outlive this
