@@ -3,7 +3,7 @@
 #include "peis/udp/udp_send_window.hpp"
 #include "support/catch.hpp"
 
-namespace rubicon::peis {
+namespace rubicon::peis::udp_parts {
 namespace {
 
 using outcome = udp_receiver::outcome;
@@ -144,4 +144,4 @@ TEST_CASE("a report that is impossible, old or equal is recognised", "[peis][UDP
   CHECK(x.count() == 2);
 }
 
-} // namespace rubicon::peis
+} // namespace rubicon::peis::udp_parts
