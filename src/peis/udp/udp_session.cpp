@@ -27,7 +27,7 @@ void udp_session::on_segment(const udp_segment& x, instant now, udp_counters& co
     ++counted.impossible;
     return;
   }
-  last_word_ = now;
+  last_segment_ = now;
   room_ = std::max<std::uint16_t>(1, x.room);
   on_report(x, now);
   if (x.number != 0)
@@ -73,11 +73,11 @@ std::size_t udp_session::take_acknowledged() {
 // Time.
 
 bool udp_session::on_time(instant now) {
-  if (expects_word() && last_word_ + config_.silence_max <= now)
+  if (awaits_report() && last_segment_ + config_.silence_max <= now)
     return false;
   if (parts_.deadline().value_or(instant::max()) <= now)
     parts_.find_losses(now, rate_.lost_after());
-  if (expects_word() && retry_at_ <= now) {
+  if (awaits_report() && retry_at_ <= now) {
     ++retries_;
     probes_ = probes_of_a_retry;
     if (retries_ == retries_of_a_stall)
@@ -88,9 +88,9 @@ bool udp_session::on_time(instant now) {
 }
 
 std::optional<instant> udp_session::deadline() const {
-  if (!expects_word())
+  if (!awaits_report())
     return std::nullopt;
-  return earliest(parts_.deadline(), std::min(retry_at_, last_word_ + config_.silence_max));
+  return earliest(parts_.deadline(), std::min(retry_at_, last_segment_ + config_.silence_max));
 }
 
 // What leaves.
@@ -98,7 +98,7 @@ std::optional<instant> udp_session::deadline() const {
 void udp_session::flush(instant now, std::uint16_t room, std::vector<udp_batch>& out,
                         udp_counters& counted) {
   if (parts_.size() == 0 && queued_ > 0 && retries_ == 0) { // nothing was waited for
-    last_word_ = std::max(last_word_, now);
+    last_segment_ = std::max(last_segment_, now);
     retry_at_ = std::max(retry_at_, now + rate_.retry_after(0));
   }
   send_probes(now, room, out, counted);

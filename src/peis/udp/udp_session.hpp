@@ -66,7 +66,7 @@ public:
   udp_session() = default;
   udp_session(udp_token token, udp_address other, udp_session_config config, instant now)
       : token_(token), other_(other), config_(config), rate_(config.rate),
-        received_(config.parts_max), last_word_(now), retry_at_(now) {}
+        received_(config.parts_max), last_segment_(now), retry_at_(now) {}
 
   /// Queues octets. The queue has no bound of its own: the owner counts with take_acknowledged().
   void send(payload octets);
@@ -115,7 +115,7 @@ private:
   void send_report(std::uint16_t room, std::vector<udp_batch>& out, udp_counters& counted);
   [[nodiscard]] udp_segment report(std::uint16_t room);
   void append(const udp_segment& x, std::vector<udp_batch>& out, udp_counters& counted);
-  [[nodiscard]] bool expects_word() const { return parts_.size() > 0 || queued_ > 0; }
+  [[nodiscard]] bool awaits_report() const { return parts_.size() > 0 || queued_ > 0; }
 
   udp_token token_;
   udp_address other_;
@@ -131,9 +131,9 @@ private:
   std::size_t acknowledged_ = 0; ///< not taken
   std::uint64_t limit_ = 16;     ///< parts before this one may leave; at first so many
   std::uint16_t room_ = 16;
-  unsigned retries_ = 0; ///< since there was word
+  unsigned retries_ = 0; ///< since the last report
   unsigned probes_ = 0;  ///< that are due
-  instant last_word_{};
+  instant last_segment_{};
   instant retry_at_{};
 };
 
