@@ -27,7 +27,7 @@ run_files::run_files(const config::ecology_description& description, const run_o
                      report::expectations& judge)
     : judge_(judge.watches_tuples() ? &judge : nullptr) {
   if (options.on_tuple)
-    teller_.emplace(description, options.on_tuple);
+    notifier_.emplace(description, options.on_tuple);
   if (!options.debug_folder.empty())
     debug_.emplace(options.debug_folder, options.debug_file_octets_max,
                    config::debug_selection(options.debug_of));
@@ -50,12 +50,12 @@ void run_files::watch(scheduler::trace_recorder& trace) {
   if (record_)
     trace.messages().observe([this](const message_end& x) { record_->write(x); });
   // Peers, whom one thread at a time executes, are the only ones with tuples.
-  if (judge_ != nullptr || teller_)
+  if (judge_ != nullptr || notifier_)
     trace.watch("peis_peer/", [this](const scheduler::delivery& x) {
       if (judge_ != nullptr)
         judge_tuple(*judge_, x);
-      if (teller_)
-        teller_->write(x);
+      if (notifier_)
+        notifier_->on_delivery(x);
     });
   if (debug_ || record_ || serial_)
     trace.observe([this](const scheduler::delivery& x) {

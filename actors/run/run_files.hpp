@@ -7,7 +7,7 @@
 
 #include "actors/base/debug_log.hpp"
 #include "actors/base/frame_observer.hpp"
-#include "actors/peis/tuple_teller.hpp"
+#include "actors/peis/tuple_notifier.hpp"
 #include "actors/run/frame_captures.hpp"
 #include "actors/run/run.hpp"
 #include "actors/run/run_record.hpp"
@@ -38,7 +38,7 @@ public:
 
 private:
   report::expectations* judge_;
-  std::optional<tuple_teller> teller_;
+  std::optional<tuple_notifier> notifier_;
   std::optional<debug_log> debug_;
   std::optional<run_record> record_;
   std::optional<frame_captures> captures_;

@@ -88,7 +88,7 @@ void on_attached(proxy_pointer self, const program_attached& x) {
   auto& state = self->state;
   auto& streams = state.streams;
   std::vector<apps::stream_tap::read_stream> inputs;
-  for (const auto& each : state.arguments.core.streams())
+  for (const auto& each : proxy::streams_of(state.arguments.core.what()))
     inputs.push_back({each.number, each.every});
   auto tap = std::make_unique<apps::stream_tap>(inputs);
   streams.tap = tap.get();
@@ -205,7 +205,7 @@ proxy_actor::behavior_type proxy_behavior(proxy_pointer self, proxy_arguments ar
     given.gateway = given.gateways.front();
   self->state.written_to = given.gateway;
   perform(self, self->state.arguments.core.start(now(self)));
-  if (given.core.wants_clock())
+  if (proxy::reads_times(given.core.what()))
     self->send(given.peer, watch_clock{{handle_of<clock_watcher_actor>(self)}});
   watch_all(self);
   if (given.layer)

@@ -85,7 +85,8 @@ struct proxy_manager_performer {
     proxy::proxy core(*what, identity_of(state.arguments, x.mote, gateways.current()),
                       island == state.arguments.islands.end() ? 0s : island->slack);
     const auto name = core.prefix();
-    const auto layer = core.streams().empty() ? program_node_actor() : state.arguments.layer;
+    const auto layer =
+        proxy::streams_of(*what).empty() ? program_node_actor() : state.arguments.layer;
     log(self, spdlog::level::info, "event=started proxy={} class={}", name, x.class_name);
     claim_key(self, name, x.mote);
     state.proxies[x.mote] = scheduler::spawn_at<scheduler::monitored>(

@@ -3,18 +3,15 @@
 #include <algorithm>
 #include <utility>
 
-#include "peis/bluetooth/hci_inquiry.hpp"
 #include "peis/link/link.hpp"
 #include "peis/media/simulated_bluetooth.hpp"
-#include "peis/wire/announcement.hpp"
 #include "peis/wire/package.hpp"
 
 namespace rubicon::peer {
 
 namespace {
 
-constexpr std::size_t ports_max = 16;   ///< peers that share an adapter
-constexpr duration inquiry_margin = 5s; ///< an inquiry that has not ended then has failed
+constexpr std::size_t ports_max = 16; ///< peers that share an adapter
 
 /// A package, or what comes before the first one.
 std::size_t size_of_first(byte_view octets) {
@@ -23,15 +20,15 @@ std::size_t size_of_first(byte_view octets) {
   return std::min(size, octets.size());
 }
 
-void ignore_sent(std::size_t /*octets*/) {}
-
 } // namespace
 
 bluetooth_links::bluetooth_links(io::loop& where, bluetooth_links_config config,
                                  std::unique_ptr<io::bluetooth_adapter> adapter, link_user& user,
                                  adapter_user& watcher)
     : loop_(&where), config_(std::move(config)), adapter_(std::move(adapter)), user_(&user),
-      watcher_(&watcher), inquiry_end_(where), next_link_(config_.first_link.value) {}
+      hellos_(where, *adapter_, {config_.adapter, config_.connect_timeout, config_.hello_timeout},
+              watcher),
+      scanner_(where, *adapter_, config_.adapter, watcher), next_link_(config_.first_link.value) {}
 
 std::variant<std::unique_ptr<bluetooth_links>, std::string>
 bluetooth_links::open(io::loop& where, bluetooth_links_config config,
@@ -58,10 +55,7 @@ std::optional<std::string> bluetooth_links::listen() {
   }
   if (!listener_)
     return "cannot listen at Bluetooth adapter " + config_.adapter + ": " + error.message();
-  auto x = adapter_->listen(peis::hello_port);
-  if (auto* socket = std::get_if<io::descriptor>(&x)) // else another peer announces (BT-03)
-    hello_listener_.emplace(*loop_, std::move(*socket),
-                            [this](io::descriptor y) { on_asker(std::move(y)); });
+  hellos_.listen();
   return std::nullopt;
 }
 
@@ -173,131 +167,31 @@ void bluetooth_links::fail_soon(peis::attempt_id attempt, std::string why) {
   });
 }
 
-// HELLOs.
-
-void bluetooth_links::on_asker(io::descriptor x) {
-  if (arrived_.size() >= hellos_max) {
-    ++counters_.hellos_lost; // dropped
-    return;
-  }
-  const auto number = next_hello_++;
-  auto& hello = arrived_.try_emplace(number, *loop_).first->second;
-  hello.stream = io::packet_stream(*loop_, std::move(x), room);
-  hello.stream.start({[this, number](byte_view octets) { on_question(number, octets); },
-                      ignore_sent, [this, number](const std::string&) { arrived_.erase(number); }});
-  hello.patience.start(config_.hello_timeout, [this, number] { arrived_.erase(number); });
-}
-
-void bluetooth_links::on_question(std::uint64_t number, byte_view octets) {
-  auto& hello = arrived_.at(number);
-  if (!peis::decode_announcement(octets))
-    arrived_.erase(number); // dropped
-  else if (!std::exchange(hello.taken, true))
-    watcher_->on_hello(number, octets);
-}
-
-/// The other side closes the connection when it has the answer.
-void bluetooth_links::answer_hello(std::uint64_t number, bytes octets) {
-  const auto found = arrived_.find(number);
-  if (found != arrived_.end())
-    static_cast<void>(found->second.stream.send(std::move(octets))); // its queue is empty
-}
+// HELLOs and scans.
 
 void bluetooth_links::carry_out(const peis::say_hello& x) {
-  if (over_ || sent_.contains(x.to))
-    return;
-  auto& hello = sent_.try_emplace(x.to, *loop_).first->second;
-  const auto give_up = [this, to = x.to] { end_hello(to, {}); };
-  hello.patience.start(config_.connect_timeout + config_.hello_timeout, give_up);
-  if (sent_.size() > hellos_max) {
-    ++counters_.hellos_lost;
-    hello.patience.start(0s, give_up);
-    return;
-  }
-  auto socket = adapter_->connect(x.to.octets, peis::hello_port);
-  if (!std::holds_alternative<io::descriptor>(socket)) {
-    hello.patience.start(0s, give_up);
-    return;
-  }
-  hello.attempt.emplace(*loop_, std::move(std::get<io::descriptor>(socket)),
-                        config_.connect_timeout,
-                        [this, to = x.to, octets = to_bytes(x.octets.view())](auto y) {
-                          if (auto* connected = std::get_if<io::descriptor>(&y))
-                            say(to, octets, std::move(*connected));
-                          else
-                            end_hello(to, {});
-                        });
+  if (!over_)
+    hellos_.say(x);
 }
-
-void bluetooth_links::say(const peis::bluetooth_address& to, const bytes& octets,
-                          io::descriptor connected) {
-  auto& stream = sent_.at(to).stream;
-  stream = io::packet_stream(*loop_, std::move(connected), room);
-  stream.start({[this, to](byte_view answer) { end_hello(to, answer); }, ignore_sent,
-                [this, to](const std::string&) { end_hello(to, {}); }});
-  static_cast<void>(stream.send(octets)); // its queue is empty
-}
-
-void bluetooth_links::end_hello(const peis::bluetooth_address& to, byte_view answer) {
-  const auto ended = sent_.extract(to); // lives until this call is over
-  watcher_->on_hello_answer(config_.adapter, to, answer);
-}
-
-// Scans.
 
 void bluetooth_links::carry_out(const peis::scan_adapter& x) {
-  if (over_ || scanning_ || x.adapter != config_.adapter)
-    return;
-  auto socket = adapter_->open_controller();
-  if (!std::holds_alternative<io::descriptor>(socket)) {
-    ++counters_.scans_failed;
-    return;
-  }
-  scanning_ = true;
-  seen_.clear();
-  controller_ = io::packet_stream(*loop_, std::move(std::get<io::descriptor>(socket)), room);
-  controller_.start({[this](byte_view packet) { on_inquiry(packet); }, ignore_sent,
-                     [this](const std::string&) { end_scan(false); }});
-  static_cast<void>(controller_.send(peis::inquiry_command(config_.inquiry))); // its queue is empty
-  inquiry_end_.start(config_.inquiry + inquiry_margin, [this] { end_scan(false); });
+  if (!over_ && x.adapter == config_.adapter)
+    scanner_.start(config_.inquiry);
 }
 
-void bluetooth_links::on_inquiry(byte_view packet) {
-  const auto event = peis::decode_inquiry_event(packet);
-  if (const auto* ended = std::get_if<peis::inquiry_ended>(&event)) {
-    end_scan(ended->success);
-    return;
-  }
-  for (const auto& each : std::get<std::vector<peis::seen_device>>(event)) {
-    if (seen_.contains(each.address) || seen_.size() < seen_max)
-      seen_[each.address] = each.strength_dbm;
-  }
-}
-
-void bluetooth_links::end_scan(bool success) {
-  if (!std::exchange(scanning_, false))
-    return;
-  inquiry_end_.stop();
-  controller_ = {};
-  std::vector<peis::seen_device> found;
-  for (const auto& [address, strength_dbm] : std::exchange(seen_, {}))
-    found.push_back({address, strength_dbm});
-  if (success)
-    watcher_->on_scan(config_.adapter, found);
-  else
-    ++counters_.scans_failed;
+bluetooth_counters bluetooth_links::counters() const {
+  auto x = counters_;
+  x.hellos_lost = hellos_.lost();
+  x.scans_failed = scanner_.failed();
+  return x;
 }
 
 void bluetooth_links::close_all() {
   over_ = true;
   listener_.reset();
-  hello_listener_.reset();
   attempts_.clear();
-  arrived_.clear();
-  sent_.clear();
-  scanning_ = false;
-  inquiry_end_.stop();
-  controller_ = {};
+  hellos_.close();
+  scanner_.stop();
   for (auto& [link, x] : streams_) {
     if (*closing_ >= closing_max)
       continue; // dropped

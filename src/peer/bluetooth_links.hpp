@@ -8,8 +8,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
-#include <vector>
 
 #include "core/describe/fields.hpp"
 #include "io/bluetooth/bluetooth_adapter.hpp"
@@ -17,9 +17,10 @@
 #include "io/bluetooth/packet_listener.hpp"
 #include "io/bluetooth/packet_stream.hpp"
 #include "io/loop.hpp"
-#include "io/timer.hpp"
+#include "peer/adapter_user.hpp"
+#include "peer/bluetooth_hellos.hpp"
+#include "peer/bluetooth_scanner.hpp"
 #include "peer/link_user.hpp"
-#include "peis/bluetooth/bluetooth.hpp"
 #include "peis/overlay/p2p_events.hpp"
 #include "peis/wire/link_url.hpp"
 #include "peis/wire/types.hpp"
@@ -35,27 +36,13 @@ struct bluetooth_links_config {
 };
 
 struct bluetooth_counters {
-  std::uint64_t refused = 0;      ///< links accepted and closed at once, there being too many
-  std::uint64_t too_many = 0;     ///< attempts that failed at once, there being too many
-  std::uint64_t dropped = 0;      ///< packages for which a link's queue had no room
-  std::uint64_t hellos_lost = 0;  ///< HELLOs in either direction beyond hellos_max
+  std::uint64_t refused = 0;     ///< links accepted and closed at once, there being too many
+  std::uint64_t too_many = 0;    ///< attempts that failed at once, there being too many
+  std::uint64_t dropped = 0;     ///< packages for which a link's queue had no room
+  std::uint64_t hellos_lost = 0; ///< HELLOs in either direction beyond bluetooth_hellos::hellos_max
   std::uint64_t scans_failed = 0; ///< that the adapter refused
 };
 RUBICON_FIELDS(bluetooth_counters, refused, too_many, dropped, hellos_lost, scans_failed);
-
-/// Who has an adapter, beside its links. Called on the loop's thread, never from within a call of
-/// bluetooth_links.
-class adapter_user {
-public:
-  virtual ~adapter_user() = default;
-  /// A scan has ended. @param seen ascending by address
-  virtual void on_scan(const std::string& adapter, const std::vector<peis::seen_device>& seen) = 0;
-  /// A HELLO has arrived, which answer_hello() answers. @param octets valid in the call
-  virtual void on_hello(std::uint64_t number, byte_view octets) = 0;
-  /// @param octets the answer, valid in the call; empty: there is none
-  virtual void on_hello_answer(const std::string& adapter, const peis::bluetooth_address& device,
-                               byte_view octets) = 0;
-};
 
 /// Carries out what one kernel requests of one adapter.
 class bluetooth_links {
@@ -66,8 +53,6 @@ public:
   static constexpr std::size_t links_max = 32;
   static constexpr std::size_t closing_max = 16; ///< of what they still had to send, more is lost
   static constexpr std::size_t attempts_max = 16;
-  static constexpr std::size_t hellos_max = 16; ///< in each direction
-  static constexpr std::size_t seen_max = 256;  ///< devices of one scan
 
   /// Accepts links at the first free port of peis::bluetooth_port(), and HELLOs if no other process
   /// does at this adapter (BT-03).
@@ -82,7 +67,7 @@ public:
 
   /// Where others reach us, for the host record (LNK-03).
   [[nodiscard]] peis::low_level_address address() const;
-  [[nodiscard]] bool answers_hellos() const { return hello_listener_.has_value(); }
+  [[nodiscard]] bool answers_hellos() const { return hellos_.listens(); }
 
   void carry_out(const peis::to_link& x); ///< for a link that is gone: nothing
   void carry_out(const peis::close_link& x);
@@ -90,31 +75,18 @@ public:
   void carry_out(const peis::connect_to& x);
   void carry_out(const peis::scan_adapter& x); ///< nothing while a scan is in progress
   void carry_out(const peis::say_hello& x);
-  void answer_hello(std::uint64_t number, bytes octets); ///< for one that is gone: nothing
+  void answer_hello(std::uint64_t number, bytes octets) { ///< for one that is gone: nothing
+    hellos_.answer(number, std::move(octets));
+  }
 
   /// Takes no more links and closes those that are there when their octets have left; attempts are
   /// given up. The users are not called any more.
   void close_all();
 
   [[nodiscard]] std::size_t open_links() const { return streams_.size(); }
-  [[nodiscard]] const bluetooth_counters& counters() const { return counters_; }
+  [[nodiscard]] bluetooth_counters counters() const;
 
 private:
-  /// A HELLO that has arrived.
-  struct arrived_hello {
-    explicit arrived_hello(io::loop& where) : patience(where) {}
-    io::packet_stream stream;
-    io::timer patience;
-    bool taken = false; ///< the user has it
-  };
-  /// One of ours, without answer so far.
-  struct sent_hello {
-    explicit sent_hello(io::loop& where) : patience(where) {}
-    std::optional<io::packet_connect> attempt;
-    io::packet_stream stream;
-    io::timer patience;
-  };
-
   bluetooth_links(io::loop& where, bluetooth_links_config config,
                   std::unique_ptr<io::bluetooth_adapter> adapter, link_user& user,
                   adapter_user& watcher);
@@ -126,35 +98,22 @@ private:
   void add(io::descriptor x, peis::link_role role, std::optional<peis::attempt_id> attempt);
   void send(peis::link_id link, io::packet_stream& over, payload package);
   void fail_soon(peis::attempt_id attempt, std::string why);
-  void on_asker(io::descriptor x);
-  void on_question(std::uint64_t number, byte_view octets);
-  void say(const peis::bluetooth_address& to, const bytes& octets, io::descriptor connected);
-  void end_hello(const peis::bluetooth_address& to, byte_view answer);
-  void on_inquiry(byte_view packet);
-  void end_scan(bool success);
 
   io::loop* loop_;
   bluetooth_links_config config_;
   std::unique_ptr<io::bluetooth_adapter> adapter_;
   link_user* user_;
-  adapter_user* watcher_;
   std::uint16_t port_ = 0;
   std::optional<io::packet_listener> listener_;
-  std::optional<io::packet_listener> hello_listener_;
   std::map<peis::link_id, io::packet_stream> streams_;
   std::map<peis::attempt_id, io::packet_connect> attempts_;
-  std::map<std::uint64_t, arrived_hello> arrived_;
-  std::map<peis::bluetooth_address, sent_hello> sent_;
-  io::packet_stream controller_;
-  io::timer inquiry_end_;
-  bool scanning_ = false;
-  std::map<peis::bluetooth_address, int> seen_; ///< strengths of this scan, in dBm
+  bluetooth_hellos hellos_;
+  bluetooth_scanner scanner_;
   std::shared_ptr<std::size_t> closing_ = std::make_shared<std::size_t>(0);
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true); ///< for what is posted
   std::uint64_t next_link_;
-  std::uint64_t next_hello_ = 1;
   bool over_ = false;
-  bluetooth_counters counters_;
+  bluetooth_counters counters_; ///< of links
 };
 
 } // namespace rubicon::peer

@@ -167,18 +167,15 @@ public:
   /// A tuple of the gateway has a new value: on_output() or on_input_status(), by its key.
   [[nodiscard]] outputs on_gateway_tuple(std::string_view key, byte_view value, instant now);
 
-  /// The time that peers share is so much ahead of `now`, since 1970: stamps are converted by it.
+  /// The time that peers share is so much ahead of `now`, since 1970: stamps are converted by it if
+  /// reads_times() of its class.
   void on_clock(duration ahead) { network_ahead_ = ahead; }
-  /// Whether anything that it reads holds a time.
-  [[nodiscard]] bool wants_clock() const;
 
   /// The mote has sent a message on an output channel.
   [[nodiscard]] outputs on_output(std::uint16_t channel, byte_view payload, instant now);
 
-  /// What its fields read of streams; whoever runs it opens their read ends, at its peer.
-  [[nodiscard]] std::vector<stream_input> streams() const;
-
-  /// A record of one of them. @param time_ms the record's own
+  /// A record of one of streams_of() its class, whose read ends are open at its peer.
+  /// @param time_ms the record's own
   [[nodiscard]] outputs on_record(std::uint16_t stream, std::int16_t value, std::uint32_t time_ms,
                                   instant now);
 

@@ -39,12 +39,6 @@ proxy::outputs proxy::on_output(std::uint16_t channel, byte_view payload, instan
   return out;
 }
 
-bool proxy::wants_clock() const {
-  return !class_.stamped_channels.empty() || std::ranges::any_of(class_.fields, [](const field& x) {
-    return x.layout == encoding::stamp || x.stream.has_value();
-  });
-}
-
 /// While the time is not known, the 32 bits are all there is.
 std::int64_t proxy::whole_stamp(std::int64_t count, instant now) const {
   if (!network_ahead_)
@@ -64,10 +58,6 @@ proxy::outputs proxy::on_record(std::uint16_t stream, std::int16_t value, std::u
   say_counts(from, counts, now, out);
   judge_age(from, time_ms, now, out);
   return out;
-}
-
-std::vector<stream_input> proxy::streams() const {
-  return streams_of(class_);
 }
 
 void proxy::say_counts(reading_source from, const field_counts& counts, instant now, outputs& out) {

@@ -5,20 +5,18 @@
 
 namespace rubicon::scheduler {
 
-void trace_recorder::record(trace_part& part, traced_base& to, envelope& x, const traced_base* from,
-                            bool received) {
-  if (clock_ == nullptr)
-    return;
-  const auto time = to_instant(clock_->now());
-  part.fold(to.fold_, time, x);
-  if (!observer_ && !to.is_watched_)
+std::optional<instant> trace_recorder::now() const {
+  return clock_ == nullptr ? std::nullopt : std::optional(to_instant(clock_->now()));
+}
+
+void trace_recorder::notify(instant time, std::string_view to, std::string_view from, envelope& x,
+                            bool received, bool is_watched) {
+  if (!observer_ && !is_watched)
     return;
   if (wants_remarks())
     x.number = ++numbers_given_;
-  const delivery seen{time,    to.path(), from != nullptr ? std::string_view(from->path()) : "",
-                      x,       x.number,  provenance().number(),
-                      received};
-  if (to.is_watched_)
+  const delivery seen{time, to, from, x, x.number, provenance().number(), received};
+  if (is_watched)
     watcher_(seen);
   if (observer_)
     observer_(seen);
@@ -86,6 +84,15 @@ const std::string& traced_base::path() const {
 
 instant traced_base::time() const {
   return process_->now();
+}
+
+void traced_base::record(envelope& x, const traced_base* from, bool received) {
+  const auto time = recorder_ == nullptr ? std::nullopt : recorder_->now();
+  if (!time)
+    return;
+  part().fold(fold_, *time, x);
+  recorder_->notify(*time, path(), from != nullptr ? std::string_view(from->path()) : "", x,
+                    received, is_watched_);
 }
 
 trace_part& traced_base::part() const {

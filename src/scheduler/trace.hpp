@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -55,8 +56,6 @@ struct remark {
 };
 
 class process;
-class traced_base;
-
 /// What one logical process has folded. Each actor folds what it is delivered, in that order, with
 /// the time of each; what all have folded is added up. So the sum is the same whoever runs first
 /// among those that send each other nothing, and an island that is added adds to it.
@@ -112,12 +111,15 @@ public:
     return *parts_.emplace_back(std::make_unique<trace_part>());
   }
 
-  /// Once for each message, which gets its number.
-  /// @param part of the process of `to`
-  /// @param from nullptr: nobody
+  /// Nothing: nothing is recorded.
+  [[nodiscard]] std::optional<instant> now() const;
+
+  /// Notifies observers of a message that is folded. Called once for each, which gets its number.
+  /// @param from empty: no actor, or one without a path
   /// @param received whether the receiver still lives
-  void record(trace_part& part, traced_base& to, envelope& x, const traced_base* from,
-              bool received);
+  /// @param is_watched whether watches() of the receiver's path `to`
+  void notify(instant time, std::string_view to, std::string_view from, envelope& x, bool received,
+              bool is_watched);
 
   /// Whether somebody sees events, and wants to in the order of their time.
   [[nodiscard]] bool is_observed() const { return observer_ || remark_observer_; }
@@ -201,10 +203,10 @@ protected:
   /// Itself, if it was placed.
   [[nodiscard]] provenance_source* source() { return recorder_ != nullptr ? this : nullptr; }
 
-  void record(envelope& x, const traced_base* from, bool received) {
-    if (recorder_ != nullptr)
-      recorder_->record(part(), *this, x, from, received);
-  }
+  /// Once for each message to this actor.
+  /// @param from nullptr: no actor
+  /// @param received whether this actor still lives
+  void record(envelope& x, const traced_base* from, bool received);
 
   /// While this lives, what is sent comes from that actor.
   class turn {
@@ -220,8 +222,6 @@ protected:
   };
 
 private:
-  friend class trace_recorder;
-
   [[nodiscard]] trace_part& part() const;
 
   const std::string* path_ = nullptr;     ///< in the account of messages, or else its own

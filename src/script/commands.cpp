@@ -2,13 +2,16 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <lua5.4/lauxlib.h>
 #include <lua5.4/lua.h>
 
 #include "core/address.hpp"
+#include "core/text/printable.hpp"
 #include "device/transducer.hpp"
 #include "script/libraries.hpp"
 #include "script/program.hpp"
@@ -262,7 +265,7 @@ int start_timer(lua_State* lua) {
   luaL_checktype(lua, 2, LUA_TFUNCTION);
   lua_settop(lua, 2);
   const int function = luaL_ref(lua, LUA_REGISTRYINDEX);
-  const auto number = owner_of(lua).add_timer(after, repeats, function);
+  const auto number = owner_of(lua).own().add_timer(owner_of(lua).now(), after, repeats, function);
   if (!number) {
     luaL_unref(lua, LUA_REGISTRYINDEX, function);
     return luaL_error(lua, "more than %d timers", static_cast<int>(timers_max));
@@ -271,7 +274,7 @@ int start_timer(lua_State* lua) {
   return 1;
 }
 int cancel(lua_State* lua) {
-  const auto function = owner_of(lua).remove_timer(whole<std::uint32_t>(lua, 1));
+  const auto function = owner_of(lua).own().remove_timer(whole<std::uint32_t>(lua, 1));
   if (function)
     luaL_unref(lua, LUA_REGISTRYINDEX, *function);
   lua_pushboolean(lua, function ? 1 : 0);
@@ -289,14 +292,20 @@ int notice(lua_State* lua) {
     line += text(lua, -1).substr(0, text_max + 1);
     lua_pop(lua, 1);
   }
-  if (const char* wrong = owner_of(lua).add_notice(line, is_warning))
+  auto& owner = owner_of(lua);
+  if (const char* wrong = owner.own().add_notice())
     return luaL_error(lua, "%s", wrong);
+  line = printable(line, text_max);
+  if (is_warning)
+    owner.warn("event=script text=\"" + line + '"');
+  else
+    owner.notify(std::move(line));
   return 0;
 }
 int figure(lua_State* lua) {
   const double value = luaL_checknumber(lua, 2);
   luaL_argcheck(lua, std::isfinite(value), 2, "a finite number is needed");
-  if (const char* wrong = owner_of(lua).set_figure(text(lua, 1), value))
+  if (const char* wrong = owner_of(lua).own().set_figure(text(lua, 1), value))
     return luaL_error(lua, "%s", wrong);
   return 0;
 }

@@ -1,13 +1,11 @@
 #include "script/program.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 #include <lua5.4/lauxlib.h>
 #include <lua5.4/lua.h>
 
-#include "core/text/printable.hpp"
 #include "script/commands.hpp"
 #include "script/state.hpp"
 
@@ -86,7 +84,7 @@ program::program(std::shared_ptr<const program_config> config, random_stream rng
 program::~program() = default;
 
 void program::on_start(instant now) {
-  notices_ = 0;
+  own_.begin_event();
   ++events_;
   starts_at_ = now;
   if (!lua_->load(config_->script) || !lua_->call(0))
@@ -108,7 +106,7 @@ void program::do_event(const std::function<void(lua_State*)>& what) {
   if (lua_->has_failed())
     return;
   if (!lua_->runs())
-    notices_ = 0;
+    own_.begin_event();
   if (!lua_->run(what))
     throw_failure();
 }
@@ -127,88 +125,30 @@ void program::call(const char* event, const Args&... arguments) {
 // -- timers
 
 std::optional<instant> program::deadline() const {
-  std::optional<instant> due;
-  for (const auto& x : timers_)
-    due = earliest(due, x.due);
-  return lua_->has_failed() ? std::nullopt : due;
+  return lua_->has_failed() ? std::nullopt : own_.deadline();
 }
 
 void program::on_time(instant now) {
-  std::vector<std::pair<instant, std::uint32_t>> due;
-  for (const auto& x : timers_)
-    if (x.due <= now)
-      due.emplace_back(x.due, x.number);
-  std::ranges::sort(due);
-  for (const auto& x : due)
-    expire(x.second, now);
-}
-
-void program::expire(std::uint32_t number, instant now) {
-  const auto found = std::ranges::find(timers_, number, &timer::number);
-  if (found == timers_.end())
-    return; // another one has ended it
-  const auto expired = *found;
-  if (expired.period.count() > 0)
-    found->due += ((now - found->due) / expired.period + 1) * expired.period;
-  else
-    timers_.erase(found);
-  do_event([&](lua_State* lua) {
-    ++events_;
-    lua_rawgeti(lua, LUA_REGISTRYINDEX, expired.function);
-    if (expired.period.count() == 0)
-      luaL_unref(lua, LUA_REGISTRYINDEX, expired.function);
-    lua_call(lua, 0, 0);
-  });
-}
-
-std::optional<std::uint32_t> program::add_timer(duration after, bool repeats, int function) {
-  if (timers_.size() >= timers_max)
-    return std::nullopt;
-  timers_.push_back({++timers_so_far_, now() + after, repeats ? after : duration{}, function});
-  return timers_so_far_;
-}
-
-std::optional<int> program::remove_timer(std::uint32_t number) {
-  const auto found = std::ranges::find(timers_, number, &timer::number);
-  if (found == timers_.end())
-    return std::nullopt;
-  const int function = found->function;
-  timers_.erase(found);
-  return function;
+  for (const auto number : own_.due(now)) {
+    const auto expired = own_.expire(number, now);
+    if (!expired)
+      continue; // another one has ended it
+    do_event([&](lua_State* lua) {
+      ++events_;
+      lua_rawgeti(lua, LUA_REGISTRYINDEX, expired->function);
+      if (expired->is_last)
+        luaL_unref(lua, LUA_REGISTRYINDEX, expired->function);
+      lua_call(lua, 0, 0);
+    });
+  }
 }
 
 // -- what it reports
 
-const char* program::add_notice(std::string_view text, bool is_warning) {
-  if (++notices_ > notices_max)
-    return "more than 16 notices and warnings in one event";
-  auto line = printable(text, text_max);
-  if (is_warning)
-    warn("event=script text=\"" + line + '"');
-  else
-    notify(std::move(line));
-  return nullptr;
-}
-
-const char* program::set_figure(std::string_view name, double value) {
-  const auto found = std::ranges::find(figures_, name, &apps::figure::name);
-  if (found != figures_.end()) {
-    found->value = value;
-    return nullptr;
-  }
-  if (figures_.size() >= figures_max)
-    return "more than 16 figures";
-  if (name.empty() || name.size() > text_max || name == "events" || name == "instructions" ||
-      printable(name) != name)
-    return "no name of a figure: it is empty, too long, not printable, or the program's own";
-  figures_.push_back({std::string(name), value, false});
-  return nullptr;
-}
-
 std::vector<apps::figure> program::figures() const {
   std::vector<apps::figure> all{{"events", static_cast<double>(events_)},
                                 {"instructions", static_cast<double>(100 * lua_->steps())}};
-  all.insert(all.end(), figures_.begin(), figures_.end());
+  all.insert(all.end(), own_.figures().begin(), own_.figures().end());
   return all;
 }
 

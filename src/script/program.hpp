@@ -16,6 +16,7 @@
 #include "communication/interface.hpp"
 #include "core/numbers/random.hpp"
 #include "core/time.hpp"
+#include "script/resources.hpp"
 #include "script/source.hpp"
 
 struct lua_State;
@@ -29,12 +30,6 @@ struct program_config {
   limits most;
   settings values;
 };
-
-inline constexpr std::size_t timers_max = 16;
-inline constexpr std::size_t figures_max = 16;
-inline constexpr std::size_t notices_max = 16; ///< of one event
-inline constexpr std::size_t text_max = 256;   ///< octets of a notice or a figure's name
-inline constexpr duration timer_min = 1ms;
 
 /// What files call `lua`: a kind for each table, which has the script.
 /// @param streams that it has open at most, of each sort
@@ -57,16 +52,12 @@ public:
   /// If its script has a function for them, wherever that is set.
   [[nodiscard]] bool wants_ticks() const override { return wants_ticks_; }
 
-  // What its script calls. Errors of these are texts, nullptr if there is none.
+  // What its script uses.
   using application::layer;
+  using application::notify;
+  using application::warn;
   [[nodiscard]] instant now(); ///< by the clock of the node, also while it starts
-  [[nodiscard]] const char* add_notice(std::string_view text, bool is_warning);
-  [[nodiscard]] const char* set_figure(std::string_view name, double value);
-  /// @param function a reference in Lua's registry
-  /// @returns its number, or nothing: there are timers_max
-  [[nodiscard]] std::optional<std::uint32_t> add_timer(duration after, bool repeats, int function);
-  /// @returns the reference, to be released, or nothing: there is no such timer
-  [[nodiscard]] std::optional<int> remove_timer(std::uint32_t number);
+  [[nodiscard]] resources& own() { return own_; }
 
   void createSynChannelOutDone(int channel, communication::status success) override;
   void createSynChannelInDone(int channel, communication::status success) override;
@@ -90,15 +81,7 @@ public:
   void moteJoined(std::uint16_t mote, byte_view description) override;
 
 private:
-  struct timer {
-    std::uint32_t number = 0;
-    instant due;
-    duration period{}; ///< 0: it expires once
-    int function = 0;
-  };
-
   void on_start(instant now) override;
-  void expire(std::uint32_t number, instant now);
   template <class... Args>
   void call(const char* event, const Args&... arguments);
   void do_event(const std::function<void(lua_State*)>& what);
@@ -108,10 +91,7 @@ private:
   bool wants_ticks_;
   std::unique_ptr<state> lua_;
   std::optional<instant> starts_at_; ///< while its main part runs
-  std::vector<timer> timers_;
-  std::uint32_t timers_so_far_ = 0;
-  std::vector<apps::figure> figures_; ///< of the script
-  std::size_t notices_ = 0;           ///< of this event
+  resources own_;
   std::uint64_t events_ = 0;
 };
 

@@ -10,9 +10,9 @@
 namespace rubicon::translate {
 
 /// Recursive descent; each rule appends its steps, or notes the first problem.
-class expression_parser {
+class expression::parser {
 public:
-  explicit expression_parser(std::string_view text) : text_(text) {}
+  explicit parser(std::string_view text) : text_(text) {}
 
   std::variant<expression, expression_problem> run() {
     if (text_.size() > expression::text_max)
@@ -29,8 +29,6 @@ public:
   }
 
 private:
-  using operation = expression::operation;
-
   struct function {
     std::string_view name;
     operation what;
@@ -172,12 +170,12 @@ private:
   std::string_view text_;
   std::size_t at_ = 0;
   std::size_t depth_ = 0;
-  std::vector<expression::step> steps_;
+  std::vector<step> steps_;
   std::optional<expression_problem> problem_;
 };
 
 std::variant<expression, expression_problem> expression::parse(std::string_view text) {
-  return expression_parser(text).run();
+  return parser(text).run();
 }
 
 std::optional<double> expression::operator()(double x) const {

@@ -36,7 +36,7 @@ public:
   [[nodiscard]] std::optional<double> operator()(double x) const;
 
 private:
-  friend class expression_parser;
+  class parser;
 
   enum class operation : std::uint8_t {
     number,

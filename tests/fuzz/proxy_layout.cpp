@@ -58,8 +58,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
   proxy::proxy face(what, {{island_id{5}, mote_id{7}}, "kitchen", "lamp"});
   static_cast<void>(face.start(instant{}));
-  const auto told = face.on_output(0, payload, instant{});
-  require(told.size() == (readings ? expected : 0));
+  const auto published = face.on_output(0, payload, instant{});
+  require(published.size() == (readings ? expected : 0));
   const auto outputs = face.on_input("switch", tuple_text(payload), instant{});
   require(outputs.size() == face.counters().requested);
   static_cast<void>(face.on_input_status(2, tuple_text(payload), instant{}));

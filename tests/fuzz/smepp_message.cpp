@@ -40,8 +40,8 @@ void hear(byte_view octets) {
   say(group, encode(unsubscribe{{mote_id{2}, 1}, {}}), now);
   for (const auto& each : outputs(out))
     if (const auto* const frame = std::get_if<send_frame>(&each)) {
-      const auto heard = other.open(mote_id{1}, mote_id{2}, frame->octets, now);
-      const auto question = decode(std::get<opened_frame>(heard).content);
+      const auto received = other.open(mote_id{1}, mote_id{2}, frame->octets, now);
+      const auto question = decode(std::get<opened_frame>(received).content);
       say(group, encode(proof{std::get<challenge>(*question).nonce}), now);
       x.on_sent(frame->id, true, now, now, out);
     }
@@ -73,7 +73,7 @@ void hear_while_joining(byte_view octets) {
       x.on_frame(mote_id{2}, mote_id{1}, *frame, at, at, out);
   };
   /// What it has sent last; all that it sends is acknowledged.
-  const auto heard = [&](instant at) {
+  const auto received = [&](instant at) {
     std::optional<message> last;
     for (const auto& each : std::exchange(out, {}))
       if (const auto* const frame = std::get_if<send_frame>(&each)) {
@@ -86,7 +86,7 @@ void hear_while_joining(byte_view octets) {
     return last;
   };
   x.smepp_getGroups({.name = "meadow"}, now, out);
-  const auto question = heard(now);
+  const auto question = received(now);
   say(octets, now);
   say(encode(answer{std::get<discover>(*question).nonce,
                     group_id{7},
@@ -100,14 +100,14 @@ void hear_while_joining(byte_view octets) {
                     to_bytes(std::string_view("meadow"))}),
       now);
   x.on_time(now + 4s, out);
-  static_cast<void>(heard(now + 4s));
+  static_cast<void>(received(now + 4s));
   x.smepp_joinGroup(group_id{7}, key_of(9), now + 5s, out);
-  const auto asked = heard(now + 5s);
+  const auto asked = received(now + 5s);
   if (!asked || !std::holds_alternative<join>(*asked))
     std::abort();
   say(octets, now + 5s);
   say(encode(join_challenge{group_id{7}, std::get<join>(*asked).nonce, {}}), now + 5s);
-  static_cast<void>(heard(now + 5s));
+  static_cast<void>(received(now + 5s));
   say(octets, now + 5s);
   auto mine = to_bytes(octets); // with the number that it asked with, where most answers have it
   if (mine.size() > 7) {

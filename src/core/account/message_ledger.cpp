@@ -1,6 +1,7 @@
 #include "core/account/message_ledger.hpp"
 
 #include <atomic>
+#include <cassert>
 #include <numeric>
 #include <tuple>
 
@@ -78,41 +79,21 @@ account_ref message_ledger::open(std::uint64_t number, message_kind kind, mote_a
 
 void message_ledger::cancel(message_account& x) {
   const auto lock = locked();
-  if (std::exchange(x.state_, message_account::state::cancelled) == message_account::state::open)
-    --x.tally_.sent;
-}
-
-/// Of two at the same time, which may be noted by two threads in any order, the larger cause and
-/// place stand. That a repeat was recognised, or a greeting came, says less than any other note.
-void message_ledger::keep(message_account& x, const note& what) {
-  auto& known = x.about_;
-  const auto weight = [](loss cause) { return cause > loss::unanswered; };
-  const auto is_newer = std::tuple(weight(what.why), what.at, what.why, what.place) >
-                        std::tuple(weight(known.cause), known.at, known.cause, known.place);
-  if (x.state_ != message_account::state::open || !is_newer)
-    return;
-  known.cause = what.why;
-  known.at = what.at;
-  known.place = what.place;
+  x.cancel();
 }
 
 void message_ledger::note_loss(message_account& x, loss why) {
   const auto lock = locked();
-  keep(x, {why, time_here(), place_here()});
+  x.note_loss({why, time_here(), place_here()});
 }
 
 void message_ledger::note_arrival(message_account& x) {
   {
     const auto lock = locked();
-    if (finished_ ||
-        std::exchange(x.state_, message_account::state::ended) != message_account::state::open)
+    if (finished_ || !x.note_arrival(place_here(), time_here()))
       return;
-    x.about_.outcome = message_end::how::arrived;
-    x.about_.place = place_here();
-    x.about_.at = time_here();
-    ++x.tally_.arrived;
   }
-  notify(x.about_);
+  notify(x.about());
 }
 
 void message_ledger::note_foreign_arrival(mote_address source, message_kind kind) {
@@ -125,7 +106,7 @@ void message_ledger::finish() {
     packages left; // destroyed unlocked: it is handed over
     const auto lock = locked();
     for (auto x = packages_.begin(); x != packages_.end();)
-      if (const auto each = x++; account_of(each->account)->leaves_)
+      if (const auto each = x++; account_of(each->account)->leaves())
         remove(each, left);
   }
   const auto lock = locked();
@@ -137,34 +118,19 @@ void message_ledger::notify(const message_end& x) {
     observer_(x);
 }
 
-void message_ledger::close(message_account* x) noexcept {
-  const std::unique_ptr<message_account> owned(x);
-  x->in_->end(*x);
-}
-
 void message_ledger::end(message_account& x) {
-  using how = message_end::how;
-  auto& about = x.about_;
   {
     const auto lock = locked();
-    if (x.state_ != message_account::state::open || finished_)
+    if (finished_ || !x.is_open())
       return;
-    x.state_ = message_account::state::ended;
-    about.outcome = x.leaves_ ? how::handed_over : how::lost;
-    if (x.leaves_) {
-      ++x.tally_.handed_over;
-    } else {
-      if (provenance_here.stops || about.place.empty()) {
-        about.cause = provenance_here.stops ? loss::node_stopped : about.cause;
-        about.place = place_here();
-        about.at = time_here();
-      }
-      ++x.tally_.lost[about.cause];
+    x.end(place_here(), time_here(), provenance_here.stops);
+    const auto& about = x.about();
+    if (about.outcome == message_end::how::lost) {
       const auto known = places_.size() < places_max;
       ++places_[{about.kind, about.cause, known ? about.place : std::string_view()}];
     }
   }
-  notify(about);
+  notify(x.about());
 }
 
 // Packages of PEIS links.
@@ -178,7 +144,7 @@ void message_ledger::depart(std::uint64_t name, bool leaves) {
   const auto lock = locked();
   expire(x.if_lost.at, over);
   remove(name, over);
-  account_of(x.account)->leaves_ = leaves;
+  account_of(x.account)->set_leaves(leaves);
   by_name_[name] = packages_.insert(packages_.end(), std::move(x));
 }
 
@@ -189,7 +155,7 @@ account_ref message_ledger::come(std::uint64_t name) {
   if (over.empty())
     return {};
   auto what = std::move(over.front().account);
-  account_of(what)->leaves_ = false;
+  account_of(what)->set_leaves(false);
   return what;
 }
 
@@ -198,7 +164,7 @@ void message_ledger::package_lost(std::uint64_t name) {
   const auto lock = locked();
   remove(name, over);
   for (const auto& x : over)
-    keep(*account_of(x.account), x.if_lost);
+    account_of(x.account)->note_loss(x.if_lost);
 }
 
 void message_ledger::remove(packages::iterator which, packages& to) {
@@ -217,7 +183,7 @@ void message_ledger::expire(instant now, packages& to) {
   for (auto x = packages_.begin(); x != packages_.end();) {
     const auto oldest = x++;
     const auto age = now - oldest->if_lost.at;
-    const bool leaves = account_of(oldest->account)->leaves_;
+    const bool leaves = account_of(oldest->account)->leaves();
     if (packages_.size() < packages_max) {
       if (age < left_lifetime)
         return;
@@ -225,8 +191,54 @@ void message_ledger::expire(instant now, packages& to) {
         continue;
     }
     remove(oldest, to);
-    keep(*account_of(oldest->account), oldest->if_lost);
+    account_of(oldest->account)->note_loss(oldest->if_lost);
   }
+}
+
+// One message.
+
+void message_account::cancel() {
+  if (std::exchange(state_, state::cancelled) == state::open)
+    --tally_.sent;
+}
+
+/// Of two at the same time, which may be noted by two threads in any order, the larger cause and
+/// place stand. That a repeat was recognised, or a greeting came, says less than any other note.
+void message_account::note_loss(const loss_note& x) {
+  const auto weight = [](loss cause) { return cause > loss::unanswered; };
+  const auto is_newer = std::tuple(weight(x.why), x.at, x.why, x.place) >
+                        std::tuple(weight(about_.cause), about_.at, about_.cause, about_.place);
+  if (!is_open() || !is_newer)
+    return;
+  about_.cause = x.why;
+  about_.at = x.at;
+  about_.place = x.place;
+}
+
+bool message_account::note_arrival(std::string_view place, instant at) {
+  if (std::exchange(state_, state::ended) != state::open)
+    return false;
+  about_.outcome = message_end::how::arrived;
+  about_.place = place;
+  about_.at = at;
+  ++tally_.arrived;
+  return true;
+}
+
+void message_account::end(std::string_view place, instant at, bool stops) {
+  assert(is_open());
+  state_ = state::ended;
+  about_.outcome = leaves_ ? message_end::how::handed_over : message_end::how::lost;
+  if (leaves_) {
+    ++tally_.handed_over;
+    return;
+  }
+  if (stops || about_.place.empty()) {
+    about_.cause = stops ? loss::node_stopped : about_.cause;
+    about_.place = place;
+    about_.at = at;
+  }
+  ++tally_.lost[about_.cause];
 }
 
 // What it says.

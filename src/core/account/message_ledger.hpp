@@ -68,6 +68,13 @@ struct message_end {
   instant at;
 };
 
+/// Why a copy of a message went no further, when and where.
+struct loss_note {
+  loss why = loss::unknown;
+  instant at;
+  std::string_view place; ///< an actor path of the ledger
+};
+
 class message_account;
 
 /// Shared by all threads that execute a run.
@@ -103,6 +110,7 @@ public:
   void cancel(message_account& x);
   void note_loss(message_account& x, loss why);
   void note_arrival(message_account& x);
+  void end(message_account& x); ///< no copy of it is left
   void note_foreign_arrival(mote_address source, message_kind kind);
 
   // -- packages of PEIS links, which travel as octets
@@ -125,26 +133,15 @@ public:
   [[nodiscard]] std::map<sender, std::uint64_t> foreign_arrivals() const;
 
 private:
-  friend class account_ref;
-
-  struct note {
-    loss why = loss::unknown;
-    instant at;
-    std::string_view place;
-  };
-
   /// On a link.
   struct package {
     std::uint64_t name = 0;
     account_ref account;
-    note if_lost;
+    loss_note if_lost;
   };
   using packages = std::list<package>;
 
   message_ledger() = default;
-  static void close(message_account* x) noexcept;
-  static void keep(message_account& x, const note& what);
-  void end(message_account& x);
   void notify(const message_end& x);
   void remove(packages::iterator which, packages& to);
   void remove(std::uint64_t name, packages& to);
@@ -169,7 +166,11 @@ private:
   std::function<void(const message_end&)> observer_;
 };
 
-/// Of one message, until no copy of it is left. Its ledger guards it.
+/// Of one message, until no copy of it is left: counts in its sender's tally how it ends. Its
+/// ledger calls it, under its lock.
+///
+///   open --note_arrival()--> ended (arrived)     open --end()--> ended (lost or handed over)
+///   open --cancel()--> cancelled
 class message_account : public copy_count {
 public:
   message_account(std::shared_ptr<message_ledger> in, message_tally& tally,
@@ -178,15 +179,29 @@ public:
 
   [[nodiscard]] mote_address source() const { return about_.source; }
   [[nodiscard]] message_kind kind() const { return about_.kind; }
+  [[nodiscard]] message_ledger& ledger() const { return *in_; }
+  [[nodiscard]] bool is_open() const { return state_ == state::open; }
+  [[nodiscard]] const message_end& about() const { return about_; } ///< with the newest note
+
+  /// It travels on a link to another process, or one that we do not see.
+  void set_leaves(bool x) { leaves_ = x; }
+  [[nodiscard]] bool leaves() const { return leaves_; }
+
+  void cancel(); ///< it counts as not sent
+  void note_loss(const loss_note& x);
+  /// @returns false: it was not open, and nothing was done
+  [[nodiscard]] bool note_arrival(std::string_view place, instant at);
+  /// No copy is left. @param place, at of the last one: they stand if no loss was noted before
+  /// @param stops who held it is being destroyed, which is the cause then
+  /// @pre is_open()
+  void end(std::string_view place, instant at, bool stops);
 
 private:
-  friend class message_ledger;
-
   enum class state : std::uint8_t { open, cancelled, ended };
 
   std::shared_ptr<message_ledger> in_;
   message_tally& tally_; ///< of its sender, in there
-  message_end about_;    ///< with the newest note
+  message_end about_;
   state state_ = state::open;
   bool leaves_ = false;
 };

@@ -16,18 +16,35 @@ namespace rubicon {
 class message_account;
 class message_ledger;
 
-/// How many hold an account. @ref message_account is the only one.
+/// How many hold an account, which is what derives from this: @ref message_account alone. Counted
+/// by account_ref.
 class copy_count {
 public:
   copy_count(const copy_count&) = delete;
   copy_count& operator=(const copy_count&) = delete;
+
+  // An atomic addition costs more than most messages do otherwise.
+  /// @param is_shared several threads may call this at a time
+  void add(bool is_shared) {
+    if (is_shared)
+      copies_.fetch_add(1, std::memory_order_relaxed);
+    else
+      copies_.store(copies_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  }
+  /// @returns how many are left
+  [[nodiscard]] std::uint32_t remove(bool is_shared) {
+    if (is_shared)
+      return copies_.fetch_sub(1, std::memory_order_acq_rel) - 1;
+    const auto left = copies_.load(std::memory_order_relaxed) - 1;
+    copies_.store(left, std::memory_order_relaxed);
+    return left;
+  }
 
 protected:
   copy_count() = default;
   ~copy_count() = default;
 
 private:
-  friend class account_ref;
   std::atomic<std::uint32_t> copies_{0};
 };
 
@@ -50,7 +67,7 @@ public:
     return *this;
   }
   ~account_ref() {
-    if (of_ != nullptr && remove() == 0)
+    if (of_ != nullptr && of_->remove(is_shared_between_threads()) == 0)
       close(of_);
   }
 
@@ -64,23 +81,11 @@ public:
   [[nodiscard]] copy_count* get() const { return of_; }
 
 private:
-  // An atomic addition costs more than most messages do otherwise.
   void add() {
-    if (of_ == nullptr)
-      return;
-    if (is_shared_between_threads())
-      of_->copies_.fetch_add(1, std::memory_order_relaxed);
-    else
-      of_->copies_.store(of_->copies_.load(std::memory_order_relaxed) + 1,
-                         std::memory_order_relaxed);
+    if (of_ != nullptr)
+      of_->add(is_shared_between_threads());
   }
-  std::uint32_t remove() {
-    if (is_shared_between_threads())
-      return of_->copies_.fetch_sub(1, std::memory_order_acq_rel) - 1;
-    const auto left = of_->copies_.load(std::memory_order_relaxed) - 1;
-    of_->copies_.store(left, std::memory_order_relaxed);
-    return left;
-  }
+  /// No copy is left.
   static void close(copy_count* of) noexcept;
 
   static inline constinit std::atomic<bool> is_shared = false;

@@ -7,7 +7,7 @@
 //                                    "of adapter and driver, each way"));
 //   }
 //
-// Kinds say what a value may be; they are plain, and `config` knows how each is read and told.
+// Kinds say what a value may be; they are plain, and `config` knows how each is read and described.
 #pragma once
 
 #include <cstddef>
@@ -178,8 +178,8 @@ struct about {
       : meaning(meaning_), unset(unset_), wanted(wanted_) {}
 
   std::string_view meaning; ///< one sentence, without a full stop; empty: its name says it
-  std::string_view unset;   ///< what holds without it, if its struct's default does not tell
-  std::string_view wanted;  ///< what it may be, if its kind does not tell
+  std::string_view unset;   ///< what holds without it, if its struct's default does not say
+  std::string_view wanted;  ///< what it may be, if its kind does not say
 };
 
 /// One key and the member that it sets.
@@ -213,7 +213,7 @@ constexpr key<Struct, Member, Kind> required_if(bool condition, std::string_view
   return {name, member, std::move(kind), what, condition, true};
 }
 
-/// The keys of a struct, in the order in which they are told.
+/// The keys of a struct, in the order in which they are described.
 template <class... Keys>
 constexpr std::tuple<Keys...> of(Keys... all) {
   return {std::move(all)...};

@@ -59,7 +59,7 @@ struct tuple_counters {
   std::uint64_t held_octets = 0;        ///< tuples of others take, now
   std::uint64_t written_octets = 0;     ///< own tuples written by others take, now
   std::uint64_t pushes_octets = 0;      ///< in flight, now
-  std::uint64_t debtors = 0;            ///< hosts that are still to be told something, now
+  std::uint64_t debtors = 0;            ///< hosts that are still to be sent something, now
   std::uint64_t steps = 0;       ///< of deferred work: tuples and subscriptions that were looked at
   std::uint64_t sets = 0;        ///< of own tuples
   std::uint64_t remote_sets = 0; ///< of own tuples, by others

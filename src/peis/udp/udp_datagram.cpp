@@ -1,8 +1,10 @@
 #include "peis/udp/udp_datagram.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 #include "core/codec.hpp"
+#include "core/serial_number.hpp"
 
 namespace rubicon::peis {
 
@@ -26,6 +28,11 @@ std::string to_string(const udp_address& x) {
   for (std::size_t i = 1; i < x.ip.size(); ++i)
     text += '.' + std::to_string(x.ip[i]);
   return text + ':' + std::to_string(x.port);
+}
+
+std::uint64_t widened(std::uint32_t x, std::uint64_t near) {
+  const auto whole = unwrapped(x, static_cast<std::int64_t>(near));
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, whole));
 }
 
 bytes encode(const udp_handshake& x) {

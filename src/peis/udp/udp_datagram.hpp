@@ -77,6 +77,9 @@ struct udp_segment {
   byte_view content;
 };
 
+/// What a number stands for of which only the last 32 bits were sent: the one nearest to `near`.
+[[nodiscard]] std::uint64_t widened(std::uint32_t x, std::uint64_t near);
+
 /// 24 octets.
 [[nodiscard]] bytes encode(const udp_handshake& x);
 

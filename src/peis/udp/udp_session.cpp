@@ -1,7 +1,6 @@
 #include "peis/udp/udp_session.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
 
 namespace rubicon::peis {
@@ -10,18 +9,6 @@ namespace {
 
 constexpr unsigned probes_of_a_retry = 2;
 constexpr unsigned retries_of_a_stall = 3;
-/// A sender without credit may ask with a part whether there is room again.
-constexpr std::size_t parts_to_spare = 16;
-constexpr std::size_t bitmap_max = 64; ///< octets
-constexpr std::size_t inbox_first = std::size_t{64} * 1024;
-
-/// What a number stands for of which only the last 32 bits were sent: the one nearest to `near`.
-std::uint64_t widened(std::uint32_t x, std::uint64_t near) {
-  const auto ahead = static_cast<std::int32_t>(x - static_cast<std::uint32_t>(near));
-  if (ahead < 0 && near < static_cast<std::uint64_t>(-static_cast<std::int64_t>(ahead)))
-    return 0;
-  return near + static_cast<std::uint64_t>(static_cast<std::int64_t>(ahead));
-}
 
 } // namespace
 
@@ -36,121 +23,47 @@ void udp_session::send(payload octets) {
 // What comes.
 
 void udp_session::on_segment(const udp_segment& x, instant now, udp_counters& counted) {
-  if (x.expected > first_ + parts_.size() || widened(x.newest, sent_) > sent_) {
+  if (!parts_.is_possible(x)) {
     ++counted.impossible;
     return;
   }
-  last_word_ = now;
+  last_segment_ = now;
   room_ = std::max<std::uint16_t>(1, x.room);
-  const bool is_news = note_report(x, now);
-  acknowledge(x, now);
-  if (is_news) {
-    rate_.on_report(reported_, reported_count_, sent_, now);
-    find_losses(now);
-  }
+  on_report(x, now);
   if (x.number != 0)
-    take_part(x, counted);
+    on_part(x, counted);
 }
 
-/// @returns whether it is later than what has come before
-bool udp_session::note_report(const udp_segment& x, instant now) {
+void udp_session::on_report(const udp_segment& x, instant now) {
+  using news = udp_send_window::news;
   limit_ = std::max(limit_, x.expected + x.credit);
-  const auto newest = widened(x.newest, sent_);
-  if (newest < reported_ || x.newest == 0)
-    return false;
-  if (newest > reported_) {
+  const auto what = parts_.on_report(x);
+  if (what == news::newer) {
     retries_ = 0;
     retry_at_ = now + rate_.retry_after(0);
   }
-  reported_ = newest;
-  reported_count_ = std::max(reported_count_, widened(x.count, newest));
-  return true;
-}
-
-void udp_session::note_arrival(part& x, instant now) {
-  if (x.state == part_state::arrived)
+  const auto arrived = parts_.acknowledge(x, now);
+  acknowledged_ += arrived.octets;
+  unacknowledged_ -= arrived.octets;
+  if (arrived.round_trip)
+    rate_.on_round_trip(*arrived.round_trip, now);
+  if (what == news::none)
     return;
-  if (x.number == reported_)
-    rate_.on_round_trip(now - x.sent, now);
-  if (x.state == part_state::under_way)
-    --under_way_;
-  else
-    --lost_;
-  x.state = part_state::arrived;
-  acknowledged_ += x.content.size();
-  unacknowledged_ -= x.content.size();
+  rate_.on_report(parts_.newest(), parts_.count(), parts_.sent(), now);
+  parts_.find_losses(now, rate_.lost_after());
 }
 
-void udp_session::acknowledge(const udp_segment& x, instant now) {
-  for (; first_ < x.expected; ++first_) {
-    note_arrival(parts_.front(), now);
-    parts_.pop_front();
-  }
-  if (x.number != 0)
-    return;
-  for (std::size_t i = 0; i < 8 * x.content.size(); ++i) {
-    const auto sequence = x.expected + 1 + i;
-    const bool has_come = (x.content[i / 8] >> (7 - i % 8) & 1) != 0;
-    if (has_come && sequence >= first_ && sequence - first_ < parts_.size())
-      note_arrival(parts_[sequence - first_], now);
-  }
-}
-
-/// Lost is what was sent before a part that has come, and is out for longer than reordering takes.
-void udp_session::find_losses(instant now) {
-  loss_at_.reset();
-  if (under_way_ == 0)
-    return;
-  const auto after = rate_.lost_after();
-  for (auto& x : parts_) {
-    if (x.state != part_state::under_way || x.number >= reported_)
-      continue;
-    if (x.sent + after <= now) {
-      x.state = part_state::lost;
-      --under_way_;
-      ++lost_;
-    } else {
-      loss_at_ = earliest(loss_at_, x.sent + after);
-    }
-  }
-}
-
-void udp_session::take_part(const udp_segment& x, udp_counters& counted) {
-  ++count_;
-  newest_ = std::max(newest_, widened(x.number, newest_));
-  report_due_ = true;
-  const auto waiting = inbox_.size() / udp_content_max;
-  if (x.sequence < expected_ || early_.contains(x.sequence)) {
+void udp_session::on_part(const udp_segment& x, udp_counters& counted) {
+  switch (received_.on_part(x)) {
+  case udp_receiver::outcome::repeated:
     ++counted.repeated;
-  } else if (x.sequence - expected_ >= config_.parts_max ||
-             waiting >= config_.parts_max + parts_to_spare) {
+    break;
+  case udp_receiver::outcome::out_of_window:
     ++counted.out_of_window;
-  } else if (x.sequence != expected_) {
-    early_.emplace(x.sequence, to_bytes(x.content));
-  } else {
-    append_in_order(x.content);
+    break;
+  case udp_receiver::outcome::taken:
+    break;
   }
-}
-
-void udp_session::append_in_order(byte_view content) {
-  if (inbox_.capacity() < inbox_first)
-    inbox_.reserve(inbox_first);
-  inbox_.insert(inbox_.end(), content.begin(), content.end());
-  ++expected_;
-  while (!early_.empty() && early_.begin()->first == expected_) {
-    const auto& next = early_.begin()->second;
-    inbox_.insert(inbox_.end(), next.begin(), next.end());
-    early_.erase(early_.begin());
-    ++expected_;
-  }
-}
-
-bytes udp_session::take_received(bytes next) {
-  next.clear();
-  auto x = std::exchange(inbox_, std::move(next));
-  if (given_credit_ < config_.parts_max / 2)
-    report_due_ = true; // the other side may be waiting for it
-  return x;
 }
 
 std::size_t udp_session::take_acknowledged() {
@@ -160,11 +73,11 @@ std::size_t udp_session::take_acknowledged() {
 // Time.
 
 bool udp_session::on_time(instant now) {
-  if (expects_word() && last_word_ + config_.silence_max <= now)
+  if (awaits_report() && last_segment_ + config_.silence_max <= now)
     return false;
-  if (loss_at_ && *loss_at_ <= now)
-    find_losses(now);
-  if (expects_word() && retry_at_ <= now) {
+  if (parts_.deadline().value_or(instant::max()) <= now)
+    parts_.find_losses(now, rate_.lost_after());
+  if (awaits_report() && retry_at_ <= now) {
     ++retries_;
     probes_ = probes_of_a_retry;
     if (retries_ == retries_of_a_stall)
@@ -175,40 +88,39 @@ bool udp_session::on_time(instant now) {
 }
 
 std::optional<instant> udp_session::deadline() const {
-  if (!expects_word())
+  if (!awaits_report())
     return std::nullopt;
-  return earliest(loss_at_, std::min(retry_at_, last_word_ + config_.silence_max));
+  return earliest(parts_.deadline(), std::min(retry_at_, last_segment_ + config_.silence_max));
 }
 
 // What leaves.
 
 void udp_session::flush(instant now, std::uint16_t room, std::vector<udp_batch>& out,
                         udp_counters& counted) {
-  if (parts_.empty() && queued_ > 0 && retries_ == 0) { // nothing was waited for
-    last_word_ = std::max(last_word_, now);
+  if (parts_.size() == 0 && queued_ > 0 && retries_ == 0) { // nothing was waited for
+    last_segment_ = std::max(last_segment_, now);
     retry_at_ = std::max(retry_at_, now + rate_.retry_after(0));
   }
   send_probes(now, room, out, counted);
   send_lost(now, room, out, counted);
   while (may_begin_part()) {
-    parts_.push_back({next_content(), 0, {}, part_state::lost});
-    ++lost_;
-    transmit(first_ + parts_.size() - 1, now, room, out, counted);
+    parts_.add(next_content());
+    transmit(parts_.next() - 1, now, room, out, counted);
   }
-  if (queued_ > 0 && under_way_ >= rate_.window())
+  if (queued_ > 0 && parts_.under_way() >= rate_.window())
     rate_.note_limited();
-  if (report_due_)
+  if (received_.is_report_due())
     send_report(room, out, counted);
 }
 
 std::size_t udp_session::room_in_window() const {
   const auto most = std::min<std::size_t>(rate_.window(), room_);
-  return most - std::min(most, under_way_);
+  return most - std::min(most, parts_.under_way());
 }
 
 bool udp_session::may_begin_part() const {
   return queued_ > 0 && room_in_window() > 0 && parts_.size() < config_.parts_max &&
-         first_ + parts_.size() < limit_;
+         parts_.next() < limit_;
 }
 
 bytes udp_session::next_content() {
@@ -230,26 +142,15 @@ bytes udp_session::next_content() {
 
 void udp_session::transmit(std::uint64_t sequence, instant now, std::uint16_t room,
                            std::vector<udp_batch>& out, udp_counters& counted) {
-  auto& x = parts_[sequence - first_];
-  assert(x.state != part_state::arrived);
-  if (x.number != 0)
-    ++counted.parts_resent;
+  const auto x = parts_.transmit(sequence, now);
+  counted.parts_resent += x.is_repeated ? 1 : 0;
   ++counted.parts_sent;
-  if (x.state == part_state::lost) {
-    --lost_;
-    ++under_way_;
-  }
-  x.state = part_state::under_way;
-  if (static_cast<std::uint32_t>(++sent_) == 0)
-    ++sent_; // it would say that there is no part
-  x.number = sent_;
-  x.sent = now;
   auto segment = report(room);
   segment.sequence = sequence;
-  segment.number = static_cast<std::uint32_t>(sent_);
+  segment.number = static_cast<std::uint32_t>(x.number);
   segment.content = x.content;
   append(segment, out, counted);
-  report_due_ = report_due_ && !early_.empty(); // this one says it, but for the bits
+  received_.note_reported(false);
 }
 
 /// The two oldest parts that have not come, whatever the window; without credit the next one.
@@ -257,64 +158,44 @@ void udp_session::send_probes(instant now, std::uint16_t room, std::vector<udp_b
                               udp_counters& counted) {
   if (probes_ == 0)
     return;
-  for (std::size_t i = 0; i < parts_.size() && probes_ > 0; ++i) {
-    if (parts_[i].state == part_state::arrived)
+  for (auto i = parts_.first(); i < parts_.next() && probes_ > 0; ++i) {
+    if (parts_.state_of(i) == udp_send_window::state::arrived)
       continue;
-    transmit(first_ + i, now, room, out, counted);
+    transmit(i, now, room, out, counted);
     --probes_;
   }
-  if (probes_ > 0 && parts_.empty() && queued_ > 0) {
-    parts_.push_back({next_content(), 0, {}, part_state::lost});
-    ++lost_;
-    transmit(first_, now, room, out, counted);
+  if (probes_ > 0 && parts_.size() == 0 && queued_ > 0) {
+    parts_.add(next_content());
+    transmit(parts_.first(), now, room, out, counted);
   }
   probes_ = 0;
 }
 
 void udp_session::send_lost(instant now, std::uint16_t room, std::vector<udp_batch>& out,
                             udp_counters& counted) {
-  for (std::size_t i = 0; i < parts_.size() && lost_ > 0 && room_in_window() > 0; ++i) {
-    if (first_ + i < limit_ && parts_[i].state == part_state::lost)
-      transmit(first_ + i, now, room, out, counted);
+  const auto end = std::min(parts_.next(), limit_);
+  for (auto i = parts_.first(); i < end && parts_.lost() > 0 && room_in_window() > 0; ++i) {
+    if (parts_.state_of(i) == udp_send_window::state::lost)
+      transmit(i, now, room, out, counted);
   }
-  if (lost_ > 0)
+  if (parts_.lost() > 0)
     rate_.note_limited();
 }
 
 void udp_session::send_report(std::uint16_t room, std::vector<udp_batch>& out,
                               udp_counters& counted) {
   auto segment = report(room);
-  const auto bits = bitmap();
+  const auto bits = received_.bitmap();
   segment.content = bits;
   append(segment, out, counted);
-  report_due_ = false;
+  received_.note_reported(true);
 }
 
 udp_segment udp_session::report(std::uint16_t room) {
   udp_segment x;
   x.room = room;
   x.token = token_;
-  x.expected = expected_;
-  x.newest = static_cast<std::uint32_t>(newest_);
-  x.count = count_;
-  x.credit = given_credit_ = credit();
-  return x;
-}
-
-std::uint16_t udp_session::credit() const {
-  const auto waiting = std::min(config_.parts_max, inbox_.size() / udp_content_max);
-  return static_cast<std::uint16_t>(config_.parts_max - waiting);
-}
-
-bytes udp_session::bitmap() const {
-  bytes x;
-  for (const auto& [sequence, content] : early_) {
-    const auto at = sequence - expected_ - 1;
-    if (at / 8 >= bitmap_max)
-      break;
-    x.resize(std::max<std::size_t>(x.size(), at / 8 + 1));
-    x[at / 8] = static_cast<std::uint8_t>(x[at / 8] | 0x80U >> at % 8);
-  }
+  received_.report_in(x);
   return x;
 }
 

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/bytes.hpp"
@@ -14,6 +14,8 @@
 #include "core/time.hpp"
 #include "peis/udp/udp_datagram.hpp"
 #include "peis/udp/udp_rate.hpp"
+#include "peis/udp/udp_receiver.hpp"
+#include "peis/udp/udp_send_window.hpp"
 
 namespace rubicon::peis {
 
@@ -53,13 +55,9 @@ struct udp_batch {
   std::size_t each = 0;
 };
 
-/// Cuts octets into parts, of which a window is under way. The other side's reports say which have
-/// come; what is overtaken by far is lost and leaves again, and if nothing is reported, the two
-/// oldest do. What comes is put in order.
-///
-///   part: waiting --flush()--> under way --on_segment(): acknowledged--> gone
-///                                |    ^
-///                              lost --+ flush()
+/// Cuts octets into parts, of which a window is under way: as many as the rate, the other side's
+/// credit and its socket allow. What is lost leaves again, and if nothing is reported, the two
+/// oldest parts do. Every segment reports what has come.
 class udp_session {
 public:
   /// As many datagrams in one batch as a system takes at a time.
@@ -67,8 +65,8 @@ public:
 
   udp_session() = default;
   udp_session(udp_token token, udp_address other, udp_session_config config, instant now)
-      : token_(token), other_(other), config_(config), rate_(config.rate), last_word_(now),
-        retry_at_(now) {}
+      : token_(token), other_(other), config_(config), rate_(config.rate),
+        received_(config.parts_max), last_segment_(now), retry_at_(now) {}
 
   /// Queues octets. The queue has no bound of its own: the owner counts with take_acknowledged().
   void send(payload octets);
@@ -82,8 +80,8 @@ public:
   void flush(instant now, std::uint16_t room, std::vector<udp_batch>& out, udp_counters& counted);
 
   /// The octets that have come, in order, since the last call. @param next memory for those to come
-  [[nodiscard]] bytes take_received(bytes next = {});
-  [[nodiscard]] bool has_received() const { return !inbox_.empty(); }
+  [[nodiscard]] bytes take_received(bytes next = {}) { return received_.take(std::move(next)); }
+  [[nodiscard]] bool has_received() const { return received_.has_octets(); }
 
   /// How many octets of send() the other side has got since the last call, in whatever order.
   [[nodiscard]] std::size_t take_acknowledged();
@@ -99,23 +97,11 @@ public:
   [[nodiscard]] const udp_address& other() const { return other_; }
   [[nodiscard]] const udp_rate& rate() const { return rate_; }
   /// Parts that are held: for a test of what a session may keep.
-  [[nodiscard]] std::size_t held() const { return parts_.size() + early_.size(); }
+  [[nodiscard]] std::size_t held() const { return parts_.size() + received_.early(); }
 
 private:
-  enum class part_state : std::uint8_t { under_way, lost, arrived };
-  struct part {
-    bytes content;
-    std::uint64_t number = 0; ///< of the last transmission
-    instant sent{};
-    part_state state = part_state::under_way;
-  };
-
-  [[nodiscard]] bool note_report(const udp_segment& x, instant now);
-  void note_arrival(part& x, instant now);
-  void acknowledge(const udp_segment& x, instant now);
-  void find_losses(instant now);
-  void take_part(const udp_segment& x, udp_counters& counted);
-  void append_in_order(byte_view content);
+  void on_report(const udp_segment& x, instant now);
+  void on_part(const udp_segment& x, udp_counters& counted);
 
   [[nodiscard]] std::size_t room_in_window() const;
   [[nodiscard]] bool may_begin_part() const;
@@ -128,45 +114,27 @@ private:
                  udp_counters& counted);
   void send_report(std::uint16_t room, std::vector<udp_batch>& out, udp_counters& counted);
   [[nodiscard]] udp_segment report(std::uint16_t room);
-  [[nodiscard]] std::uint16_t credit() const;
-  [[nodiscard]] bytes bitmap() const;
   void append(const udp_segment& x, std::vector<udp_batch>& out, udp_counters& counted);
-  [[nodiscard]] bool expects_word() const { return !parts_.empty() || queued_ > 0; }
+  [[nodiscard]] bool awaits_report() const { return parts_.size() > 0 || queued_ > 0; }
 
   udp_token token_;
   udp_address other_;
   udp_session_config config_;
   udp_rate rate_;
+  udp_send_window parts_;
+  udp_receiver received_;
 
-  // What we send.
   std::deque<payload> queue_;
   std::size_t gone_ = 0;   ///< octets of queue_.front() that are in parts
   std::size_t queued_ = 0; ///< octets that are in no part yet
   std::size_t unacknowledged_ = 0;
   std::size_t acknowledged_ = 0; ///< not taken
-  std::deque<part> parts_;
-  std::uint64_t first_ = 0; ///< sequence of parts_.front()
-  std::size_t under_way_ = 0;
-  std::size_t lost_ = 0;
-  std::uint64_t sent_ = 0;     ///< transmissions
-  std::uint64_t reported_ = 0; ///< the newest that has come to the other side
-  std::uint64_t reported_count_ = 0;
-  std::uint64_t limit_ = 16; ///< parts before this one may leave; at first so many
+  std::uint64_t limit_ = 16;     ///< parts before this one may leave; at first so many
   std::uint16_t room_ = 16;
-  unsigned retries_ = 0; ///< since there was word
+  unsigned retries_ = 0; ///< since the last report
   unsigned probes_ = 0;  ///< that are due
-  instant last_word_{};
+  instant last_segment_{};
   instant retry_at_{};
-  std::optional<instant> loss_at_; ///< when a part will count as lost
-
-  // What comes.
-  bytes inbox_;
-  std::map<std::uint64_t, bytes> early_; ///< by sequence
-  std::uint64_t expected_ = 0;
-  std::uint64_t newest_ = 0; ///< transmission of the other side
-  std::uint32_t count_ = 0;
-  std::uint16_t given_credit_ = 0;
-  bool report_due_ = false;
 };
 
 } // namespace rubicon::peis

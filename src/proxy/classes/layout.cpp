@@ -101,6 +101,12 @@ bool reads(const proxy_class& what, reading_source from) {
                      [&](const auto& x) { return x.source() == from; });
 }
 
+bool reads_times(const proxy_class& what) {
+  return !what.stamped_channels.empty() || std::ranges::any_of(what.fields, [](const field& x) {
+    return x.layout == encoding::stamp || x.stream.has_value();
+  });
+}
+
 std::vector<stream_input> streams_of(const proxy_class& what) {
   std::vector<stream_input> all;
   for (const auto& field : what.fields)

@@ -33,6 +33,9 @@ struct reading {
 /// The streams that fields of the class are read from, each once.
 [[nodiscard]] std::vector<stream_input> streams_of(const proxy_class& what);
 
+/// Whether anything that is read for the class holds a time.
+[[nodiscard]] bool reads_times(const proxy_class& what);
+
 /// Fields and what was read for them.
 using field_counts = std::vector<std::pair<const field*, std::int64_t>>;
 

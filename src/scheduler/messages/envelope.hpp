@@ -101,12 +101,11 @@ protected:
   ~envelope() = default;
 
 private:
-  friend struct envelope_deleter;
   const message_type* type_;
 };
 
 inline void envelope_deleter::operator()(envelope* x) const noexcept {
-  x->type_->destroy(x);
+  x->type().destroy(x);
 }
 
 template <class Message>

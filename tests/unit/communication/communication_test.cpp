@@ -98,7 +98,8 @@ TEST_CASE("programs join their mote to the island", "[communication][MCK-13][MCK
   CHECK(!neighbour.layer->address());
 }
 
-TEST_CASE("a message that nobody could get fails at once", "[communication][MCK-09][ADR-03]") {
+TEST_CASE("a message without a possible receiver fails at once",
+          "[communication][MCK-09][ADR-03]") {
   lone_layer x;
   join(x);
   const bytes longest(256);
@@ -186,7 +187,7 @@ TEST_CASE("an AM type is one program's, or the layer's own", "[communication][AM
     CHECK(other.layer->provide(static_cast<std::uint8_t>(i)) == FAIL);
 }
 
-TEST_CASE("programs hear what the gateway wants of their mote, and from nobody else",
+TEST_CASE("programs are notified of what the gateway requests of their mote, and by no other",
           "[communication][GW-10][IF-04]") {
   lone_layer x;
   join(x);
@@ -239,7 +240,7 @@ TEST_CASE("programs of a mote hear their own messages, whatever the others do",
       CHECK(send(user_am_type) == SUCCESS);
     if (i % 4 == 0)
       CHECK(send(user_am_type + 1) == SUCCESS);
-    CHECK(send(user_am_type + 2) == SUCCESS); // nobody's
+    CHECK(send(user_am_type + 2) == SUCCESS); // no program's
     x.run_for(1s);
   }
   CHECK(busy.messages.size() == 60);

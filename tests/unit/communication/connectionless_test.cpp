@@ -65,7 +65,7 @@ TEST_CASE("messages arrive with their source, reliable ones acknowledged, in all
   CHECK(sender.messages.empty());
 }
 
-TEST_CASE("what is acknowledged has arrived once and in order, over lossy ways in all placements",
+TEST_CASE("what is acknowledged has arrived once and in order, over lossy routes in all placements",
           "[communication][PAR-03][MCK-12][MCK-18][AM-04]") {
   const auto& x =
       test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
@@ -93,7 +93,7 @@ TEST_CASE("what is acknowledged has arrived once and in order, over lossy ways i
   CHECK(std::ranges::count(sender.acks, true) >= 36);
 }
 
-TEST_CASE("a reliable message to nobody fails after its attempts, in all placements",
+TEST_CASE("a reliable message without a receiver fails after its attempts, in all placements",
           "[communication][MCK-10][MCK-12]") {
   const auto& x =
       test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
@@ -148,7 +148,7 @@ TEST_CASE("a PC, or a mote of another island, reaches all motes of an island wit
   }
   CHECK(world.act(from, [&] {
     return sender.layer->send(1, broadcast_mote.value, bytes{'a'}, true, user_am_type);
-  }) == communication::FAIL); // nobody could acknowledge for all
+  }) == communication::FAIL); // none could acknowledge for all
   REQUIRE(world.act(from, [&] {
     return sender.layer->send(1, broadcast_mote.value, bytes{'a'}, false, user_am_type);
   }) == communication::SUCCESS);

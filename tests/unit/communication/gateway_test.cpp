@@ -36,7 +36,7 @@ std::vector<std::uint16_t> motes_of(const recorder& x) {
 
 } // namespace
 
-TEST_CASE("a gateway's programs hear of each mote that joins its island, nobody else does",
+TEST_CASE("a gateway's programs, and no others, are notified of each mote that joins its island",
           "[communication][MCK-15][DIS-03]") {
   const std::array places{mote_address{island_id{1}, no_mote}, mote_address{island_id{2}, no_mote},
                           mote_address{island_id{20}, no_mote},
@@ -107,7 +107,7 @@ TEST_CASE("a mote has no tuples; it shows in those of its own gateway alone",
   }
 }
 
-TEST_CASE("communications of a gateway start while its sink is heard",
+TEST_CASE("communications of a gateway start while its sink answers",
           "[communication][MCK-13][GW-15]") {
   gateway::gateway_config config;
   config.island = island_id{1};

@@ -51,7 +51,7 @@ TEST_CASE("a PC is joined when it starts, under its PEIS id",
   CHECK(packet->channel == 10);
 }
 
-TEST_CASE("a PC drops and counts what is malformed, for a mote, or of nobody's type",
+TEST_CASE("a PC drops and counts what is malformed, for a mote, or of an unknown type",
           "[communication][AM-01][AM-05]") {
   lone_pc x;
   CHECK(x.core.start(x.now).empty());

@@ -289,7 +289,7 @@ TEST_CASE("a program beside its node gets the answers and hears the events of on
   CHECK(created > 200);
 }
 
-TEST_CASE("what only the node can refuse is told by an event",
+TEST_CASE("what only the node can refuse is reported by an event",
           "[communication][PAR-05][AM-05][MCK-02][MCK-07][MCK-10]") {
   node_with_programs x(2);
   x.here.join();
@@ -329,7 +329,7 @@ TEST_CASE("what only the node can refuse is told by an event",
   CHECK(second.acks == std::vector<bool>(6, false));
 }
 
-TEST_CASE("what is closed while its answer is on its way has failed, once",
+TEST_CASE("what is closed while its answer is in transit has failed, once",
           "[communication][PAR-05]") {
   node_with_programs x;
   x.here.join();
@@ -354,7 +354,7 @@ TEST_CASE("what is closed while its answer is on its way has failed, once",
   CHECK(x.here.core.ports().synaptic.core().open_channels() == 1);
 }
 
-TEST_CASE("a write that the node refuses is told as the end of the stream",
+TEST_CASE("a write that the node refuses is reported as the end of the stream",
           "[communication][PAR-05]") {
   node_with_programs x;
   x.here.join();

@@ -92,9 +92,8 @@ TEST_CASE("records come in order over a stream opened in either order, in all pl
   CHECK(counters.repeated == 0);
 }
 
-TEST_CASE(
-    "who opens a stream is told how old a record can be, and none is older, in all placements",
-    "[communication][IF-05][PAR-05]") {
+TEST_CASE("who opens a stream learns how old a record can be, and none is older, in all placements",
+          "[communication][IF-05][PAR-05]") {
   const auto& placed =
       test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
@@ -174,8 +173,9 @@ TEST_CASE("the writer hears that the reader has closed, in all placements",
   CHECK(s.world.layer_of(s.x.to).ports().streams.core().open_streams() == 0);
 }
 
-TEST_CASE("opening towards nobody fails after the timeout and leaves nothing, in all placements",
-          "[communication][STR-19][MCK-02]") {
+TEST_CASE(
+    "opening towards an absent node fails after the timeout and leaves nothing, in all placements",
+    "[communication][STR-19][MCK-02]") {
   const auto& placed =
       test::placements[GENERATE(range(0U, test::placements_max, test::placements_step))];
   CAPTURE(placed.name);
@@ -191,7 +191,7 @@ TEST_CASE("opening towards nobody fails after the timeout and leaves nothing, in
   CHECK(s.world.layer_of(s.x.from).ports().channels.tunnels().size() == 0);
 }
 
-TEST_CASE("a reader that nobody writes to gives up, as does a writer that is closed, in all "
+TEST_CASE("a reader without a writer gives up, as does a writer that is closed, in all "
           "placements",
           "[communication][STR-19]") {
   const auto& placed =
@@ -214,7 +214,7 @@ TEST_CASE("a reader that nobody writes to gives up, as does a writer that is clo
   CHECK(layer.ports().channels.tunnels().size() == 0);
 }
 
-TEST_CASE("over lossy ways records come in order and once, and those lost are counted, in all "
+TEST_CASE("over lossy routes records come in order and once, and those lost are counted, in all "
           "placements",
           "[communication][STR-16][STR-18][PAR-02]") {
   const auto& placed =

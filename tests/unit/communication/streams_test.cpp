@@ -375,7 +375,7 @@ TEST_CASE("a mote joins while vectors are sent", "[communication][DIS-08][SYN-16
   CHECK(x.root().members() == 3);
 }
 
-TEST_CASE("a latency that the way cannot promise is not granted",
+TEST_CASE("a latency that the route cannot promise is not granted",
           "[communication][MCK-01][SYN-13][IF-05]") {
   struct row {
     std::uint8_t level;

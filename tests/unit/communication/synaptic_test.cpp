@@ -164,7 +164,7 @@ TEST_CASE("sizes that differ fail both ends, in all placements", "[communication
   CHECK(s.world.layer_of(s.x.to).ports().synaptic.core().open_channels() == 0);
 }
 
-TEST_CASE("the death of the out end is told as missed vectors and then as failure, in all "
+TEST_CASE("the death of the out end is reported as missed vectors and then as failure, in all "
           "placements",
           "[communication][SYN-10][SYN-17]") {
   const auto& placed =

@@ -94,7 +94,7 @@ TEST_CASE("a fold of text is that of its words, the first octet in the lowest bi
   }
 }
 
-TEST_CASE("times are written the way people read them", "[core]") {
+TEST_CASE("times are written as people read them", "[core]") {
   CHECK(to_text(instant{12s + 4160us}) == "12.004160");
   CHECK(to_text(duration{31s}) == "31 s");
   CHECK(to_text(duration{10min}) == "10 min");

@@ -188,8 +188,8 @@ TEST_CASE("what has come from another process is counted for its sender", "[core
 
 TEST_CASE("each end is notified once", "[core][ledger]") {
   const auto ledger = message_ledger::make();
-  std::vector<message_end> told;
-  ledger->observe([&](const message_end& x) { told.push_back(x); });
+  std::vector<message_end> ends;
+  ledger->observe([&](const message_end& x) { ends.push_back(x); });
   node mote("mote/kitchen/fan", *ledger);
   mote.now = instant(3s);
   const turn_of turn(&mote);
@@ -203,17 +203,17 @@ TEST_CASE("each end is notified once", "[core][ledger]") {
     const auto x = sent(message_kind::channel);
     note_loss(x.from, loss::channel_lost);
   }
-  REQUIRE(told.size() == 2);
-  CHECK(told[0].outcome == message_end::how::arrived);
-  CHECK(told[0].at == instant(3s));
-  CHECK(told[1].outcome == message_end::how::lost);
-  CHECK(told[1].cause == loss::channel_lost);
-  CHECK(told[1].kind == message_kind::channel);
-  CHECK(told[1].place == "mote/kitchen/fan");
+  REQUIRE(ends.size() == 2);
+  CHECK(ends[0].outcome == message_end::how::arrived);
+  CHECK(ends[0].at == instant(3s));
+  CHECK(ends[1].outcome == message_end::how::lost);
+  CHECK(ends[1].cause == loss::channel_lost);
+  CHECK(ends[1].kind == message_kind::channel);
+  CHECK(ends[1].place == "mote/kitchen/fan");
   auto open = sent();
   ledger->finish();
   open = packet{0, provenance::none()};
-  CHECK(told.size() == 2);
+  CHECK(ends.size() == 2);
   CHECK(tally(*ledger).in_transit() == 1);
 }
 

@@ -13,7 +13,7 @@ TEST_CASE("what disturbs a terminal or a log is shown, not done", "[core][NFR-01
   CHECK(printable("\xc2\x9b") == R"(\u009b)");           // C1 control CSI
   CHECK(printable("\xe2\x80\xae") == R"(\u202e)");       // turns the text round
   CHECK(printable("\xe2\x80\xa8") == R"(\u2028)");       // a line's end to some
-  CHECK(printable("\xf3\xa0\x80\xa0") == R"(\U0e0020)"); // a tag nobody sees
+  CHECK(printable("\xf3\xa0\x80\xa0") == R"(\U0e0020)"); // a tag that is not shown
   CHECK(printable("\xff"
                   "a\xc3") == R"(\xffa\xc3)");                   // never UTF-8; cut short
   CHECK(printable("\xc0\xaf") == R"(\xc0\xaf)");                 // overlong

@@ -35,7 +35,7 @@ struct waiting {
 TEST_CASE("nothing has a number while nothing is recorded", "[core]") {
   CHECK(provenance().number() == 0);
   CHECK(provenance::begin("message").number() == 0);
-  const turn_of nobody(nullptr);
+  const turn_of no_actor(nullptr);
   CHECK(provenance().number() == 0);
 }
 

@@ -14,7 +14,7 @@ TEST_CASE("copies of a list share their elements until one is edited", "[core]")
   CHECK(first.all() == std::vector<std::string>{"one", "two"});
   CHECK(second.all() == std::vector<std::string>{"one", "two", "three"});
   const auto* own = &second.all();
-  second.edit()[0] = "1"; // nobody shares it: it stays where it is
+  second.edit()[0] = "1"; // it is not shared: it stays where it is
   CHECK(&second.all() == own);
   CHECK(first[0] == "one");
   CHECK(second.at(0) == "1");

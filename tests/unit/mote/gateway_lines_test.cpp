@@ -43,14 +43,15 @@ TEST_CASE("with one gateway a sink asks nothing", "[mote][GW-14]") {
   CHECK(one.leader() == 0);
 }
 
-TEST_CASE("each gateway is asked, told its life, and one of them that it leads", "[mote][GW-14]") {
+TEST_CASE("each gateway is asked and gets its incarnation, and one of them that it leads",
+          "[mote][GW-14]") {
   gateway_lines x({.lines = 2}, {});
   auto asked = x.on_time({});
   REQUIRE(asked.size() == 2);
   CHECK(asked[0].what == network::gateway_poll{network::unknown_life, 1, true});
   CHECK(asked[1].what == network::gateway_poll{network::unknown_life, 1, false});
   x.on_answer(0, {4, 0}, instant{10ms});
-  CHECK(x.deadline() == instant{10ms}); // it cannot lead before it is told that it is known
+  CHECK(x.deadline() == instant{10ms}); // it cannot lead before it knows that it is registered
   asked = x.on_time(instant{10ms});
   CHECK(asked[0].what == network::gateway_poll{4, 1, true});
   CHECK(x.deadline() == instant{510ms});

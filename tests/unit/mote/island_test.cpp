@@ -51,7 +51,7 @@ TEST_CASE("motes join over three hops", "[mote][network][NET-11][DIS-08]") {
   CHECK(x.at(id(4)).packets().router().tree().hops() == 3);
   x.run_for(10min);
   CHECK(x.root().members() == 3);
-  CHECK(x.memberships.size() == 3); // nobody was lost in between
+  CHECK(x.memberships.size() == 3); // none was lost in between
 }
 
 TEST_CASE("a mote that has joined knows all ids of its island's gateways",
@@ -63,7 +63,7 @@ TEST_CASE("a mote that has joined knows all ids of its island's gateways",
   CHECK(x.at(id(3)).member().gateways() == std::vector{peer_id{1}, peer_id{21}, peer_id{22}});
 }
 
-TEST_CASE("a mote that has joined knows its island, its sink and the way to its gateway",
+TEST_CASE("a mote that has joined knows its island, its sink and the route to its gateway",
           "[mote][NFR-05]") {
   island_fixture x({.width = 3});
   test::recorder program;
@@ -199,7 +199,7 @@ TEST_CASE("reliable messages survive a lossy line of motes in both directions",
   CHECK(delivered >= acked);
 }
 
-TEST_CASE("a mote that is started again joins again and is told apart from its life before",
+TEST_CASE("a mote that is started again joins again and is distinguished from its life before",
           "[mote][network][DIS-07]") {
   const auto world = settled({.width = 4});
   auto& x = *world;
@@ -226,7 +226,7 @@ TEST_CASE("motes whose sink has started again join it again", "[mote][network][D
   CHECK(x.run_until([&x] { return x.root().members() == 3; }, 2min));
 }
 
-TEST_CASE("a mote that dies leaves, and those behind it too if there is no other way",
+TEST_CASE("a mote that dies leaves, and those behind it too if there is no other route",
           "[mote][network][DIS-06]") {
   const auto world = settled({.width = 4});
   auto& x = *world;

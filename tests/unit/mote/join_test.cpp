@@ -73,7 +73,7 @@ TEST_CASE("a mote asks, is answered, confirms and is in", "[mote][DIS-08]") {
     CHECK(pick<island_lost>(client.on_message(the_sink, rejoin_prompt{}, now)).size() == 1);
     CHECK(request_in(wait(client, now)).sequence != request.sequence);
   }
-  SECTION("a leaving mote tells its sink and falls silent") {
+  SECTION("a leaving mote notifies its sink and falls silent") {
     const auto bye = client.leave();
     CHECK(std::holds_alternative<leave_notice>(pick<to_registrar>(bye).at(0).message));
     CHECK_FALSE(client.deadline().has_value());

@@ -62,7 +62,7 @@ void send_down(island_fixture& x, island_id from, const transport::segment& segm
          encode(network::island_packet{from, self, segment.am_type, encode(segment)}));
 }
 
-/// A program that writes down what its mote's transducers and actuators tell.
+/// A program that records what its mote's transducers and actuators report.
 struct carried_by_mote final : communication_events {
   void transducersRead(std::span<const std::int16_t> all, std::uint32_t) override {
     counts.assign(all.begin(), all.end());
@@ -79,15 +79,15 @@ struct carried_by_mote final : communication_events {
 
 TEST_CASE("before it has joined a mote refuses to send", "[mote][MCK-16]") {
   auto x = lonely();
-  communication_events nobody;
-  auto program = x.attach(nobody);
+  communication_events no_program;
+  auto program = x.attach(no_program);
   CHECK_FALSE(program.send_numbered({own_island, neighbour}, bytes{1}, false, 10).has_value());
   CHECK(program.send(255, neighbour.value, bytes{1}, true, 10) == FAIL);
   CHECK(x.above().counters().before_join == 2);
   CHECK(x.settle({}).empty());
 }
 
-TEST_CASE("a mote without a way to a sink goes on looking for one and asks nobody",
+TEST_CASE("a mote without a route to a sink goes on looking for one and asks none",
           "[mote][DIS-08][NET-11]") {
   auto x = lonely();
   const auto begun = x.start({});
@@ -105,7 +105,8 @@ TEST_CASE("a mote without a way to a sink goes on looking for one and asks nobod
   CHECK_FALSE(x.member().joined());
 }
 
-TEST_CASE("a mote joins the island whose sink it hears and tells so", "[mote][DIS-08][MCK-14]") {
+TEST_CASE("a mote joins the island whose sink it receives and reports so",
+          "[mote][DIS-08][MCK-14]") {
   const auto world = joined_island();
   const auto& x = *world;
   REQUIRE(x.memberships.size() == 3);
@@ -208,7 +209,7 @@ TEST_CASE("a mote reads only the transducers and moves only the actuators it has
   CHECK(arrived == 2);
 }
 
-TEST_CASE("what a named program does and is told is seen by who observes its mote", "[mote]") {
+TEST_CASE("what a named program does and receives is seen by who observes its mote", "[mote]") {
   auto x = lonely();
   std::vector<std::string> seen;
   x.observe([&seen](const program_note& y) {
@@ -244,7 +245,7 @@ TEST_CASE("a leaving mote says goodbye and fails what it was waiting for", "[mot
   CHECK(x.outcomes.size() == 1);
 }
 
-TEST_CASE("frames nobody owns or nobody can read are counted and dropped", "[mote][AM-01]") {
+TEST_CASE("frames of an unknown type or form are counted and dropped", "[mote][AM-01]") {
   const auto world = joined_island();
   auto& x = *world;
   auto& here = x.at(self);

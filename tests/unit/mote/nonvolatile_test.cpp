@@ -45,13 +45,13 @@ TEST_CASE("a mote cut off at once is another in its next life all the same",
     world.start(lamp);
   }
   REQUIRE(world.run_until([&] { return world.joined() == 1; }, 1min));
-  std::optional<std::uint32_t> heard;
+  std::optional<std::uint32_t> received;
   for (const auto& x : world.up) {
     const auto event = network::decode_sink_event(x.payload);
     if (const auto* joined = event ? std::get_if<network::mote_joined>(&*event) : nullptr)
-      heard = joined->incarnation;
+      received = joined->incarnation;
   }
-  CHECK(heard == 5U);
+  CHECK(received == 5U);
 }
 
 TEST_CASE("a sink counts its starts, and no term of its gateways comes twice",
@@ -61,7 +61,7 @@ TEST_CASE("a sink counts its starts, and no term of its gateways comes twice",
   REQUIRE(begun.size() == 1);
   CHECK(begun[0].content == nonvolatile{1, 1});
   CHECK(first.incarnation() == 0);
-  // Nobody answers the first gateway's questions: the second takes over, in the next term.
+  // No answer to the first gateway's questions comes: the second takes over, in the next term.
   nonvolatile store = begun[0].content;
   for (instant now{}; now < instant{5s}; now = first.deadline()) {
     for (const auto& x : pick<store_nonvolatile>(first.on_time(now)))

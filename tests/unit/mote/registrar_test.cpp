@@ -75,7 +75,7 @@ TEST_CASE("any frame of a mote with our reply confirms it", "[mote][DIS-08]") {
   CHECK(events<mote_joined>(x.on_received(newcomer, instant{1s})).size() == 1);
 }
 
-TEST_CASE("a silent mote leaves after its window, a heard one stays", "[mote][DIS-06]") {
+TEST_CASE("a silent mote leaves after its window, one that sends stays", "[mote][DIS-06]") {
   auto x = make_registrar();
   static_cast<void>(request(x, instant{}));
   static_cast<void>(confirm(x, instant{}));
@@ -88,13 +88,13 @@ TEST_CASE("a silent mote leaves after its window, a heard one stays", "[mote][DI
   CHECK(x.members() == 0);
 }
 
-TEST_CASE("a silent mote has left for the reason that it has told last", "[mote][DIS-06][IF-13]") {
+TEST_CASE("a silent mote has left for the reason that it has sent last", "[mote][DIS-06][IF-13]") {
   using network::leave_cause;
-  const auto cause_after = [](std::vector<keep_alive> told) {
+  const auto cause_after = [](std::vector<keep_alive> sent) {
     auto x = make_registrar();
     static_cast<void>(request(x, instant{}));
     static_cast<void>(confirm(x, instant{}));
-    for (const auto& each : told)
+    for (const auto& each : sent)
       static_cast<void>(x.on_frame(newcomer, encode(each), instant{1s}));
     return events<mote_left>(x.on_time(instant{11s})).at(0).cause;
   };
@@ -108,7 +108,7 @@ TEST_CASE("a silent mote has left for the reason that it has told last", "[mote]
   CHECK(cause_after({{7, weak}}) == leave_cause::silence); // of another life
 }
 
-TEST_CASE("what a mote has told of itself ends when it joins anew", "[mote][DIS-06][IF-13]") {
+TEST_CASE("what a mote has sent of itself ends when it joins anew", "[mote][DIS-06][IF-13]") {
   auto x = make_registrar();
   static_cast<void>(request(x, instant{}));
   static_cast<void>(confirm(x, instant{}));
@@ -162,7 +162,7 @@ TEST_CASE("a rebooted mote is announced again without ever leaving", "[mote][DIS
   CHECK(in[0].incarnation == 1);
 }
 
-TEST_CASE("a member that reboots and then dies is told to have left", "[mote][DIS-06]") {
+TEST_CASE("a member that reboots and then dies is reported to have left", "[mote][DIS-06]") {
   auto x = make_registrar();
   static_cast<void>(request(x, instant{}));
   static_cast<void>(confirm(x, instant{}));
@@ -243,7 +243,7 @@ TEST_CASE("a roster that takes longer than its period is completed before the ne
   CHECK(named[2].size() == 1000);
 }
 
-TEST_CASE("the gateway's question about a mote is answered either way", "[mote][GW-15]") {
+TEST_CASE("the gateway's question about a mote is answered in either case", "[mote][GW-15]") {
   auto x = make_registrar();
   CHECK(events<mote_left>(x.on_describe(newcomer, instant{})).size() == 1);
   static_cast<void>(request(x, instant{}));
@@ -317,11 +317,11 @@ TEST_CASE("a sink takes no more members than it has room for", "[mote]") {
   CHECK(x.counters().malformed == 2);
 }
 
-TEST_CASE("a full list loses whoever has been silent for long", "[mote]") {
+TEST_CASE("a full list loses who has been silent for long", "[mote]") {
   registrar_config config;
   config.members_max = 2;
   registrar x(config);
-  for (const auto mote : {mote_id{2}, mote_id{3}}) { // who promise to be heard once a month
+  for (const auto mote : {mote_id{2}, mote_id{3}}) { // who promise to send once a month
     static_cast<void>(
         x.on_frame(mote, encode(join_request{1, 0, description(301, 2'592'000'000)}), instant{}));
     static_cast<void>(x.on_frame(mote, encode(join_confirm{1, 0, {}}), instant{}));
@@ -364,7 +364,7 @@ TEST_CASE("what somebody else has said about a mote does not last", "[mote][DIS-
 }
 
 TEST_CASE(
-    "a second mote with a member's id is refused and told once, the member's next life is not",
+    "a second mote with a member's id is refused and reported once, the member's next life is not",
     "[mote][ADR-04][DIS-07]") {
   const auto of_device = [](std::uint32_t device) {
     return encode(descriptor{301, 0, 1, 3000, device});
@@ -383,7 +383,7 @@ TEST_CASE(
       x.on_frame(newcomer, encode(join_confirm{9, 3, of_device(0xa1)}), instant{}));
   REQUIRE(joined.size() == 1);
 
-  SECTION("refused while the member is heard, whatever life it claims") {
+  SECTION("refused while the member sends, whatever life it claims") {
     const auto out = ask(x, 0xb2, 3, instant{5s});
     CHECK(refusals(out) == 1);
     REQUIRE(test::pick<double_refused>(out).size() == 1);
@@ -404,7 +404,7 @@ TEST_CASE(
         x.on_frame(newcomer, encode(join_confirm{9, 4, of_device(0xa1)}), instant{6s}));
     REQUIRE(reborn.size() == 1);
     CHECK(reborn[0].incarnation == 4);
-    CHECK(ask(x, 0xa1, 3, instant{7s}).empty()); // it was on the way for long
+    CHECK(ask(x, 0xa1, 3, instant{7s}).empty()); // it was in transit for long
     CHECK(x.counters().outdated == 1);
     CHECK(events<mote_joined>(x.on_describe(newcomer, instant{8s})).at(0).incarnation == 4);
   }
@@ -416,7 +416,7 @@ TEST_CASE(
     CHECK(test::pick<to_mote>(x.on_frame(newcomer, encode(keep_alive{3, {}, 0xa1}), instant{6s}))
               .empty());
   }
-  SECTION("who does not tell its device is taken for the member, as before") {
+  SECTION("who does not name its device is taken for the member, as before") {
     CHECK(refusals(ask(x, 0, 4, instant{5s})) == 0);
   }
 }

@@ -105,7 +105,7 @@ TEST_CASE("a sink drops and counts what it cannot read", "[mote]") {
   CHECK(x.counters().unknown_type == 1);
 }
 
-TEST_CASE("a packet for a mote to which a sink knows no way is dropped and counted",
+TEST_CASE("a packet for a mote to which a sink knows no route is dropped and counted",
           "[mote][RTG-05]") {
   auto x = make_sink();
   CHECK(x.on_packet(network::am::from_gateway,
@@ -165,7 +165,7 @@ TEST_CASE("a sink asks for the time and gives it to its island's clock", "[mote]
   run_until(instant(4s));
   CHECK(x.packets().router().clock().network_time(instant(4s)) == 1003s - 5ms);
 
-  run_until(instant(5s)); // the line is in use for 80 ms, later for 40 ms that the answer tells
+  run_until(instant(5s)); // the line is in use for 80 ms, later for 40 ms that the answer gives
   REQUIRE(asked.size() > 1);
   x.on_question_delayed(80ms);
   const auto last =
@@ -192,8 +192,8 @@ TEST_CASE("fragments of packets of two motes do not mix", "[mote][NET-14]") {
   const auto hear = [&](std::uint16_t mote, const bytes& fragment) {
     bytes content{network::am::packet};
     content.insert(content.end(), fragment.begin(), fragment.end());
-    const network::content_in heard{mote_id{mote}, false, std::move(content)};
-    for (const auto& each : pick<packet_in>(x.carry({heard}, {})))
+    const network::content_in arrived{mote_id{mote}, false, std::move(content)};
+    for (const auto& each : pick<packet_in>(x.carry({arrived}, {})))
       whole.push_back(each.packet.body);
   };
   const auto a = cut('a');

@@ -36,7 +36,8 @@ TEST_CASE("slots do not overlap, and a gap is used again", "[mote][SYN-16]") {
   CHECK(x.counters().moved == 0);
 }
 
-TEST_CASE("a mote that knows its slot is not told again, one that does not is", "[mote][SYN-16]") {
+TEST_CASE("a mote that knows its slot is not notified again, one that does not is",
+          "[mote][SYN-16]") {
   auto x = table();
   static_cast<void>(x.on_notice(a, 30, {}, instant{}));
   CHECK(x.on_notice(a, 30, {0, 30}, instant{1s}).empty());
@@ -45,7 +46,7 @@ TEST_CASE("a mote that knows its slot is not told again, one that does not is", 
   CHECK(x.slot_of(a) == slot_run{0, 40});
 }
 
-TEST_CASE("slots are put together where gaps are too short, and whoever is moved is told",
+TEST_CASE("slots are put together where gaps are too short, and who is moved is notified",
           "[mote][SYN-16]") {
   auto x = table();
   static_cast<void>(x.on_notice(a, 30, {}, instant{}));
@@ -59,7 +60,7 @@ TEST_CASE("slots are put together where gaps are too short, and whoever is moved
 
 TEST_CASE("a tick without room refuses, at its limit it does not", "[mote][SYN-16]") {
   auto x = table();
-  CHECK(x.on_notice(a, 101, {}, instant{}) == std::vector{a}); // told that it has none
+  CHECK(x.on_notice(a, 101, {}, instant{}) == std::vector{a}); // notified that it has none
   CHECK(x.slot_of(a) == slot_run{});
   CHECK(x.counters().refused == 1);
   CHECK(x.on_notice(a, 100, {}, instant{}) == std::vector{a});

@@ -289,7 +289,7 @@ TEST_CASE("garbage over Bluetooth ends its own link only", "[peer][GEN-06][LNK-0
   raw_device silent(p.medium, robot_device, peis::hello_port);
   CHECK(p.until([&] { return silent.closed; }));
   std::vector<std::unique_ptr<raw_device>> crowd;
-  for (std::size_t i = 0; i < bluetooth_links::hellos_max + 1; ++i) {
+  for (std::size_t i = 0; i < bluetooth_hellos::hellos_max + 1; ++i) {
     crowd.push_back(std::make_unique<raw_device>(p.medium, robot_device, peis::hello_port));
     CHECK(p.until([&] { return true; }));
     p.medium.loop.poll();

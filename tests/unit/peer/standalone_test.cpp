@@ -44,7 +44,7 @@ bool is_watch(const watch_result& x) {
 
 } // namespace
 
-TEST_CASE("tuples pass between two peers in every way", "[peer][TUP-04][TUP-05][TUP-07]") {
+TEST_CASE("tuples pass between two peers in every form", "[peer][TUP-04][TUP-05][TUP-07]") {
   standalone_peers p;
   std::vector<std::string> seen;
   REQUIRE(is_watch(p.b->tuples().subscribe(
@@ -100,19 +100,19 @@ TEST_CASE("a blocking read ends when the tuple comes, or with its time", "[peer]
 
 TEST_CASE("messages reach all hooks of a port in their order", "[peer][API-02][API-05][API-07]") {
   standalone_peers p;
-  std::vector<std::string> heard;
+  std::vector<std::string> received;
   CHECK(p.a->messages().register_hook(
-      30, [&](const auto& x) { heard.push_back("1" + to_string(x.octets.view())); }));
+      30, [&](const auto& x) { received.push_back("1" + to_string(x.octets.view())); }));
   CHECK(p.a->messages().register_hook(
-      30, [&](const auto& x) { heard.push_back("2" + to_string(x.octets.view())); }));
+      30, [&](const auto& x) { received.push_back("2" + to_string(x.octets.view())); }));
   CHECK(!p.a->messages().register_hook(19, [](const auto&) {}));
   CHECK(p.await([&](auto then) {
     p.b->messages().send(30, peer_id{1}, to_bytes("x"), true, peis::priority::high, then);
   }) == peis::cause::none);
-  CHECK(p.run([&] { return heard.size() == 2; }));
+  CHECK(p.run([&] { return received.size() == 2; }));
   CHECK(p.b->messages().broadcast(30, to_bytes("y")) == peis::cause::none);
-  CHECK(p.run([&] { return heard.size() == 4; }));
-  CHECK(heard == std::vector<std::string>{"1x", "2x", "1y", "2y"});
+  CHECK(p.run([&] { return received.size() == 4; }));
+  CHECK(received == std::vector<std::string>{"1x", "2x", "1y", "2y"});
   CHECK(p.b->messages().send(30, peer_id{77}, to_bytes("x"), true) == peis::cause::no_route);
   CHECK(p.b->messages().broadcast(30, bytes(1025)) == peis::cause::too_long);
 }
@@ -137,12 +137,12 @@ TEST_CASE("callbacks may call, wait and watch", "[peer][CB-03][CB-04]") {
   CHECK(p.run([&] { return p.a->tuples().get(peer_id{1}, "seen").content != nullptr; }));
 }
 
-TEST_CASE("a way is traced", "[peer][API-12]") {
+TEST_CASE("a route is traced", "[peer][API-12]") {
   standalone_peers p;
-  const auto way =
+  const auto route =
       p.b->messages().trace(peer_id{1}, test::patience); // the other answers on the same loop
-  REQUIRE(way);
-  CHECK(*way == std::vector<peer_id>{peer_id{2}, peer_id{1}, peer_id{2}});
+  REQUIRE(route);
+  CHECK(*route == std::vector<peer_id>{peer_id{2}, peer_id{1}, peer_id{2}});
 }
 
 TEST_CASE("who leaves is forgotten at once and may come back", "[peer][KH-04]") {
@@ -177,7 +177,7 @@ TEST_CASE("large values flow through bounded queues", "[peer][TUP-21]") {
   CHECK(most <= tcp_links::window + peis::header_size + peis::data_max);
 }
 
-TEST_CASE("nobody is let near the network unasked", "[peer]") {
+TEST_CASE("no stranger is let near the network unasked", "[peer]") {
   io::loop loop;
   const auto x = test::open(loop, test::config_of(1));
   const auto addresses = x->links().addresses();
@@ -200,7 +200,7 @@ TEST_CASE("an address that cannot be listened on is refused", "[peer]") {
   CHECK(std::get<std::string>(x).starts_with("cannot listen on 192.0.2.1:0: "));
 }
 
-TEST_CASE("attempts that fail are told, whatever the medium", "[peer][LNK-05][LNK-07]") {
+TEST_CASE("attempts that fail are reported, whatever the medium", "[peer][LNK-05][LNK-07]") {
   io::loop loop;
   auto config = test::config_of(1);
   std::vector<std::string> warnings;
@@ -239,7 +239,7 @@ TEST_CASE("work of a period is done when it is due, of period zero in each step"
     CHECK(due[i] - begin >= (i + 1) * 20ms);
 }
 
-TEST_CASE("steps that come too rarely are told", "[peer][SCH-05]") {
+TEST_CASE("steps that come too rarely are reported", "[peer][SCH-05]") {
   io::loop loop;
   auto config = test::config_of(1);
   std::vector<std::string> warnings;

@@ -128,9 +128,9 @@ TEST_CASE("two kernels over UDP set, subscribe, ask and send as over TCP",
   REQUIRE(p.a->tuples().remove("room.lamp") == peis::cause::none);
   CHECK(p.run([&] { return seen.size() == 3; }));
   CHECK(seen == std::vector<std::string>{"on", "off", "gone"});
-  const auto way = p.b->messages().trace(peer_id{1}, test::patience);
-  REQUIRE(way);
-  CHECK(way->size() == 3);
+  const auto route = p.b->messages().trace(peer_id{1}, test::patience);
+  REQUIRE(route);
+  CHECK(route->size() == 3);
 }
 
 TEST_CASE("large values flow over UDP through bounded queues", "[peer][UDP-01][TUP-21]") {
@@ -200,7 +200,7 @@ TEST_CASE("a link over UDP ends with its peer, and comes back with it", "[peer][
   CHECK(p.run([&] { return changes == std::vector{false, true}; }));
 }
 
-TEST_CASE("a way over UDP that is cut is noticed, and used again when it is mended",
+TEST_CASE("a route over UDP that is cut is noticed, and used again when it is mended",
           "[peer][UDP-01][KH-05]") {
   udp_peers p(0.0);
   p.relay->set_loss(1);

@@ -6,7 +6,7 @@ rubicon_unit_test(unit.peis SOURCES
   unit/peis/tuples/pending_feeds_test.cpp unit/peis/tuples/subscriber_feed_test.cpp
   unit/peis/tuples/tuple_limits_test.cpp unit/peis/tuples/tuple_pushes_test.cpp unit/peis/tuples/tuple_read_test.cpp unit/peis/tuples/tuple_statistics_test.cpp unit/peis/tuples/meta_test.cpp unit/peis/kernel_test.cpp unit/peis/kernel_parts_test.cpp unit/peis/kernel_clients_test.cpp unit/peis/overlay/simulated_media_test.cpp
   unit/peis/network_test.cpp unit/peis/ecology_test.cpp unit/peis/overlay/identity_test.cpp unit/peis/network_golden_test.cpp unit/peis/overlay/connection_manager_test.cpp unit/peis/package_walk_test.cpp
-  unit/peis/requirements_test.cpp unit/peis/overlay/transit_test.cpp unit/peis/overlay/bluetooth_test.cpp unit/peis/overlay/hci_inquiry_test.cpp unit/peis/overlay/budget_test.cpp unit/peis/udp_test.cpp unit/peis/overlay/hostile_test.cpp unit/peis/overlay/limits_test.cpp
+  unit/peis/requirements_test.cpp unit/peis/overlay/transit_test.cpp unit/peis/overlay/bluetooth_test.cpp unit/peis/overlay/hci_inquiry_test.cpp unit/peis/overlay/budget_test.cpp unit/peis/udp_test.cpp unit/peis/udp_parts_test.cpp unit/peis/overlay/hostile_test.cpp unit/peis/overlay/limits_test.cpp
   EVERYWHERE unit/peis/overlay/incarnations_test.cpp unit/peis/originals_test.cpp unit/peis/fixture.cpp
   NEEDS rubicon_peis
   DEFINE RUBICON_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

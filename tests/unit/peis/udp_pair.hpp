@@ -37,7 +37,7 @@ public:
     std::vector<udp_token> opened;
     std::vector<udp_token> closed;
     std::vector<attempt_id> refused;
-    instant busy_until{}; ///< of the bottleneck on its way out
+    instant busy_until{}; ///< of the bottleneck towards the other end
     std::size_t held_max = 0;
   };
 

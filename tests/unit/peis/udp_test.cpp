@@ -300,10 +300,9 @@ TEST_CASE("an end that is no more is noticed", "[peis][UDP-01]") {
   }
 }
 
-TEST_CASE("an attempt ends when nobody answers, or whoever does will not have it",
-          "[peis][UDP-01][LNK-07]") {
+TEST_CASE("an attempt ends when no answer comes, or a refusal", "[peis][UDP-01][LNK-07]") {
   udp_port_config config;
-  SECTION("nobody") {
+  SECTION("no answer") {
     udp_pair x({}, 1, config);
     x.network.loss = 1;
     x.a.port.connect(attempt_id{9}, udp_pair::b_address, 3s, x.now);
@@ -372,7 +371,7 @@ TEST_CASE("a cookie is good at its own address, for its own session, and for a w
   CHECK_FALSE(udp_cookies({3, 5}).is_good(cookie, here, session, instant{1s}));
 }
 
-TEST_CASE("a session is not disturbed by who is not on its way", "[peis][UDP-01]") {
+TEST_CASE("a session is not disturbed by who is not on its path", "[peis][UDP-01]") {
   udp_pair x;
   const auto session = x.open();
   const udp_address elsewhere{{10, 0, 0, 9}, 9};

@@ -279,7 +279,7 @@ TEST_CASE("a write that was given up and then fails does not end its request", "
   CHECK(lines_of(channel.on_time(start + 21s)) == lines{">on"});
 }
 
-TEST_CASE("a request that waits to be written again gives way", "[proxy][PXY-12]") {
+TEST_CASE("a request that waits to be written again yields", "[proxy][PXY-12]") {
   input_channel channel(20s, 30s);
   static_cast<void>(channel.add(ask("on"), start));
   static_cast<void>(channel.on_status({1, pending}, start));

@@ -94,7 +94,7 @@ TEST_CASE("each mote has a proxy of its own, also with equal ids in two islands"
   CHECK(x.aut.running() == 3);
 }
 
-TEST_CASE("a proxy is told when its mote goes and returns", "[proxy][PXY-15][PXY-16]") {
+TEST_CASE("a proxy is notified when its mote goes and returns", "[proxy][PXY-15][PXY-16]") {
   text_manager x;
   x.devices("{1,7}");
   x.type(1, 100);
@@ -203,7 +203,7 @@ TEST_CASE("malformed percepts are counted and change nothing", "[proxy][GW-03][G
   CHECK(x.devices("{7}").empty());
 }
 
-TEST_CASE("tuples of a gateway find their way by their keys", "[proxy][PXY-14][PXY-19]") {
+TEST_CASE("tuples of a gateway are routed by their keys", "[proxy][PXY-14][PXY-19]") {
   text_manager x;
   const bytes list{'{', '7', '}', 0};
   CHECK(x.aut.on_gateway_tuple(kitchen, "devices", list, now).empty());

@@ -56,7 +56,7 @@ struct perceived_milk {
 
 } // namespace
 
-TEST_CASE("interfaces tell what they perceive in tuples of their own", "[core][PXY-02]") {
+TEST_CASE("interfaces publish what they perceive in tuples of their own", "[core][PXY-02]") {
   for (const auto* key :
        {"interface.hall.channel", "interface.hall.position", "interface.hall.objects",
         "interface.hall.objects.e00401.rssi", "interface.hall.objects.e00401.memory"}) {
@@ -94,7 +94,8 @@ TEST_CASE("a tagged object's proxy knows it from the table", "[proxy][PXY-05]") 
   CHECK(other.prefix() == "things.e0049999");
 }
 
-TEST_CASE("the memory of a tag becomes readings, whoever reads it", "[proxy][PXY-04][PXY-05]") {
+TEST_CASE("the memory of a tag becomes readings, whichever reader has it",
+          "[proxy][PXY-04][PXY-05]") {
   perceived_milk x;
   const auto read = [&](peer_id owner, const bytes& memory) {
     return lines_of(
@@ -132,7 +133,7 @@ TEST_CASE("a proxy follows its object from one interface to the next",
         lines{"things.milk.interface = hall", "things.milk.position = 5.00 2.00 1.00"});
 }
 
-TEST_CASE("an object that nobody perceives for a while is lost where it was last",
+TEST_CASE("an object that is not perceived for a while is lost where it was last",
           "[proxy][PXY-16][PXY-20]") {
   perceived_milk x;
   static_cast<void>(x.strength(kitchen_pc, "kitchen", "-40", start + 1s));
@@ -152,7 +153,7 @@ TEST_CASE("an object that nobody perceives for a while is lost where it was last
   CHECK(lines_of(never.on_time(start + 2s)).back() == "things.milk.status = lost");
 }
 
-TEST_CASE("every object that a class claims gets one proxy, others are told of once",
+TEST_CASE("every object that a class claims gets one proxy, others are reported once",
           "[proxy][PXY-01][PXY-09][PXY-10][PXY-11]") {
   auto cold = milk_boxes();
   cold.name = "cold milk";

@@ -41,10 +41,10 @@ TEST_CASE("a proxy watches its inputs and its mote's channels, each once",
 TEST_CASE("a stamp is the whole network time, as far as its 32 bits go and beyond",
           "[proxy][PXY-04]") {
   auto what = climate();
-  CHECK_FALSE(face(what, identity()).wants_clock());
+  CHECK_FALSE(reads_times(what));
   what.fields = {{"time", 1, 2, encoding::stamp, 0.001, 0, 3, "s", {}}};
   face aut(what, identity());
-  CHECK(aut.wants_clock());
+  CHECK(reads_times(what));
   const auto at = [&](std::int64_t ms, instant now) {
     bytes octets{0, 0};
     for (int shift = 24; shift >= 0; shift -= 8)
@@ -53,7 +53,7 @@ TEST_CASE("a stamp is the whole network time, as far as its 32 bits go and beyon
   };
   static_cast<void>(aut.start(start));
   constexpr std::int64_t wrap = 1LL << 32;
-  CHECK(at(700 * wrap - 1, start) == lines{base + "time = 4294967.295"}); // nobody knows the rest
+  CHECK(at(700 * wrap - 1, start) == lines{base + "time = 4294967.295"}); // the rest is not known
   aut.on_clock(std::chrono::milliseconds(500 * wrap));
   CHECK(at(500 * wrap - 1, start) == lines{base + "time = 2147483647.999"});
   CHECK(at(500 * wrap + 1, start) == lines{base + "time = 2147483648.001"});
@@ -69,7 +69,7 @@ TEST_CASE("a proxy consumes percepts of its own mote alone", "[proxy][PXY-08]") 
   CHECK_FALSE(aut.consumes(signature{"rfid", "5/7", 142}));
 }
 
-TEST_CASE("every message is told as readings, equal ones too", "[proxy][PXY-04][CB-01]") {
+TEST_CASE("every message is published as readings, equal ones too", "[proxy][PXY-04][CB-01]") {
   auto aut = started();
   CHECK(aut.values().empty());
   for (int i = 0; i < 2; ++i)
@@ -81,7 +81,7 @@ TEST_CASE("every message is told as readings, equal ones too", "[proxy][PXY-04][
   CHECK(aut.counters().messages == 3);
 }
 
-TEST_CASE("messages that do not fit the class are counted and not told", "[proxy][PXY-04]") {
+TEST_CASE("messages that do not fit the class are counted and not published", "[proxy][PXY-04]") {
   auto aut = started();
   CHECK(aut.on_output(1, bytes{0x00, 0xdf}, start).empty());
   CHECK(aut.on_output(2, bytes{}, start).empty());
@@ -173,7 +173,8 @@ TEST_CASE("an input that may be any tuple is the one that its meta tuple points 
   CHECK(longer.counters().bad_keys > before);
 }
 
-TEST_CASE("what a request is expected to take is told from those before it", "[proxy][IF-07]") {
+TEST_CASE("what a request is expected to take is estimated from those before it",
+          "[proxy][IF-07]") {
   auto aut = started();
   std::uint64_t number = 0;
   const auto take = [&](duration taken) {
@@ -234,7 +235,7 @@ TEST_CASE("a lost mote shows, and the same proxy carries on when it returns",
   }
 }
 
-TEST_CASE("a mote whose sink is not heard is stale, and why it has left may be told later",
+TEST_CASE("a mote whose sink is silent is stale, and why it has left may be reported later",
           "[proxy][PXY-16][GW-15]") {
   auto aut = started();
   CHECK(lines_of(aut.on_presence(device_presence::stale, {}, start + 5s)) ==
@@ -328,7 +329,7 @@ TEST_CASE("news of a mote that is lost do not put the end of its proxy off", "[p
   CHECK(lines_of(aut.on_time(start + 65s)) == lines{"retire"});
 }
 
-TEST_CASE("a gateway's tuples find their way by their keys", "[proxy][PXY-08][PXY-14]") {
+TEST_CASE("a gateway's tuples are routed by their keys", "[proxy][PXY-08][PXY-14]") {
   auto aut = started();
   CHECK(lines_of(aut.on_gateway_tuple("devices.7.output.2", bytes{0}, start)) ==
         lines{base + "state = off"});

@@ -42,9 +42,10 @@ TEST_CASE("a field is read from a stream", "[proxy][PXY-18]") {
   what.fields.push_back(outside);
   face aut(what, identity());
   static_cast<void>(aut.start(start));
-  REQUIRE(aut.streams().size() == 1);
-  CHECK(aut.streams().front().number == 2);
-  CHECK(aut.streams().front().every == 3s);
+  const auto read = streams_of(aut.what());
+  REQUIRE(read.size() == 1);
+  CHECK(read.front().number == 2);
+  CHECK(read.front().every == 3s);
   CHECK(aut.watches().size() == face(climate(), identity()).watches().size());
   CHECK(lines_of(aut.on_record(2, -15, 0, start)) ==
         lines{base + "outside = -1.5", base + "outside.freshness = fresh"});
@@ -59,7 +60,7 @@ TEST_CASE("readings have a latency, learned from the times that they hold", "[pr
   what.stamped_channels = {1};
   face aut(what, identity());
   static_cast<void>(aut.start(start));
-  CHECK(aut.wants_clock());
+  CHECK(reads_times(what));
   constexpr duration ahead = 24h * 20000 + 7ms;
   const auto message = [&](instant at) {
     byte_writer out;
@@ -186,7 +187,7 @@ TEST_CASE("a proxy computes the mean that its class wants, unless the mote does"
   CHECK(temperatures() == lines{key + "1.0", key + "2.0", key + "4.1", key + "4.0"});
 }
 
-TEST_CASE("an input of numbers tells its range and its unit", "[proxy][PXY-12]") {
+TEST_CASE("an input of numbers publishes its range and its unit", "[proxy][PXY-12]") {
   auto what = climate();
   what.inputs = {{"level", 2, {}}};
   what.inputs[0].numbers = rubicon::proxy::number_form{encoding::u8, 0.5, 0, 0, 100.25};
@@ -227,7 +228,7 @@ TEST_CASE("a proxy goes by its class as it is now", "[proxy][ACT-10]") {
                                         start))
               .size() == 2);
   }
-  SECTION("its fields are read in another way") {
+  SECTION("its fields are read in another form") {
     CHECK(changed([](auto& x) {
             x.field = "temperature";
             x.unit = "K";

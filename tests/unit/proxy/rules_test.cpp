@@ -118,7 +118,7 @@ TEST_CASE("rules share keys, whatever their letter case", "[proxy][rules][TUP-03
   CHECK(aut.on_value("hall.temperature", "0", instant{}) == writes{{"kitchen.fan.switch", "off"}});
 }
 
-TEST_CASE("a new owner is told the word that stands", "[proxy][rules]") {
+TEST_CASE("a new owner is sent the word that stands", "[proxy][rules]") {
   rules aut({heat()});
   CHECK(aut.on_owner("kitchen.fan.switch", instant{}).empty());
   CHECK(word_at(aut, "30") == "on");
@@ -350,7 +350,7 @@ TEST_CASE("with a condition a time of day decides by what holds then", "[proxy][
   const auto value = [&aut](const char* text, duration when) {
     return aut.on_value("kitchen.climate.temperature", text, at(when));
   };
-  CHECK(aut.on_time(at(7h)).empty()); // nobody knows
+  CHECK(aut.on_time(at(7h)).empty()); // it is not known
   CHECK(value("30", 8h).empty());
   CHECK(value("20", 9h).empty());
   CHECK(value("26", 30h).empty());
@@ -363,14 +363,14 @@ TEST_CASE("with a condition a time of day decides by what holds then", "[proxy][
   CHECK(aut.deadline() == at(103h));
 }
 
-TEST_CASE("a rule writes what another tuple tells at that moment", "[proxy][rules]") {
+TEST_CASE("a rule writes what another tuple holds at that moment", "[proxy][rules]") {
   rule x;
   x.daily = 1h;
   x.writes = {{"robot.goal", "", "", false, "home.Plan"}};
   rules aut({x}, 0s);
   CHECK(aut.watched() == std::vector<std::string>{"home.Plan"});
   aut.start(at(0s));
-  CHECK(aut.on_time(at(1h)).empty()); // nobody has it
+  CHECK(aut.on_time(at(1h)).empty()); // no peer has it
   CHECK(aut.on_value("home.plan", "clean", at(2h)).empty());
   CHECK(aut.on_value("home.plan", "cook", at(3h)).empty());
   CHECK(aut.counters().unwatched == 0);
@@ -403,7 +403,7 @@ struct written {
 
 } // namespace
 
-TEST_CASE("a write that its owner has is accepted, and nobody is told", "[proxy][rules]") {
+TEST_CASE("a write that its owner has is accepted, and not reported", "[proxy][rules]") {
   written x;
   x.ends(write_end::accepted, 1ms);
   CHECK(x.counted() == write_counters{1, 1, 0, 0, 0});
@@ -480,7 +480,7 @@ TEST_CASE("with `retry = false` a write that is lost is lost", "[proxy][rules]")
   CHECK(gone.aut.on_owner(key, at(5s), true).empty());
 }
 
-TEST_CASE("a word that waits is told of after a while, and replaced by the next",
+TEST_CASE("a word that waits is reported after a while, and replaced by the next",
           "[proxy][rules]") {
   written x;
   x.aut.on_unowned(key, at(0s));
@@ -493,7 +493,7 @@ TEST_CASE("a word that waits is told of after a while, and replaced by the next"
   CHECK(x.counted() == write_counters{2, 0, 0, 1, 0});
 }
 
-TEST_CASE("the first text of a tuple that is no number is told", "[proxy][rules]") {
+TEST_CASE("the first text of a tuple that is no number is reported", "[proxy][rules]") {
   rules aut({heat()});
   CHECK(word_at(aut, "27,5").empty());
   CHECK(word_at(aut, "nan").empty());

@@ -9,7 +9,7 @@ using namespace scheduler_test;
 
 namespace {
 
-/// Tells how many of its like there are.
+/// Counts how many of its like there are.
 struct token {
   std::shared_ptr<int> held;
 
@@ -26,7 +26,7 @@ struct parcel_interface : extends<mark_interface, parcel> {};
 using parcel_actor = ref<parcel_interface>;
 using parcel_pointer = actor_pointer<counted_state, parcel_actor>;
 
-/// Drops parcels and, told by a mark, quits.
+/// Drops parcels and, at a mark, quits.
 parcel_actor::behavior_type receiver(parcel_pointer self) {
   return {[](const parcel&) {}, [self](mark) { self->quit(); }};
 }
@@ -99,24 +99,24 @@ TEST_CASE("a handle stands for all that takes the same messages and more", "[sch
   CHECK(part.address() == made.address());
 }
 
-TEST_CASE("what is sent to nobody is dropped", "[scheduler]") {
+TEST_CASE("what is sent to no actor is dropped", "[scheduler]") {
   world world;
-  const mark_actor nobody;
-  const auto sender = world.spawn("", [nobody](mark_pointer self) -> mark_actor::behavior_type {
-    self->send(nobody, mark{});
-    self->delayed_send(nobody, 1s, mark{});
-    self->scheduled_send(nobody, instant(1s), mark{});
+  const mark_actor no_actor;
+  const auto sender = world.spawn("", [no_actor](mark_pointer self) -> mark_actor::behavior_type {
+    self->send(no_actor, mark{});
+    self->delayed_send(no_actor, 1s, mark{});
+    self->scheduled_send(no_actor, instant(1s), mark{});
     return {[](mark) {}};
   });
-  post(nobody, mark{});
-  post_after(nobody, 1s, mark{});
-  post_at(nobody, instant(1s), mark{});
-  post_exit(nobody, caf::exit_reason::kill);
+  post(no_actor, mark{});
+  post_after(no_actor, 1s, mark{});
+  post_at(no_actor, instant(1s), mark{});
+  post_exit(no_actor, caf::exit_reason::kill);
   world.run_for(2s);
   CHECK(world.stats().timeouts == 0);
-  CHECK(!nobody);
-  CHECK(nobody == nullptr);
-  CHECK(nobody.id() == 0);
+  CHECK(!no_actor);
+  CHECK(no_actor == nullptr);
+  CHECK(no_actor.id() == 0);
 }
 
 TEST_CASE("an actor knows who has sent what it handles", "[scheduler]") {
@@ -136,7 +136,7 @@ TEST_CASE("an actor knows who has sent what it handles", "[scheduler]") {
   CHECK(senders == std::vector<caf::actor_id>{from.id(), from.id(), 0});
 }
 
-TEST_CASE("a message tells its name and its fields", "[scheduler]") {
+TEST_CASE("a message shows its name and its fields", "[scheduler]") {
   CHECK(make_envelope(mark{3})->text() == "mark(value=3)");
   CHECK(make_envelope(introduction{1, {}, 2})->text() ==
         "introduction(value=1, who=nobody, after=2)");
@@ -159,7 +159,7 @@ TEST_CASE("a copy of a message is the same, and another", "[scheduler]") {
   CHECK(&y->type() == &x->type());
   CHECK(y->text() == x->text());
   CHECK(y->as<parcel>()->what.held == held);
-  CHECK(y->sender == 0); // nobody has sent it yet
+  CHECK(y->sender == 0); // it is not sent yet
   CHECK(y->next == nullptr);
   x.reset();
   CHECK(held.use_count() == 2);
@@ -219,7 +219,7 @@ TEST_CASE("a mailbox is first in, first out, and owns what is in it", "[schedule
   CHECK(held.use_count() == 1);
 }
 
-TEST_CASE("a mailbox drops its messages when its actor ends, whoever holds a handle",
+TEST_CASE("a mailbox drops its messages when its actor ends, even while there are handles",
           "[scheduler][ACT-12]") {
   world world;
   const auto held = std::make_shared<int>(0);

@@ -1,4 +1,5 @@
-// Logical processes: whoever runs ahead of whom, on however many threads, what happens is the same.
+// Logical processes: whichever runs ahead of which, on however many threads, what happens is the
+// same.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -19,7 +20,7 @@ struct talker_state {
   std::vector<mark_actor> near;
   std::vector<std::pair<mark_actor, duration>> far; ///< and the delay to each
   mark_actor boss;
-  std::uint64_t heard = 0;
+  std::uint64_t received = 0;
 };
 
 struct talker_interface : extends<mark_interface, introduction> {};
@@ -29,12 +30,13 @@ using talker_pointer = actor_pointer<talker_state, talker_actor>;
 constexpr int tell_boss = 1'000'000;
 constexpr int fall_over = 2'000'000;
 
-/// Sends marks near and far as its dice fall, tells the boss now and then, and falls over if told.
+/// Sends marks near and far as its dice fall, reports to the boss now and then, and fails on
+/// request.
 talker_actor::behavior_type talker(talker_pointer self, std::uint64_t seed) {
   self->state.rng = random_stream(seed, self->path());
   return {[self](mark x) {
             auto& state = self->state;
-            ++state.heard;
+            ++state.received;
             if (x.value == fall_over || state.rng.below(300) == 0)
               throw std::runtime_error("fell over");
             if (x.value > 60)
@@ -140,7 +142,7 @@ mark_actor::behavior_type boss(boss_pointer self, std::uint64_t seed, outcome* r
     if (result->stopped != nullptr && its.log.size() == result->stop_after)
       result->stopped->request_stop();
     if (x.value >= tell_boss) {
-      // It does something about it, at once and later, at who has told and elsewhere.
+      // It does something about it, at once and later, at the sender and elsewhere.
       if (x.value % 4 == 0)
         self->send(its.ever.at(self->sender()), mark{50});
       if (x.value % 2 == 0)

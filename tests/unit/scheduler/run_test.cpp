@@ -120,7 +120,7 @@ TEST_CASE("draining gives up on actors that never come to rest", "[scheduler][AC
   CHECK(world.stats().resumes == 10);
 }
 
-TEST_CASE("actors told to leave have left after a drain", "[scheduler][ACT-11]") {
+TEST_CASE("actors asked to leave have left after a drain", "[scheduler][ACT-11]") {
   world world;
   const auto one = world.spawn("", mute);
   world.run_for(1s);

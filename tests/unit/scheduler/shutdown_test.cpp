@@ -156,7 +156,7 @@ TEST_CASE("killing ends actors that handles keep alive, with and without a first
   CHECK(counted_state::alive == 0);
   post(one, mark{});
   post(two, mark{});
-  CHECK(world.drain(0)); // nobody is there to become ready
+  CHECK(world.drain(0)); // there is no actor to become ready
 }
 
 TEST_CASE("handles that outlive the shutdown do no harm", "[scheduler][ACT-11]") {

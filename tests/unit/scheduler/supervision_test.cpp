@@ -105,7 +105,7 @@ std::string text_of(const caf::error& x) {
 
 } // namespace
 
-TEST_CASE("a supervisor is told of an exception and restarts the one actor that threw it",
+TEST_CASE("a supervisor is notified of an exception and restarts the one actor that threw it",
           "[scheduler][GEN-07]") {
   captured_stderr captured;
   supervisor_log log;
@@ -128,7 +128,7 @@ TEST_CASE("a supervisor is told of an exception and restarts the one actor that 
   CHECK(log.reasons[1].find("unknown exception") != std::string::npos);
 }
 
-TEST_CASE("a supervisor is told of an actor that fails in its behaviour function",
+TEST_CASE("a supervisor is notified of an actor that fails in its behaviour function",
           "[scheduler][GEN-07]") {
   captured_stderr captured;
   supervisor_log log;
@@ -221,7 +221,7 @@ TEST_CASE("who quits ends after what it is doing, with its reason or none", "[sc
   CHECK(after == 2);
 }
 
-TEST_CASE("all who monitor an actor are told of its end once, and who comes late at once",
+TEST_CASE("all who monitor an actor are notified of its end once, and who comes late at once",
           "[scheduler]") {
   world world;
   std::vector<caf::error> first;
@@ -256,7 +256,7 @@ TEST_CASE("an exit handler is asked before the end, unless somebody kills", "[sc
   });
   const auto meek = world.spawn("", mute);
   for (const auto& x : {stubborn, meek}) {
-    post_exit(x, caf::exit_reason::normal); // who ends in good order takes nobody along
+    post_exit(x, caf::exit_reason::normal); // who ends in good order takes none along
     world.run_for(1ms);
     CHECK(!x.get().has_ended());
     post_exit(x, caf::exit_reason::user_shutdown);

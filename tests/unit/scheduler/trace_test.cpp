@@ -134,7 +134,7 @@ TEST_CASE("what the end of a world causes does not show in its trace", "[schedul
   world.run_for(1s);
   const auto hash = world.trace().hash();
   CHECK(hash != untouched);
-  world.shutdown(); // the child ends first, and its monitor is told
+  world.shutdown(); // the child ends first, and its monitor is notified
   CHECK(world.trace().hash() == hash);
   CHECK(world.trace().events() == 1);
 }
@@ -238,7 +238,7 @@ TEST_CASE("a watcher sees what its kind of actors is delivered, and changes no t
   CHECK(run(true) == run(false));
 }
 
-TEST_CASE("a delivery tells what its sender was handling, and whether anybody hears it",
+TEST_CASE("a delivery has what its sender was handling, and whether it is received",
           "[scheduler]") {
   world world;
   std::vector<std::vector<std::uint64_t>> seen; // number, cause, received
@@ -294,7 +294,7 @@ TEST_CASE("a remark reaches observers and leaves the trace alone", "[scheduler][
   CHECK(run(true) == run(false));
 }
 
-TEST_CASE("every kind of value is folded, each in its own way", "[scheduler][ACT-05]") {
+TEST_CASE("every kind of value is folded, each in its own form", "[scheduler][ACT-05]") {
   const auto fold = [](auto... x) {
     fold64 result;
     (fold_content(result, x), ...);

@@ -163,7 +163,7 @@ TEST_CASE("no function of a library works without bound", "[script]") {
   CHECK(output_of("print(('a.b'):find('.', 1, true), ('a-b'):gsub('[^%w]', '+'))").size() == 1);
 }
 
-TEST_CASE("errors say where and by which way", "[script]") {
+TEST_CASE("errors say where and by which calls", "[script]") {
   const auto text = failure_of("local function f(x)\n  return x.y.z\nend\nfunction g()\n  "
                                "f({})\n  return 1\nend\ng()\n");
   CHECK(has(text, "test.lua:2: attempt to index a nil value (field 'y')"));

@@ -29,7 +29,7 @@ TEST_CASE("a peer's XML and its bitmask say the same", "[smepp][SMP-11]") {
                                    "  <transducer type=\"light\"/>\n</peer>\n");
 }
 
-TEST_CASE("XML may be laid out as XML may", "[smepp][SMP-11]") {
+TEST_CASE("XML may be formatted as XML may", "[smepp][SMP-11]") {
   const auto x =
       parse_peer_description("<?xml version=\"1.0\" encoding='UTF-8'?>\n<!-- a mote -->\n"
                              "<peer id = '12' >\n<!-- two --><transducer\n type='led' />"
@@ -83,7 +83,7 @@ TEST_CASE("a group's description is checked", "[smepp][SMP-04][SMP-05]") {
   x.name = "kitchen";
   CHECK(x.is_valid());
   x.is_closed = true;
-  CHECK_FALSE(x.is_valid()); // without a key nobody could enter
+  CHECK_FALSE(x.is_valid()); // without a key none could enter
   x.master = key();
   CHECK(x.is_valid());
   x.management = {2s, 100ms};

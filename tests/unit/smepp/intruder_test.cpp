@@ -246,7 +246,7 @@ TEST_CASE("a proven event is taken once, and no false one in its place",
   relay.say(1, mote_id{2}, mote_id{1}, seen, group, keys.front().id, keys);
   CHECK(w.signals<receive_result>(1).size() == 41);
 
-  SECTION("a false one with the next number, at the subscriber and on the way") {
+  SECTION("a false one with the next number, at the subscriber and on the route") {
     auto lie = seen;
     for (std::uint16_t i = 0; i < 3; ++i) {
       lie.sequence = static_cast<std::uint16_t>(seen.sequence + 41 + i);

@@ -75,7 +75,7 @@ public:
   void power_on(std::size_t i); ///< with what its store holds
   /// Whether two can hear each other, besides being neighbours.
   void cut(std::function<bool(std::size_t, std::size_t)> is_cut) { is_cut_ = std::move(is_cut); }
-  /// Somebody sends this, whoever it says it is.
+  /// A node sends this, whatever sender it names.
   void inject(std::size_t to, mote_id from, mote_id receiver, const bytes& octets);
 
   // ---- what has happened

@@ -53,7 +53,7 @@ TEST_CASE("an expression is arithmetic as it is written", "[translate][SVC-09]")
   CHECK(value(r.text, r.x) == r.result);
 }
 
-TEST_CASE("a mistake in an expression is told with its place", "[translate][SVC-09][GEN-06]") {
+TEST_CASE("a mistake in an expression is reported with its place", "[translate][SVC-09][GEN-06]") {
   struct row {
     std::string text;
     const char* problem;

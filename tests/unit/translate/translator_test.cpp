@@ -32,7 +32,7 @@ lines texts_of(const translator::outputs& outputs) {
 
 } // namespace
 
-TEST_CASE("a pattern tells what its stars stand for", "[translate][SVC-09][TUP-03]") {
+TEST_CASE("a pattern returns what its stars stand for", "[translate][SVC-09][TUP-03]") {
   using stars = std::vector<std::string>;
   CHECK(match("kitchen.*.ad0", "Kitchen.mote-7.AD0") == stars{"mote-7"});
   CHECK(match("*.*", "a.b") == stars{"a", "b"});

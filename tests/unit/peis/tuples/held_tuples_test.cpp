@@ -92,7 +92,7 @@ TEST_CASE("a late deletion does not remove a newer value", "[peis][TUP-16][TUP-1
   CHECK(s.counted().outdated == 2);
 }
 
-TEST_CASE("pushes of nobody's interest or in somebody's name are dropped", "[peis][TUP-08]") {
+TEST_CASE("pushes without a subscription or in another's name are dropped", "[peis][TUP-08]") {
   lone_subscriber s;
   CHECK(s.push(hostile).empty());
   CHECK(s.counted().malformed == 1);
@@ -204,7 +204,7 @@ TEST_CASE("repairs end after some attempts", "[peis][TUP-07]") {
   CHECK(!s.p.held.deadline());
 }
 
-TEST_CASE("notices of nobody's interest or in somebody's name are dropped", "[peis][TUP-07]") {
+TEST_CASE("notices without a subscription or in another's name are dropped", "[peis][TUP-07]") {
   lone_subscriber s;
   static_cast<void>(s.p.local.remove(subscription_id{1}));
   CHECK(s.notice("one", " two").empty());

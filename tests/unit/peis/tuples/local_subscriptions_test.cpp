@@ -79,8 +79,8 @@ TEST_CASE("callbacks watch own tuples, but do not want them", "[peis][TUP-23]") 
   static_cast<void>(s.add(any_peer, "a", 1, interest::callback));
   static_cast<void>(s.add(robot, "b", 2));
   static_cast<void>(s.add(me, "c.d", 3));
-  const subscriber_table nobody;
-  const tuple_audience audience(s.x, nobody);
+  const subscriber_table no_subscribers;
+  const tuple_audience audience(s.x, no_subscribers);
   CHECK(!audience.has_subscriber(name_of("a")));
   CHECK(audience.is_watched(name_of("a")));
   CHECK(!audience.is_watched(name_of("b"))); // of another owner

@@ -1,4 +1,4 @@
-// A tuple space alone, what it sends, and a network that acknowledges when it is told to.
+// A tuple space alone, what it sends, and a network that acknowledges when it is asked to.
 #pragma once
 
 #include <algorithm>
@@ -62,8 +62,8 @@ inline bytes append_request_for(std::string_view pattern, std::size_t size) {
 struct lone_space {
   tuple_space x;
   instant now = start;
-  std::vector<transmit> sent; ///< and not acknowledged yet
-  std::size_t told = 0;       ///< all that was ever sent
+  std::vector<transmit> sent;  ///< and not acknowledged yet
+  std::size_t sent_so_far = 0; ///< all that was ever sent
 
   /// Hosts 2 to 9 are known to the network.
   explicit lone_space(tuple_space_config config = {}) : x(config, me, offset) {
@@ -79,7 +79,7 @@ struct lone_space {
         ++count;
       }
     }
-    told += count;
+    sent_so_far += count;
     return count;
   }
   void set(std::string_view name, std::size_t size = 1) {

@@ -38,7 +38,7 @@ struct workshop {
                                                                   subscription_id{5}, w.now()));
     w.run_for(200ms);
   }
-  [[nodiscard]] std::string told(peer_id who) const {
+  [[nodiscard]] std::string notified(peer_id who) const {
     std::string all;
     for (const auto& x : w.all<tuple_changed>(who)) {
       CHECK(x.subscription == subscription_id{5});
@@ -99,7 +99,7 @@ TEST_CASE("declaring makes an empty reference and keeps one that is there", "[pe
   CHECK(kernel.meta_tuples().is_meta_tuple(p.consumer, "mi-in"));
   CHECK(kernel.reader().find(p.consumer, "mi-in")->text() == "(META -1 NULL)");
   p.follow(p.consumer);
-  CHECK(p.told(p.consumer).empty());
+  CHECK(p.notified(p.consumer).empty());
   p.point_at(p.first);
   p.declare();
   CHECK(kernel.reader().find(p.consumer, "mi-in")->text() == "(META 2 out)");
@@ -114,22 +114,22 @@ TEST_CASE("one write switches a consumer from one producer to another", "[peis][
   p.produce(p.second, "x");
   p.follow(reader);
   p.point_at(p.first);
-  CHECK(p.told(reader) == "2a ");
+  CHECK(p.notified(reader) == "2a ");
   p.produce(p.first, "b");
   p.w.run_for(200ms);
-  p.produce(p.first, "c"); // on its way while the reference changes
+  p.produce(p.first, "c"); // in transit while the reference changes
   p.point_at(p.second);
-  const auto told = p.told(reader);
-  CHECK(told.substr(0, 6) == "2a 2b ");
-  CHECK(told.find("3x") != std::string::npos);
+  const auto notified = p.notified(reader);
+  CHECK(notified.substr(0, 6) == "2a 2b ");
+  CHECK(notified.find("3x") != std::string::npos);
   p.produce(p.first, "d");
   p.produce(p.second, "y");
   p.w.run_for(200ms);
-  const auto after = p.told(reader).substr(told.find("3x"));
+  const auto after = p.notified(reader).substr(notified.find("3x"));
   CHECK(after == "3x 3y ");
   CHECK(!p.w.at(p.first).reader().has_subscriber("out"));
   p.point_at(p.second); // the same again: nothing is repeated
-  CHECK(p.told(reader).substr(told.find("3x")) == "3x 3y ");
+  CHECK(p.notified(reader).substr(notified.find("3x")) == "3x 3y ");
 }
 
 TEST_CASE("an unset or broken reference delivers nothing", "[peis][META-02][META-03]") {
@@ -161,10 +161,10 @@ TEST_CASE("an unset or broken reference delivers nothing", "[peis][META-02][META
     p.produce(p.first, "lost");
     p.w.run_for(200ms);
   }
-  CHECK(p.told(p.consumer) == "2a ");
+  CHECK(p.notified(p.consumer) == "2a ");
   CHECK(!p.w.at(p.first).reader().has_subscriber("out"));
   p.point_at(p.first);
-  CHECK(p.told(p.consumer) == "2a 2lost ");
+  CHECK(p.notified(p.consumer) == "2a 2lost ");
 }
 
 TEST_CASE("reading and writing go through the reference", "[peis][META-02][TUP-24]") {
@@ -200,7 +200,7 @@ TEST_CASE("reading and writing go through the reference", "[peis][META-02][TUP-2
   CHECK(std::get<outcome>(refused.at(0)).why == cause::abstract);
 }
 
-TEST_CASE("an indirect callback asks nobody and ends like others", "[peis][META-02][CB-04]") {
+TEST_CASE("an indirect callback sends no request and ends like others", "[peis][META-02][CB-04]") {
   workshop p;
   p.declare();
   p.point_at(p.first);
@@ -209,11 +209,11 @@ TEST_CASE("an indirect callback asks nobody and ends like others", "[peis][META-
                               p.consumer, "mi-in", subscription_id{5}, p.w.now()));
   p.produce(p.first, "a");
   p.w.run_for(200ms);
-  CHECK(p.told(p.consumer).empty());
+  CHECK(p.notified(p.consumer).empty());
   CHECK(!p.w.at(p.first).reader().has_subscriber("out"));
   p.point_at(p.consumer);
   p.produce(p.consumer, "b");
-  CHECK(p.told(p.consumer) == "1b ");
+  CHECK(p.notified(p.consumer) == "1b ");
   const auto taken =
       kernel.subscriptions().subscribe(any_peer, "z", subscription_id{5}, p.w.now(), request_id{1});
   CHECK(std::get<outcome>(taken.at(0)).why == cause::bad_handle);
@@ -221,7 +221,7 @@ TEST_CASE("an indirect callback asks nobody and ends like others", "[peis][META-
               kernel.subscriptions().unsubscribe(subscription_id{5}, p.w.now(), request_id{2}));
   CHECK(p.w.all<outcome>(p.consumer).back().success);
   p.produce(p.consumer, "c");
-  CHECK(p.told(p.consumer) == "1b ");
+  CHECK(p.notified(p.consumer) == "1b ");
   CHECK(kernel.counters().tuples.subscriptions == 0);
 }
 

@@ -214,7 +214,7 @@ TEST_CASE("who subscribes between appends gets all of them once", "[peis][TUP-07
   CHECK(p.held(p.b) == "01234");
 }
 
-TEST_CASE("who asked for a certain value is not told of appends it may not hold",
+TEST_CASE("who asked for a certain value is not notified of appends it may not hold",
           "[peis][TUP-07]") {
   pair_with_log p;
   const auto c = p.w.add(3);

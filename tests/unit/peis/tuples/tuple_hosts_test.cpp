@@ -58,7 +58,7 @@ TEST_CASE("only an unmarked host that comes back as the same gets its subscripti
   CHECK(return_as(false, 7, 8) == 0);
   CHECK(return_as(false, 0, 0) == 0);
   CHECK(return_as(true, 7, 7) == 0);
-  x.vanish(hostile, prototypes(3)); // nobody knew it
+  x.vanish(hostile, prototypes(3)); // it was not known
   CHECK(x.appear(hostile, false, 7).empty());
 }
 

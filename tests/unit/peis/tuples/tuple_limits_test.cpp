@@ -157,7 +157,7 @@ TEST_CASE("tuples of another owner have a limit of octets and go with it", "[pei
   b.take(b.x.on_message(port::push, robot, message_of(tuple_of(robot, "t", 100)),
                         b.now)); // still room for others
   CHECK(b.x.stored().content(robot, name_of("t")) != nullptr);
-  // What grows beyond the limit is told as gone: its old value would be wrong.
+  // What grows beyond the limit is reported as gone: its old value would be wrong.
   const auto grown =
       b.x.on_message(port::push, hostile, message_of(tuple_of(hostile, "k0", 900'000, 1)), b.now);
   REQUIRE(grown.size() == 1);
@@ -213,7 +213,7 @@ TEST_CASE("what a writer leaves behind stays if it is little", "[peis][TUP-05][T
   CHECK(b.x.stored().content(me, name_of("from-robot")) == nullptr);
 }
 
-TEST_CASE("hosts that nobody knows are few, and forgotten when they fall silent",
+TEST_CASE("hosts that are unknown are few, and forgotten when they fall silent",
           "[peis][TUP-08][P2P-09]") {
   tuple_space_config config;
   config.strangers_max = 3;

@@ -13,7 +13,7 @@ std::size_t steps_for(std::size_t tuples) {
   b.fill(tuples);
   b.subscribe(robot, "a.*");
   b.work_off();
-  CHECK(b.told == tuples);
+  CHECK(b.sent_so_far == tuples);
   return b.counted().steps;
 }
 
@@ -27,10 +27,10 @@ TEST_CASE("what many tuples match is sent in pieces, each once", "[peis][TUP-08]
   for (int i = 0; i < 1000; ++i)
     most = std::max(most, b.turn());
   CHECK(most <= 512);
-  CHECK(b.told == 2048); // nothing is acknowledged: no more may be in flight
+  CHECK(b.sent_so_far == 2048); // nothing is acknowledged: no more may be in flight
   b.acknowledge();
   b.work_off();
-  CHECK(b.told == 10'000);
+  CHECK(b.sent_so_far == 10'000);
   CHECK(b.counted().debtors == 0);
   CHECK(b.counted().pushes_octets == 0);
 }
@@ -46,7 +46,7 @@ TEST_CASE("the work for a subscription grows with the tuples that it may match",
   b.subscribe(robot, "b.*"); // no tuple begins so
   b.subscribe(robot, "a.k77");
   CHECK(b.counted().steps < 100);
-  CHECK(b.told == 1);
+  CHECK(b.sent_so_far == 1);
 }
 
 TEST_CASE("equal subscriptions cost no more than two", "[peis][TUP-08][NFR-09]") {
@@ -58,7 +58,8 @@ TEST_CASE("equal subscriptions cost no more than two", "[peis][TUP-08][NFR-09]")
   CHECK(at_once <= 64);
   CHECK(b.counted().subscribers == 1);
   b.work_off();
-  CHECK(b.told == 20'000); // a real kernel's repeat is answered, if not more often than it can take
+  CHECK(b.sent_so_far ==
+        20'000); // a real kernel's repeat is answered, if not more often than it can take
 }
 
 TEST_CASE("who takes nothing does not delay others", "[peis][TUP-18]") {
@@ -67,15 +68,15 @@ TEST_CASE("who takes nothing does not delay others", "[peis][TUP-18]") {
   b.subscribe(hostile, "a.*");
   for (int i = 0; i < 100; ++i)
     b.turn();
-  const auto held_back = b.told;
+  const auto held_back = b.sent_so_far;
   CHECK(b.subscribe(robot, "a.k5") == 1);
   b.take(b.x.set(name_of("a.k5"), text_content("new"), b.now).second);
-  REQUIRE(b.told == held_back + 2);
+  REQUIRE(b.sent_so_far == held_back + 2);
   CHECK(b.sent.back().destination == robot);
   CHECK(b.counted().pushes_deferred == 1);
 }
 
-/// Whoever subscribes in the name of hosts that nobody can reach makes many debtors, which fail
+/// Who subscribes in the name of hosts that cannot be reached makes many debtors, which fail
 /// again and again.
 TEST_CASE("debtors that cannot be reached cost their own tries only", "[peis][TUP-18][P2P-09]") {
   lone_space b;
@@ -85,22 +86,22 @@ TEST_CASE("debtors that cannot be reached cost their own tries only", "[peis][TU
   b.set("a");
   b.fail_all();
   REQUIRE(b.counted().debtors == ghosts);
-  const auto told = b.told;
+  const auto sent_so_far = b.sent_so_far;
   static_cast<void>(b.x.take_work());
   for (std::size_t i = 0; i < 50; ++i)
     b.set("a", i + 2);
-  CHECK(b.told == told); // they are tried again in their time
+  CHECK(b.sent_so_far == sent_so_far); // they are tried again in their time
   CHECK(b.x.take_work() >= 50 * ghosts / 8);
   b.now += 900ms;
   CHECK(b.x.deadline() > b.now);
   b.now += 100ms;
   for (int i = 0; i < 20; ++i)
     b.turn();
-  CHECK(b.told == told + ghosts); // of the newest value, once each
+  CHECK(b.sent_so_far == sent_so_far + ghosts); // of the newest value, once each
   CHECK(b.sent.back().content.size() > 51);
 }
 
-TEST_CASE("a stranger that becomes known is told at once what it has missed", "[peis][TUP-18]") {
+TEST_CASE("a stranger that becomes known is sent at once what it has missed", "[peis][TUP-18]") {
   lone_space b;
   const peer_id late{1000};
   b.subscribe(late, "a");
@@ -138,20 +139,20 @@ TEST_CASE("of values that found no room only the newest is sent, deletions too",
   for (const auto* name : {"a", "b", "c", "d", "e", "f"})
     b.set(name);
   b.subscribe(robot, "");
-  CHECK(b.told == 4);
+  CHECK(b.sent_so_far == 4);
   for (std::size_t i = 0; i < 50; ++i) {
     b.set("a", i + 2);
     b.turn();
   }
   b.take(b.x.remove(name_of("b"), b.now));
-  CHECK(b.told == 4);
+  CHECK(b.sent_so_far == 4);
   for (int i = 0; i < 20; ++i) {
     auto before = b.sent;
     b.acknowledge();
     b.turn();
   }
-  CHECK(b.told >= 8);
-  CHECK(b.told <= 10);
+  CHECK(b.sent_so_far >= 8);
+  CHECK(b.sent_so_far <= 10);
   CHECK(b.counted().debtors == 0);
 }
 
@@ -173,11 +174,11 @@ TEST_CASE("each value that a newer one overtakes is counted, and a writer can wa
   CHECK(b.x.is_waiting(name_of("a")) == !waits);
   b.work_off();
   CHECK(!b.x.is_waiting(name_of("a")));
-  CHECK(b.told + b.counted().pushes_overtaken == 100);
-  CHECK(b.told == (waits ? 100 : 5));
+  CHECK(b.sent_so_far + b.counted().pushes_overtaken == 100);
+  CHECK(b.sent_so_far == (waits ? 100 : 5));
 }
 
-TEST_CASE("a deletion that found no room is told later", "[peis][TUP-16]") {
+TEST_CASE("a deletion that found no room is sent later", "[peis][TUP-16]") {
   tuple_space_config config;
   config.pushes.messages_max = 1;
   lone_space b(config);
@@ -209,7 +210,7 @@ TEST_CASE("a host that fails gets one message at a time until it takes it", "[pe
   b.acknowledge();
   b.work_off();
   CHECK(b.counted().debtors == 0);
-  CHECK(b.told == 200);
+  CHECK(b.sent_so_far == 200);
 }
 
 TEST_CASE("who misses too many values is looked through again", "[peis][TUP-18]") {
@@ -219,15 +220,15 @@ TEST_CASE("who misses too many values is looked through again", "[peis][TUP-18]"
   lone_space b(config);
   b.subscribe(robot, "a.*");
   b.fill(11);
-  CHECK(b.told == 1);
+  CHECK(b.sent_so_far == 1);
   CHECK(b.counted().resyncs == 0);
   b.set("a.k11");
   CHECK(b.counted().resyncs == 1);
   b.work_off();
   for (int i = 0; i < 100; ++i)
     b.acknowledge();
-  CHECK(b.told >= 12);
-  CHECK(b.told <= 14);
+  CHECK(b.sent_so_far >= 12);
+  CHECK(b.sent_so_far <= 14);
   CHECK(b.counted().debtors == 0);
 }
 
@@ -248,7 +249,7 @@ TEST_CASE("pushes in flight have a limit of octets, for one host and for all", "
   CHECK(b.sent.back().destination == peer_id{20});
   b.work_off();
   CHECK(b.counted().pushes_octets == 0);
-  CHECK(b.told == 90); // 8 times 11, and "small" as a change and as what is there already
+  CHECK(b.sent_so_far == 90); // 8 times 11, and "small" as a change and as what is there already
 }
 
 TEST_CASE("appends that wait have a limit of octets", "[peis][TUP-07]") {
@@ -283,12 +284,12 @@ TEST_CASE("a host is asked everything, however much it is, and once", "[peis][TU
   CHECK(b.take(b.x.on_host_appeared(robot, false, b.now)) <= 64);
   for (int i = 0; i < 100; ++i)
     b.turn();
-  CHECK(b.told == 2048);
+  CHECK(b.sent_so_far == 2048);
   b.fail(robot); // all of them
   b.turn();      // a second later
   b.work_off();
   CHECK(b.counted().debtors == 0);
-  CHECK(b.told == count + 2048);
+  CHECK(b.sent_so_far == count + 2048);
   CHECK(b.counted().steps < 12 * (count + 2048));
 }
 

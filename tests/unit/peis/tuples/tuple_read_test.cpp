@@ -85,7 +85,7 @@ TEST_CASE("a prototype travels with all its fields", "[peis][TUP-08]") {
   CHECK(!(again->wanted == x));
 }
 
-TEST_CASE("a subscription by prototype asks for and tells of nothing else", "[peis][TUP-08]") {
+TEST_CASE("a subscription by prototype requests and reports nothing else", "[peis][TUP-08]") {
   world w;
   const auto a = w.add(1);
   const auto b = w.add(2);
@@ -172,7 +172,7 @@ TEST_CASE("an abstract tuple cannot be inserted", "[peis][TUP-06][TUP-24]") {
   CHECK(why(y) == cause::bad_value);
 }
 
-TEST_CASE("reading one tuple tells whether it is new", "[peis][TUP-12]") {
+TEST_CASE("reading one tuple returns whether it is new", "[peis][TUP-12]") {
   lone_kernel k;
   k.set("a.b", "1");
   const auto get = [&](read_mode mode) { return k.x.reader().get(peer_id{1}, "A.b", mode, start); };
@@ -225,7 +225,7 @@ TEST_CASE("a result set gathers what several queries find", "[peis][TUP-13][TUP-
   result_set found;
   w.at(me).reader().get_all(prototype_of(any_peer, named("t")), found, w.now());
   w.at(me).reader().get_all(prototype_of(any_peer, named("a")), found, w.now());
-  CHECK(w.packages.empty()); // nobody was asked
+  CHECK(w.packages.empty()); // none was asked
   CHECK(found.size() == 5);
   std::string all;
   CHECK(found.value().why == cause::bad_index); // before the first
@@ -246,7 +246,7 @@ TEST_CASE("a result set gathers what several queries find", "[peis][TUP-13][TUP-
   CHECK(found.is_empty());
 }
 
-TEST_CASE("callbacks tell of what arrives and ask nobody for it", "[peis][CB-01][CB-04]") {
+TEST_CASE("callbacks are notified of what arrives and request nothing", "[peis][CB-01][CB-04]") {
   world w;
   const auto a = w.add(1);
   const auto b = w.add(2);
@@ -260,14 +260,15 @@ TEST_CASE("callbacks tell of what arrives and ask nobody for it", "[peis][CB-01]
   CHECK(!w.at(b).reader().find(a, "x"));
   w.perform(b, w.at(b).subscriptions().subscribe(a, "x", subscription_id{1}, w.now()));
   w.run_for(100ms);
-  w.perform(a, w.at(a).tuples().set("x", text_content("1"), w.now())); // equal: told all the same
+  w.perform(a,
+            w.at(a).tuples().set("x", text_content("1"), w.now())); // equal: notified all the same
   w.run_for(100ms);
   w.perform(a, w.at(a).tuples().remove("x", w.now()));
   w.run_for(100ms);
-  std::size_t told = 0;
+  std::size_t notified = 0;
   for (const auto& x : w.all<tuple_changed>(b))
-    told += x.subscription == subscription_id{9} ? 1 : 0;
-  CHECK(told == 2);
+    notified += x.subscription == subscription_id{9} ? 1 : 0;
+  CHECK(notified == 2);
   CHECK(w.all<tuple_deleted>(b).size() == 2);
   w.perform(b, w.at(b).subscriptions().unsubscribe(subscription_id{9}, w.now(), request_id{1}));
   CHECK(w.all<outcome>(b).back().success);
@@ -300,10 +301,10 @@ TEST_CASE("10 000 updates at full speed are 10 000 calls in order", "[peis][CB-0
       w.run_for(30ms);
   }
   w.run_for(1s);
-  const auto told = w.all<tuple_changed>(b);
-  REQUIRE(told.size() == 10'000);
-  for (std::size_t i = 0; i < told.size(); ++i)
-    CHECK(told[i].content->text() == std::to_string(i));
+  const auto notified = w.all<tuple_changed>(b);
+  REQUIRE(notified.size() == 10'000);
+  for (std::size_t i = 0; i < notified.size(); ++i)
+    CHECK(notified[i].content->text() == std::to_string(i));
 }
 
 TEST_CASE("each failure has its cause", "[peis][TUP-24]") {

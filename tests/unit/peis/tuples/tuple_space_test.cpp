@@ -66,7 +66,7 @@ TEST_CASE("a refresh of an unknown subscription counts as a new one", "[peis][TU
   CHECK(!x.deadline()); // nothing left to watch
 }
 
-TEST_CASE("real kernels are told nothing of lifetimes and nothing twice", "[peis][TUP-10]") {
+TEST_CASE("real kernels are sent nothing of lifetimes and nothing twice", "[peis][TUP-10]") {
   auto x = space();
   subscribe(x, "a");
   const auto check = [&](peer_id host, bool marked) {

@@ -23,7 +23,7 @@ struct observed_pair {
     w.perform(who, w.at(who).subscriptions().subscribe(a, name, subscription_id{1}, w.now()));
     w.run_for(10ms);
   }
-  [[nodiscard]] std::vector<std::string> told(peer_id who) const {
+  [[nodiscard]] std::vector<std::string> notified(peer_id who) const {
     std::vector<std::string> all;
     for (const auto& x : w.all<tuple_changed>(who))
       all.emplace_back(x.content->text());
@@ -68,17 +68,17 @@ TEST_CASE("looking at statistics computes them and sends nothing", "[peis][TUP-2
   CHECK(p.read("kernel.traffic") != before);
 }
 
-TEST_CASE("statistics are told while somebody watches them", "[peis][TUP-22][SCH-06]") {
+TEST_CASE("statistics are sent while there is a subscription", "[peis][TUP-22][SCH-06]") {
   observed_pair p;
   const auto who = GENERATE(peer_id{1}, peer_id{2});
   for (int i = 0; i < 100; ++i)
     p.w.at(p.a).note_step(4ms);
   p.subscribe(who, "kernel.step-time");
-  CHECK(p.told(who) == std::vector<std::string>{"0.0040"});
+  CHECK(p.notified(who) == std::vector<std::string>{"0.0040"});
   p.w.at(p.a).note_step(104ms);
   p.w.run_for(20s);
-  REQUIRE(p.told(who).size() == 5); // each 5 s
-  CHECK(p.told(who)[1] == "0.0140");
+  REQUIRE(p.notified(who).size() == 5); // each 5 s
+  CHECK(p.notified(who)[1] == "0.0140");
   p.w.perform(who, p.w.at(who).subscriptions().unsubscribe(subscription_id{1}, p.w.now()));
   p.w.run_for(1s);
   const auto sets = p.w.at(p.a).counters().tuples.sets;
@@ -86,7 +86,7 @@ TEST_CASE("statistics are told while somebody watches them", "[peis][TUP-22][SCH
   CHECK(p.w.at(p.a).counters().tuples.sets == sets);
 }
 
-TEST_CASE("all keys are told when they change, at most once a second", "[peis][TUP-22]") {
+TEST_CASE("all keys are sent when they change, at most once a second", "[peis][TUP-22]") {
   observed_pair p;
   p.subscribe(p.b, "kernel.all-keys");
   p.w.clear_logs();
@@ -96,18 +96,18 @@ TEST_CASE("all keys are told when they change, at most once a second", "[peis][T
     p.w.run_for(50ms);
   }
   p.w.run_for(2s);
-  const auto told = p.told(p.b);
-  CHECK(told.size() >= 3);
-  CHECK(told.size() <= 4);
-  CHECK(told.back().find(" k49 ") != std::string::npos);
+  const auto notified = p.notified(p.b);
+  CHECK(notified.size() >= 3);
+  CHECK(notified.size() <= 4);
+  CHECK(notified.back().find(" k49 ") != std::string::npos);
   p.w.clear_logs();
   p.w.perform(p.a, p.w.at(p.a).tuples().remove("k49", p.w.now()));
   p.w.run_for(100ms);
-  REQUIRE(p.told(p.b).size() == 1); // at once after a quiet second
-  CHECK(p.told(p.b)[0].find(" k49 ") == std::string::npos);
+  REQUIRE(p.notified(p.b).size() == 1); // at once after a quiet second
+  CHECK(p.notified(p.b)[0].find(" k49 ") == std::string::npos);
 }
 
-TEST_CASE("statistics that nobody watches wake nobody", "[peis][TUP-22]") {
+TEST_CASE("statistics without a subscription wake no peer", "[peis][TUP-22]") {
   const instant start{100s};
   const p2p network(test::config_of(1).network, random_stream(1, "a"), start);
   tuple_space tuples({}, peer_id{1}, 1'000'000'000s);

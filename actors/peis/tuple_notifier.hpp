@@ -1,4 +1,4 @@
-// What components do to tuples, reported to an observer.
+// Notifies an observer of what components do to tuples.
 #pragma once
 
 #include <functional>
@@ -14,22 +14,22 @@
 
 namespace rubicon {
 
-class tuple_teller {
+class tuple_notifier {
 public:
   using listener = std::function<void(const report::tuple_write&)>;
 
-  tuple_teller(const config::ecology_description& names, listener to);
+  tuple_notifier(const config::ecology_description& names, listener to);
 
-  /// Those that are requests of a component to its peer.
-  void write(const scheduler::delivery& x);
+  /// Notifies of it if it is a request of a component to its peer.
+  void on_delivery(const scheduler::delivery& x);
 
 private:
   /// @param owner nothing: the component's own peer
   /// @param value in text, or octets
-  void report_write(const scheduler::delivery& x, std::optional<peer_id> owner,
-                    std::string_view key, std::string_view value, bool deleted = false);
+  void notify(const scheduler::delivery& x, std::optional<peer_id> owner, std::string_view key,
+              std::string_view value, bool deleted = false);
   template <class Set>
-  void report_set(const scheduler::delivery& x, std::optional<peer_id> owner, const Set& set);
+  void notify_of(const scheduler::delivery& x, std::optional<peer_id> owner, const Set& set);
 
   std::map<peer_id, std::string> names_;
   listener listener_;

@@ -1,4 +1,4 @@
-#include "actors/peis/tuple_teller.hpp"
+#include "actors/peis/tuple_notifier.hpp"
 
 #include <utility>
 
@@ -7,7 +7,7 @@
 
 namespace rubicon {
 
-tuple_teller::tuple_teller(const config::ecology_description& names, listener to)
+tuple_notifier::tuple_notifier(const config::ecology_description& names, listener to)
     : listener_(std::move(to)) {
   config::for_each_island(names, [this](const config::island_description& x) {
     names_[gateway_of(x.id)] = x.gateway_name;
@@ -19,29 +19,29 @@ tuple_teller::tuple_teller(const config::ecology_description& names, listener to
 }
 
 template <class Set>
-void tuple_teller::report_set(const scheduler::delivery& x, std::optional<peer_id> owner,
-                              const Set& set) {
+void tuple_notifier::notify_of(const scheduler::delivery& x, std::optional<peer_id> owner,
+                               const Set& set) {
   if (set.text)
-    report_write(x, owner, set.key, tuple_text(set.value.view()));
+    notify(x, owner, set.key, tuple_text(set.value.view()));
   else
-    report_write(x, owner, set.key, "0x" + to_hex(set.value.view()));
+    notify(x, owner, set.key, "0x" + to_hex(set.value.view()));
 }
 
-void tuple_teller::write(const scheduler::delivery& x) {
+void tuple_notifier::on_delivery(const scheduler::delivery& x) {
   if (!x.received)
     return;
   if (const auto* set = x.as<set_tuple>())
-    report_set(x, {}, *set);
+    notify_of(x, {}, *set);
   else if (const auto* remote = x.as<set_remote_tuple>())
-    report_set(x, remote->owner, *remote);
+    notify_of(x, remote->owner, *remote);
   else if (const auto* meta = x.as<set_meta_tuple>())
-    report_write(x, meta->owner, meta->key, meta->reference);
+    notify(x, meta->owner, meta->key, meta->reference);
   else if (const auto* gone = x.as<delete_tuple>())
-    report_write(x, {}, gone->key, {}, /*deleted=*/true);
+    notify(x, {}, gone->key, {}, /*deleted=*/true);
 }
 
-void tuple_teller::report_write(const scheduler::delivery& x, std::optional<peer_id> owner,
-                                std::string_view key, std::string_view value, bool deleted) {
+void tuple_notifier::notify(const scheduler::delivery& x, std::optional<peer_id> owner,
+                            std::string_view key, std::string_view value, bool deleted) {
   write_.at = x.time;
   write_.peer = x.path.substr(x.path.find('/') + 1);
   if (!owner)
