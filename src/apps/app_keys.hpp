@@ -15,7 +15,8 @@ inline constexpr std::uint8_t vector_max = 64;
 inline auto keys_of(const sampler_config*) {
   return keys::of(
       keys::optional("every", &sampler_config::every, report_period,
-                     "from one message to the next"),
+                     "from one message to the next")
+          .changeable("begins at a random phase"),
       keys::optional(
           "jitter", &sampler_config::jitter, keys::time_span{0s, 24h * 10},
           {"each period starts up to this much late, at random", "", "time up to `every`"}),
@@ -45,7 +46,8 @@ inline auto keys_of(const messenger_config*) {
       keys::required("to", &messenger_config::to, keys::mote_name{}, "receiver"),
       keys::required("text", &messenger_config::text, keys::text{}, "text of the message"),
       keys::optional("every", &messenger_config::every, report_period,
-                     "from one message to the next"),
+                     "from one message to the next")
+          .changeable("the next message is sent one period later"),
       keys::optional("am_type", &messenger_config::am_type, keys::whole<std::uint8_t>{},
                      "channel of the listener"),
       keys::optional("reliable", &messenger_config::reliable, keys::flag{},

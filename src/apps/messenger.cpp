@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "apps/app_keys.hpp"
+
 namespace rubicon::apps {
 
 void messenger::joined(communication::island_octet, std::uint16_t, communication::status success) {
@@ -10,9 +12,10 @@ void messenger::joined(communication::island_octet, std::uint16_t, communication
   next_.reset();
 }
 
-void messenger::set_period(duration every) {
-  config_.every = every;
-  begins_ = begins_ || next_.has_value();
+void messenger::change(const keys::key_changes& settings) {
+  const auto every = config_.every;
+  keys::apply(settings, config_);
+  begins_ = begins_ || (next_ && config_.every != every);
 }
 
 std::optional<instant> messenger::deadline() const {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "apps/application.hpp"
+#include "core/describe/changes.hpp"
 
 namespace rubicon::apps {
 
@@ -15,8 +16,9 @@ class messenger final : public application {
 public:
   explicit messenger(messenger_config config) : config_(std::move(config)) {}
 
-  /// From now on it sends so often, the first time one period from now.
-  void set_period(duration every);
+  /// Some of its settings are others from now on. With a new period the next message is sent one
+  /// period from now.
+  void change(const keys::key_changes& settings);
 
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override;
