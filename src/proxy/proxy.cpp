@@ -284,13 +284,6 @@ std::size_t proxy::open_requests() const {
   return open;
 }
 
-std::uint64_t proxy::retries() const {
-  std::uint64_t all = 0;
-  for (const auto& [channel, requests] : channels_)
-    all += requests.retries();
-  return all;
-}
-
 std::vector<std::pair<std::string, std::string>> proxy::values() const {
   std::vector<std::pair<std::string, std::string>> list;
   for (const auto& [name, x] : newest_)
@@ -407,9 +400,10 @@ void proxy::note_latency(std::uint16_t channel, duration taken, outputs& out) {
 
 void proxy::apply(std::uint16_t channel, input_channel::outputs todo, outputs& out) {
   for (auto& x : todo) {
-    if (auto* const work = std::get_if<submit>(&x))
+    if (auto* const work = std::get_if<submit>(&x)) {
+      counters_.retries += work->again ? 1 : 0;
       out.emplace_back(write_device{who_.mote, channel, std::move(work->octets)});
-    else if (const auto* const end = std::get_if<finished>(&x)) {
+    } else if (const auto* const end = std::get_if<finished>(&x)) {
       publish_outcome(end->input, end->word, end->outcome, out);
       if (end->outcome != request_outcome::acknowledged)
         continue;

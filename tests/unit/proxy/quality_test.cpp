@@ -254,3 +254,17 @@ TEST_CASE("a proxy goes by its class as it is now", "[proxy][ACT-10]") {
     CHECK(lines_of(aut.on_time(start + 6s)).back() == base + "switch.outcome = on timeout");
   }
 }
+
+TEST_CASE("writes after the first of a request are counted", "[proxy][PXY-12]") {
+  auto what = climate();
+  what.settings.answer_timeout = 5s;
+  what.settings.retry_for = 1min;
+  face aut(what, identity());
+  static_cast<void>(aut.start(start));
+  static_cast<void>(aut.on_input("switch", "on", start));
+  CHECK(aut.counters().retries == 0);
+  static_cast<void>(aut.on_time(start + 5s)); // no answer
+  static_cast<void>(aut.on_time(start + 6s)); // written again
+  CHECK(aut.counters().retries == 1);
+  CHECK(aut.counters().requested == 1);
+}
