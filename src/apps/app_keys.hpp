@@ -51,7 +51,11 @@ inline auto keys_of(const messenger_config*) {
       keys::optional("am_type", &messenger_config::am_type, keys::whole<std::uint8_t>{},
                      "channel of the listener"),
       keys::optional("reliable", &messenger_config::reliable, keys::flag{},
-                     "ask for an end-to-end acknowledgement"));
+                     "ask for an end-to-end acknowledgement"),
+      keys::optional(
+          "count", &messenger_config::count, keys::whole<std::uint32_t>{1},
+          {"number of messages that it sends, again so many after a restart of its mote",
+           "no limit"}));
 }
 
 inline auto keys_of(const listener_config*) {

@@ -8,7 +8,7 @@
 namespace rubicon::apps {
 
 void messenger::joined(communication::island_octet, std::uint16_t, communication::status success) {
-  begins_ = success == communication::SUCCESS;
+  begins_ = success == communication::SUCCESS && !(config_.count && sent_ >= *config_.count);
   next_.reset();
 }
 
@@ -28,6 +28,8 @@ void messenger::on_time(instant now) {
   } else if (next_ && *next_ <= now) {
     *next_ += config_.every;
     send();
+    if (config_.count && sent_ >= *config_.count)
+      next_.reset();
   }
 }
 

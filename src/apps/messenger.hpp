@@ -11,7 +11,7 @@
 namespace rubicon::apps {
 
 /// Sends every period while its mote is in an island, the first time one period after it has
-/// joined; warns of what is not delivered.
+/// joined, and up to `count` messages; warns of what is not delivered.
 class messenger final : public application {
 public:
   explicit messenger(messenger_config config) : config_(std::move(config)) {}

@@ -501,3 +501,21 @@ TEST_CASE("a messenger has another period from now on", "[apps][ACT-10]") {
   x.run_for(1min);
   CHECK(x.sent.size() == 7);
 }
+
+TEST_CASE("a messenger stops after so many messages, also if its mote joins again", "[apps]") {
+  apps::messenger_config config;
+  config.to = {kitchen, mote_id{9}};
+  config.text = "hello";
+  config.every = 10s;
+  config.count = 2;
+  fixture x(std::make_unique<apps::messenger>(config));
+  x.join();
+  x.run_for(10s);
+  CHECK(x.sent.size() == 1);
+  x.run_for(1min);
+  CHECK(x.sent.size() == 2);
+  x.lose();
+  x.join();
+  x.run_for(1min);
+  CHECK(x.sent.size() == 2);
+}
