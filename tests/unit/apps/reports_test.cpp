@@ -519,3 +519,19 @@ TEST_CASE("a messenger stops after so many messages, also if its mote joins agai
   x.run_for(1min);
   CHECK(x.sent.size() == 2);
 }
+
+TEST_CASE("a messenger sends another text from now on", "[apps][ACT-10]") {
+  apps::messenger_config config;
+  config.to = {kitchen, mote_id{9}};
+  config.text = "hello";
+  config.every = 10s;
+  fixture x(std::make_unique<apps::messenger>(config));
+  x.join();
+  x.run_for(15s);
+  dynamic_cast<apps::messenger&>(*x.app).change({{"text", "good night"}, {"reliable", false}});
+  x.run_for(10s); // its period goes on
+  REQUIRE(x.sent.size() == 2);
+  CHECK(to_string(x.sent[0].what.payload) == "hello");
+  CHECK(to_string(x.sent[1].what.payload) == "good night");
+  CHECK(x.sent[1].what.what == segment::kind::unreliable);
+}

@@ -76,6 +76,11 @@ TEST_CASE("changes arrive with their keys", "[config][ACT-10]") {
   CHECK(one.messenger == 10);
   CHECK_FALSE(one.sampler);
 
+  const auto program = only_change<program_change>(
+      "kind = \"program\"\nmote = \"k/two\"\nmessenger = 10\ntext = \"ho\"\nreliable = false\n");
+  CHECK(program.messenger == 10);
+  CHECK(program.settings == keys::key_changes{{"text", "ho"}, {"reliable", false}});
+
   const auto link = only_change<link_change>(
       "kind = \"link\"\nfrom = \"k/two\"\nto = \"k/sink\"\nloss = \"30%\"\n");
   CHECK(link.from.mote == mote_id{2});
@@ -261,6 +266,22 @@ kind = "rate"
 mote = "k/three"
 period = "1s"
 #        ^ `period` must not be shorter than the sampler's `jitter`, which is 3 s
+
+[[change]]
+at = "1s"
+kind = "program"
+mote = "k/three"
+every = "1s"
+#       ^ `every` must not be shorter than the sampler's `jitter`, which is 3 s
+
+[[change]]
+at = "1s"
+kind = "program"
+mote = "k/three"
+text = "ho"
+#@ 30:1: no change of the program is given
+#@ 34:1: unknown key `text` in [[change]] kind = "program": there is at, kind, mote, sampler, messenger, every,
+#          reliable, only_subscribed
 
 [[change]]
 at = "1s"

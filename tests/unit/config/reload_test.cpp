@@ -104,6 +104,19 @@ TEST_CASE("another period of a program follows, of each mote that has it", "[con
   CHECK(messenger.settings == keys::key_changes{{"every", duration(7s)}});
 }
 
+TEST_CASE("all keys of programs that may change follow, and no others", "[config][ACT-10]") {
+  auto file = follow();
+  const auto change = only<program_change>(
+      file.read(home_but("text = \"hi\"", "text = \"ho\", reliable = false"), 1min));
+  CHECK(change.messenger == 10);
+  CHECK(change.settings == keys::key_changes{{"text", "ho"}, {"reliable", false}});
+  const auto more = file.read(home_but("text = \"hi\"", "text = \"hi\", count = 3"), 1min);
+  CHECK(refused(more) ==
+        std::vector<std::string>{
+            "home.toml:21:61: `island.mote.apps.count` is new, and cannot change while an ecology "
+            "runs: it is fixed when the run begins"});
+}
+
 TEST_CASE("other network keys follow", "[config][ACT-10][SMP-02]") {
   const auto keys = [](const std::string& more) {
     return std::string(home) + "\n[smepp]\nnetwork_key = \"" + more + "\"\n";
