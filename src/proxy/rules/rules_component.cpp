@@ -70,7 +70,7 @@ components::outputs rules_component::on_time(instant now) {
 components::figures rules_component::figures() const {
   components::figures out;
   const auto add_all = [&out](const std::string& whose, const write_counters& x) {
-    components::add_figures<proxy::write_counters>(out, x, whose);
+    components::add_figures<rubicon::proxy::write_counters>(out, x, whose);
     const auto ended = x.accepted + x.refused + x.replaced + x.lost;
     out.emplace_back(whose + "waiting", static_cast<double>(x.writes - ended));
   };
@@ -79,7 +79,7 @@ components::figures rules_component::figures() const {
   for (const auto& x : each)
     sum += x;
   add_all("", sum);
-  components::add_figures<proxy::rules_counters>(out, rules_.counters());
+  components::add_figures<rubicon::proxy::rules_counters>(out, rules_.counters());
   const auto of_all = out.size();
   for (std::size_t i = 0; each.size() > 1 && i < each.size(); ++i)
     add_all("rule " + std::to_string(i + 1) + ' ', each[i]);
