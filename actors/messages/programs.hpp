@@ -89,9 +89,10 @@ struct set_network_keys {
 };
 RUBICON_FIELDS(set_network_keys);
 
-struct mote_interface : extends<radio_user_interface, attach_program, program_commands, move_mote,
-                                crash_now, end_battery, step_clock, change_program, set_network_keys,
-                                backbone_received, backbone_sent, timer_expired, status_request> {};
+struct mote_interface
+    : extends<radio_user_interface, attach_program, program_commands, move_mote, crash_now,
+              end_battery, step_clock, change_program, set_network_keys, backbone_received,
+              backbone_sent, timer_expired, status_request> {};
 using mote_actor = ref<mote_interface>;
 
 /// From whoever spawned both: the program's mote runs, for the first time or again.

@@ -236,17 +236,17 @@ struct monitored_actors {
 /// The fault plan, and what it has changed.
 struct plan_progress {
   std::vector<report::planned_fault> plan;
-  std::size_t next_fault = 0;                  ///< in `plan`
-  std::size_t planned_faults = 0;              ///< of the description's; later ones are applied on request
+  std::size_t next_fault = 0;     ///< in `plan`
+  std::size_t planned_faults = 0; ///< of the description's; later ones are applied on request
   std::map<std::uint32_t, fault_radio> noises; ///< by the fault's index in the description
   /// What a mote is after a fault of the plan, by the fault's index.
   std::map<std::uint32_t, std::shared_ptr<const mote_arguments>> successors;
   std::map<std::uint32_t, supervised_double> doubles; ///< by the fault's index
   std::map<mote_address, mote_address> moved;         ///< where motes of other islands are now
-  std::map<mote_address, instant> gone;  ///< since when they are no more where they were
-  std::vector<planned_end> planned_ends; ///< that are still to come
-  std::uint64_t lan_faults = 0;          ///< so far
-  random_stream rng;                     ///< draws whom a fault hits
+  std::map<mote_address, instant> gone;          ///< since when they are no more where they were
+  std::vector<planned_end> planned_ends;         ///< that are still to come
+  std::uint64_t lan_faults = 0;                  ///< so far
+  random_stream rng;                             ///< draws whom a fault hits
   std::map<island_id, instant> last_clock_fault; ///< clocks set, and sinks started again
   instant last_lan_fault;                        ///< when the simulated network last changed
   instant last_outside_change;                   ///< of a link to another process

@@ -14,8 +14,7 @@ inline constexpr std::uint8_t vector_max = 64;
 
 inline auto keys_of(const sampler_config*) {
   return keys::of(
-      keys::optional("every", &sampler_config::every, report_period,
-                     "from one message to the next")
+      keys::optional("every", &sampler_config::every, report_period, "from one message to the next")
           .changeable("begins at a random phase"),
       keys::optional(
           "jitter", &sampler_config::jitter, keys::time_span{0s, 24h * 10},
@@ -56,10 +55,9 @@ inline auto keys_of(const messenger_config*) {
       keys::optional("reliable", &messenger_config::reliable, keys::flag{},
                      "ask for an end-to-end acknowledgement")
           .changeable(),
-      keys::optional(
-          "count", &messenger_config::count, keys::whole<std::uint32_t>{1},
-          {"number of messages that it sends, again so many after a restart of its mote",
-           "no limit"}));
+      keys::optional("count", &messenger_config::count, keys::whole<std::uint32_t>{1},
+                     {"number of messages that it sends, again so many after a restart of its mote",
+                      "no limit"}));
 }
 
 inline auto keys_of(const listener_config*) {

@@ -10,7 +10,8 @@
 namespace rubicon::apps {
 
 sampler::sampler(std::shared_ptr<const sampler_config> config, random_stream rng)
-    : config_(std::move(config)), rng_(rng), means_(config_->mean_of.begin(), config_->mean_of.end()) {}
+    : config_(std::move(config)), rng_(rng),
+      means_(config_->mean_of.begin(), config_->mean_of.end()) {}
 
 std::optional<duration> sampler::period() const {
   const bool asked = wanted_ && wanted_->period.count() > 0;

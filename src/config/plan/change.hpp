@@ -56,7 +56,7 @@ inline constexpr std::array<std::string_view, 6> change_kinds{
 /// empty.
 [[nodiscard]] std::string_view why_fixed(std::string_view kind);
 
-using change =
-    std::variant<debug_change, program_change, link_change, proxy::class_change, network_keys_change>;
+using change = std::variant<debug_change, program_change, link_change, proxy::class_change,
+                            network_keys_change>;
 
 } // namespace rubicon::config

@@ -282,8 +282,8 @@ private:
     const auto period = std::get<duration>(*every);
     const auto than = [&](const char* how, const char* other, duration value) {
       refuse(in, key,
-             '`' + key + "` must not be " + how + " than the sampler's `" + other +
-                 "`, which is " + to_text(value));
+             '`' + key + "` must not be " + how + " than the sampler's `" + other + "`, which is " +
+                 to_text(value));
     };
     if (period < app->jitter)
       than("shorter", "jitter", app->jitter);
@@ -380,7 +380,8 @@ std::string_view why_fixed(std::string_view kind) {
 std::vector<fault_description> read_changes(table_reader& root, const surroundings& /*with*/,
                                             const ecology_description& all) {
   std::vector<fault_description> out;
-  root.tables("change", "[[change]]", about("settings that change at a given time").changeable("further ones"),
+  root.tables("change", "[[change]]",
+              about("settings that change at a given time").changeable("further ones"),
               [&](table_reader& in) {
                 fault_description x;
                 change what;

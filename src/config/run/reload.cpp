@@ -211,8 +211,7 @@ void compare_classes(const ecology_description& before, const ecology_descriptio
     const auto old = std::ranges::find(before.proxies, each.name, &proxy::proxy_class::name);
     if (old == before.proxies.end() || old->types.empty())
       continue;
-    add({.class_name = each.name,
-         .settings = keys::changes_between(old->settings, each.settings)});
+    add({.class_name = each.name, .settings = keys::changes_between(old->settings, each.settings)});
     for (const auto& field : each.fields) {
       const auto was = std::ranges::find(old->fields, field.name, &proxy::field::name);
       if (was != old->fields.end())

@@ -58,7 +58,7 @@ struct held<std::optional<T>> {
 /// A member of a struct that a key_value can hold.
 template <class Member, class T = typename detail::held<Member>::type>
 concept changeable_member = std::integral<T> || std::same_as<T, double> ||
-                            std::same_as<T, duration> || std::same_as<T, std::string>;
+    std::same_as<T, duration> || std::same_as<T, std::string>;
 
 template <changeable_member Member>
 [[nodiscard]] bool is_set(const Member& x) {

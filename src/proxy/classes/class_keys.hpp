@@ -9,10 +9,8 @@ namespace rubicon::proxy {
 inline auto keys_of(const field*) {
   return keys::of(
       keys::optional("scale", &field::scale, keys::real{}, "factor of the count").changeable(),
-      keys::optional("add", &field::add, keys::real{}, "added to the scaled count")
-          .changeable(),
-      keys::optional("decimals", &field::decimals, keys::whole<int>{0, 6},
-                     "digits after the point")
+      keys::optional("add", &field::add, keys::real{}, "added to the scaled count").changeable(),
+      keys::optional("decimals", &field::decimals, keys::whole<int>{0, 6}, "digits after the point")
           .changeable(),
       keys::optional("unit", &field::unit, keys::text{16}, {"published with the value", "none"})
           .replaceable());

@@ -218,7 +218,9 @@ TEST_CASE("a proxy goes by its class as it is now", "[proxy][ACT-10]") {
   };
 
   SECTION("its period is asked for at once, and again") {
-    CHECK(changed([](auto& x) { x.settings = {{"period", duration(2s)}}; }) ==
+    CHECK(changed([](auto& x) {
+            x.settings = {{"period", duration(2s)}};
+          }) ==
           lines{"period devices.7.output.1.period 2000", "period devices.7.output.2.period 2000"});
     const auto more = aut.watches();
     REQUIRE(more.size() == watches.size() + 1);
@@ -247,9 +249,10 @@ TEST_CASE("a proxy goes by its class as it is now", "[proxy][ACT-10]") {
     CHECK(aut.deadline() == start + 1min);
   }
   SECTION("what is written has another deadline") {
-    CHECK(changed([](auto& x) { x.settings = {{"answer_timeout", duration(5s)}}; }) ==
-          lines{base + "switch.deadline = 10.000000", base + "switch.latency = 10.000000",
-                base + "led.deadline = 10.000000", base + "led.latency = 10.000000"});
+    CHECK(changed([](auto& x) {
+            x.settings = {{"answer_timeout", duration(5s)}};
+          }) == lines{base + "switch.deadline = 10.000000", base + "switch.latency = 10.000000",
+                      base + "led.deadline = 10.000000", base + "led.latency = 10.000000"});
     static_cast<void>(aut.on_input("switch", "on", start + 1s));
     CHECK(lines_of(aut.on_time(start + 6s)).back() == base + "switch.outcome = on timeout");
   }
