@@ -8,6 +8,7 @@
 #include "config/plan/debug_selection.hpp"
 #include "config/plan/secret_key.hpp"
 #include "config/run/change_text.hpp"
+#include "config/run/key_changes.hpp"
 #include "proxy/classes/class_keys.hpp"
 
 namespace rubicon::config {
@@ -179,9 +180,9 @@ private:
     in.all(x, program_keys());
     const auto* program = in.sound() && !in.walks() ? program_of(in, x) : nullptr;
     if (program == nullptr || std::holds_alternative<sampler_app>(*program))
-      in.changes(x.settings, keys_of(static_cast<const sampler_app*>(nullptr)));
+      read_key_changes<sampler_app>(in, x.settings);
     if (program == nullptr || std::holds_alternative<messenger_app>(*program))
-      in.changes(x.settings, keys_of(static_cast<const messenger_app*>(nullptr)));
+      read_key_changes<messenger_app>(in, x.settings);
     if (in.sound() && !in.walks())
       check(in, x, program, "every");
     if (in.sound() && !in.walks() && x.settings.empty())
@@ -192,9 +193,9 @@ private:
   void read_class(table_reader& in) {
     proxy::class_change x;
     in.all(x, class_keys());
-    in.changes(x.settings, keys_of(static_cast<const proxy::proxy_settings*>(nullptr)));
+    read_key_changes<proxy::proxy_settings>(in, x.settings);
     in.all(x, class_field_keys());
-    in.changes(x.field_settings, keys_of(static_cast<const proxy::field*>(nullptr)));
+    read_key_changes<proxy::field>(in, x.field_settings);
     if (in.sound() && !in.walks())
       check(in, x);
     out_ = std::move(x);

@@ -15,7 +15,6 @@
 #include "config/toml/problem.hpp"
 #include "config/toml/schema.hpp"
 #include "config/toml/values.hpp"
-#include "core/describe/changes.hpp"
 
 namespace rubicon::config {
 
@@ -49,12 +48,6 @@ public:
   template <class Struct, class... Keys>
   void all(Struct& out, const std::tuple<Keys...>& those) {
     std::apply([&](const auto&... each) { (one(each, out), ...); }, those);
-  }
-
-  /// New values of those listed keys that may change while an ecology runs.
-  template <class... Keys>
-  void changes(keys::key_changes& out, const std::tuple<Keys...>& those) {
-    std::apply([&](const auto&... each) { (change(each, out), ...); }, those);
   }
 
   using part_reader = std::function<void(table_reader&)>;
@@ -219,20 +212,6 @@ private:
       required(key.name, key.kind, out.*key.member, key.what);
     else
       optional(key.name, key.kind, out.*key.member, key.what);
-  }
-
-  template <class Struct, class Member, class Kind>
-  void change(const keys::key<Struct, Member, Kind>& key, keys::key_changes& out) {
-    if constexpr (keys::changeable_member<Member>) {
-      if (!key.what.is_changeable)
-        return;
-      const auto meaning = std::string(key.what.meaning) + (key.what.effect.empty() ? "" : "; ") +
-                           std::string(key.what.effect);
-      Member value{};
-      describe({}, key.name, key.kind, {meaning.c_str(), "as before", key.what.wanted});
-      if (get(false, key.name, key.kind, value))
-        out.push_back({std::string(key.name), keys::value_of(value)});
-    }
   }
 
   template <class Kind, class Out>
