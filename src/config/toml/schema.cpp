@@ -145,6 +145,13 @@ std::string default_of(const key_description& x) {
   return '`' + toml_of(json::parse(x.standard)) + '`';
 }
 
+/// Tables have a column of their own if one of their keys may change.
+std::string change_cell(const key_description& x) {
+  if (x.is_changeable)
+    return change_of(x);
+  return x.table == nullptr ? "no" : "see there";
+}
+
 } // namespace
 
 const key_description* table_description::find(std::string_view key) const {
@@ -212,7 +219,7 @@ std::string markdown_of(const table_description& file, std::string_view title) {
   std::string out;
   for (const auto* key : keys)
     out += "| `" + key->name + "` | " + wanted_of(*key) + " | " + default_of(*key) + " | " +
-           (some_change ? change_of(*key) + " | " : "") + key->meaning + " |\n";
+           (some_change ? change_cell(*key) + " | " : "") + key->meaning + " |\n";
   if (out.empty())
     return out;
   return (some_change ? "| Key | Value | Default | May change | Meaning |\n|---|---|---|---|---|\n"
