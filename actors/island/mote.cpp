@@ -244,16 +244,16 @@ void on_clock_step(mote_pointer self, duration by) {
 }
 
 /// The programs' turn follows at once: a period may have begun.
-void on_period(mote_pointer self, const set_period& x) {
+void on_program_change(mote_pointer self, const change_program& x) {
   auto& state = self->state;
   if (!state.node || state.flat)
     return;
   if (const auto found = state.samplers.find(x.number);
       !x.messenger && found != state.samplers.end())
-    found->second->set_period(x.period);
+    found->second->change(x.settings);
   if (const auto found = state.messengers.find(x.number);
       x.messenger && found != state.messengers.end())
-    found->second->set_period(x.period);
+    found->second->change(x.settings);
   perform(self, state.reports.on_time(*state.node, own_time(self), now(self)));
 }
 
@@ -449,7 +449,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
           throw std::runtime_error(std::string(planned_crash));
       },
       [self](const step_clock& x) { on_clock_step(self, x.by); },
-      [self](const set_period& x) { on_period(self, x); },
+      [self](const change_program& x) { on_program_change(self, x); },
       [self](const set_network_keys& x) { mote_groups(self).set_keys(x); },
       [self](end_battery) {
         on_battery_low(self);

@@ -10,6 +10,7 @@
 #include "actors/messages/serial.hpp"
 #include "communication/remote_messages.hpp"
 #include "core/address.hpp"
+#include "core/describe/changes.hpp"
 
 namespace rubicon::smepp {
 struct key_pair;
@@ -73,13 +74,13 @@ RUBICON_FIELDS(crash_now);
 struct end_battery {};
 RUBICON_FIELDS(end_battery);
 
-/// From the plan: a program of the mote reports so often from now on.
-struct set_period {
+/// From the plan: a program of the mote has other settings from now on.
+struct change_program {
   bool messenger = false;   ///< a messenger; else a sampler
   std::uint16_t number = 0; ///< its AM type, or its channel
-  duration period{};
+  keys::key_changes settings;
 };
-RUBICON_FIELDS(set_period, messenger, number, period);
+RUBICON_FIELDS(change_program, messenger, number, settings);
 
 /// From the plan: other network keys of SMEPP Light. The keys are no field: no trace, record or log
 /// has them.
@@ -88,9 +89,10 @@ struct set_network_keys {
 };
 RUBICON_FIELDS(set_network_keys);
 
-struct mote_interface : extends<radio_user_interface, attach_program, program_commands, move_mote,
-                                crash_now, end_battery, step_clock, set_period, set_network_keys,
-                                backbone_received, backbone_sent, timer_expired, status_request> {};
+struct mote_interface
+    : extends<radio_user_interface, attach_program, program_commands, move_mote, crash_now,
+              end_battery, step_clock, change_program, set_network_keys, backbone_received,
+              backbone_sent, timer_expired, status_request> {};
 using mote_actor = ref<mote_interface>;
 
 /// From whoever spawned both: the program's mote runs, for the first time or again.

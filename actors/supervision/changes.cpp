@@ -29,8 +29,9 @@ void refuse(ecology_pointer self, const std::string& who, const std::string& why
   note_event(self, who, why);
 }
 
-std::shared_ptr<const mote_arguments> with_period(mote_arguments of, const config::rate_change& x) {
-  config::set_period(of.apps.edit(), x);
+std::shared_ptr<const mote_arguments> with_settings(mote_arguments of,
+                                                    const config::program_change& x) {
+  config::apply(of.apps.edit(), x);
   return std::make_shared<const mote_arguments>(std::move(of));
 }
 
@@ -78,28 +79,31 @@ void change_applier::operator()(const config::debug_change& x) const {
   select_debug(self, self->path(), x.of);
 }
 
-/// The mote's next lives have the period too, here and where it is carried to.
-void change_applier::operator()(const config::rate_change& x) const {
+/// The mote's next lives have the settings too, here and where it is carried to.
+void change_applier::operator()(const config::program_change& x) const {
   auto& mote = mote_now(self, x.mote);
   const auto program = config::program_text(x);
   const auto path = "mote/" + mote.arguments->name;
-  const auto before = config::period_of(mote.arguments->apps, x);
+  const auto before = config::settings_before(mote.arguments->apps, x);
   if (!before) {
-    refuse(self, path, "has no " + program + " now, whose period could change");
+    refuse(self, path, "has no " + program + " now, which could change");
     return;
   }
-  mote.arguments = with_period(*mote.arguments, x);
+  mote.arguments = with_settings(*mote.arguments, x);
   const auto& faults = self->state.description.faults;
   for (auto& [fault, next] : self->state.successors) {
     const auto* move = std::get_if<config::move_island_fault>(&faults.at(fault).what);
     if (move != nullptr && move->mote == x.mote)
-      next = with_period(*next, x);
+      next = with_settings(*next, x);
   }
   if (mote.handle)
-    self->send(mote.handle, set_period{x.messenger.has_value(),
-                                       x.messenger ? *x.messenger : *x.sampler, x.period});
-  note_event(self, path,
-             program + ": every " + to_text(x.period) + " instead of " + to_text(*before));
+    self->send(mote.handle, change_program{x.messenger.has_value(),
+                                           x.messenger ? *x.messenger : *x.sampler, x.settings});
+  std::string text;
+  for (std::size_t i = 0; i < x.settings.size(); ++i)
+    text += (i == 0 ? ": " : ", ") + keys::to_text(x.settings[i]) + " instead of " +
+            keys::to_text((*before)[i].value);
+  note_event(self, path, program + text);
 }
 
 void change_applier::operator()(const config::link_change& x) const {

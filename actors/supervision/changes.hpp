@@ -13,7 +13,7 @@ struct change_applier {
   ecology_pointer self;
 
   void operator()(const config::debug_change& x) const;
-  void operator()(const config::rate_change& x) const;
+  void operator()(const config::program_change& x) const;
   void operator()(const config::link_change& x) const;
   void operator()(const proxy::class_change& x) const;
   void operator()(const config::network_keys_change& x) const;

@@ -181,55 +181,85 @@ struct collected_answers {
   bool delivered = false;                           ///< deliver_report has come
 };
 
-struct ecology_state : collected_answers {
+/// What the description says, and what all that is spawned has in common.
+struct shared_parts {
   config::ecology_description description;
-  report_receiver on_report;
-  process_facts process;
-  frame_observer observe_frames; ///< may be empty
-  std::map<mote_address, supervised_mote> motes;
   /// From the description as it was before its motes were taken out.
   transport::answer_slacks slacks;
   std::map<island_id, apps::traffic> traffic; ///< of the programs on all motes of an island
   /// Of motes without programs of their own, which share them.
   std::map<island_id, std::shared_ptr<const mote::node_tables>> tables;
-  std::map<island_id, supervised_sink> sinks; ///< of islands with the full stack
-  std::map<island_id, air_actor> airs;
-  std::map<std::uint32_t, fault_radio> noises; ///< by the fault's index in the description
-  /// What a mote is after a fault of the plan, by the fault's index.
-  std::map<std::uint32_t, std::shared_ptr<const mote_arguments>> successors;
-  std::map<std::pair<island_id, std::size_t>, serial_line_actor> lines; ///< of sinks, numbered
-  std::map<mote_address, backbone_actor> backbones;                     ///< of further sinks
-  std::map<island_id, serial_line_actor> real_lines; ///< to real motes beside simulated ones
   /// Of the world; nullptr until a reader needs them.
   std::shared_ptr<const std::vector<rfid::tag>> tags;
   scheduler::process* pcs = nullptr; ///< of all peers, and of the networks between them
   std::map<island_id, scheduler::process*> processes;
+};
+
+/// Who is notified of what the run does.
+struct run_observers {
+  report_receiver on_report;
+  process_facts process;
+  frame_observer observe_frames;      ///< may be empty
+  message_ledger* messages = nullptr; ///< the account of all messages; outlives everybody
+  report::time_watch watch;           ///< notified of motes by all that look at them
+};
+
+/// What was spawned of islands.
+struct spawned_islands {
+  std::map<mote_address, supervised_mote> motes;
+  std::map<island_id, supervised_sink> sinks; ///< of islands with the full stack
+  std::map<island_id, air_actor> airs;
+  std::map<std::pair<island_id, std::size_t>, serial_line_actor> lines; ///< of sinks, numbered
+  std::map<mote_address, backbone_actor> backbones;                     ///< of further sinks
+  std::map<island_id, serial_line_actor> real_lines; ///< to real motes beside simulated ones
+};
+
+/// What was spawned of peers.
+struct spawned_peers {
   peis_lan_actor lan;
   peis_bluetooth_actor bluetooth;                    ///< nullptr: no peer has an adapter
   std::map<std::string, supervised_peer> peers;      ///< by name
   std::map<std::string, supervised_peer> duplicates; ///< from the fault plan
+  std::uint64_t stations = 0;                        ///< so far
+};
+
+/// Who is asked how it is, and who has ended.
+struct monitored_actors {
   /// Everything spawned here that answers a status_request with messages to the ecology.
   std::vector<std::pair<caf::actor_addr, std::function<void(status_request)>>> reporters;
   std::map<caf::actor_addr, std::string> names; ///< of monitored actors other than motes
   std::uint64_t samples = 0;                    ///< asked for so far
   std::map<island_id, clock_samples> sampled;
+  std::uint32_t most_starts = 0; ///< of all motes, sinks and peers
+};
+
+/// The fault plan, and what it has changed.
+struct plan_progress {
+  std::vector<report::planned_fault> plan;
+  std::size_t next_fault = 0;     ///< in `plan`
+  std::size_t planned_faults = 0; ///< of the description's; later ones are applied on request
+  std::map<std::uint32_t, fault_radio> noises; ///< by the fault's index in the description
+  /// What a mote is after a fault of the plan, by the fault's index.
+  std::map<std::uint32_t, std::shared_ptr<const mote_arguments>> successors;
   std::map<std::uint32_t, supervised_double> doubles; ///< by the fault's index
   std::map<mote_address, mote_address> moved;         ///< where motes of other islands are now
-  std::map<mote_address, instant> gone;  ///< since when they are no more where they were
-  std::vector<planned_end> planned_ends; ///< that are still to come
-  std::vector<report::planned_fault> plan;
-  message_ledger* messages = nullptr; ///< the account of all messages; outlives everybody
-  report::time_watch watch;           ///< notified of motes by all that look at them
-  bool ending = false;                ///< end_run has come
-  std::size_t next_fault = 0;         ///< in `plan`
-  std::size_t planned_faults = 0;     ///< of the description's; those behind are applied on request
-  std::uint32_t most_starts = 0;      ///< of all motes, sinks and peers
-  std::uint64_t lan_faults = 0;       ///< so far
-  std::uint64_t stations = 0;         ///< so far
-  random_stream rng;                  ///< draws whom a fault hits
+  std::map<mote_address, instant> gone;          ///< since when they are no more where they were
+  std::vector<planned_end> planned_ends;         ///< that are still to come
+  std::uint64_t lan_faults = 0;                  ///< so far
+  random_stream rng;                             ///< draws whom a fault hits
   std::map<island_id, instant> last_clock_fault; ///< clocks set, and sinks started again
   instant last_lan_fault;                        ///< when the simulated network last changed
   instant last_outside_change;                   ///< of a link to another process
+};
+
+struct ecology_state : shared_parts,
+                       run_observers,
+                       spawned_islands,
+                       spawned_peers,
+                       monitored_actors,
+                       plan_progress,
+                       collected_answers {
+  bool ending = false; ///< end_run has come
 };
 
 /// @param on_report called once, from the actor, when deliver_report comes

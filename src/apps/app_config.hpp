@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -48,6 +49,7 @@ struct messenger_config {
   duration every = 30s;
   std::uint8_t am_type = 10;
   bool reliable = true;
+  std::optional<std::uint32_t> count = {}; ///< so many messages in a life; unset: without limit
 };
 
 /// Reports the first message that it receives on one AM type; the other end of a messenger.

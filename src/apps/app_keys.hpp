@@ -14,18 +14,20 @@ inline constexpr std::uint8_t vector_max = 64;
 
 inline auto keys_of(const sampler_config*) {
   return keys::of(
-      keys::optional("every", &sampler_config::every, report_period,
-                     "from one message to the next"),
+      keys::optional("every", &sampler_config::every, report_period, "from one message to the next")
+          .changeable("begins at a random phase"),
       keys::optional(
           "jitter", &sampler_config::jitter, keys::time_span{0s, 24h * 10},
           {"each period starts up to this much late, at random", "", "time up to `every`"}),
       keys::optional("channel", &sampler_config::channel, keys::whole<std::uint16_t>{0, 255},
                      "output channel, `devices.ID.output.CHANNEL` at the gateway"),
       keys::optional("reliable", &sampler_config::reliable, keys::flag{},
-                     "ask for an end-to-end acknowledgement"),
+                     "ask for an end-to-end acknowledgement")
+          .changeable(),
       keys::optional("only_subscribed", &sampler_config::only_subscribed, keys::flag{},
                      "it sends only while a PEIS component subscribes to its output tuple, by its "
-                     "key or a pattern that begins with `devices`"),
+                     "key or a pattern that begins with `devices`")
+          .changeable(),
       keys::optional("stamped", &sampler_config::stamped, keys::flag{},
                      "append the time of sampling to the counts (D1.1 2.1): 4 octets, big-endian, "
                      "the low 32 bits of the [network time](gateway.md#time) in milliseconds; a "
@@ -43,13 +45,19 @@ inline auto keys_of(const actuator_config*) {
 inline auto keys_of(const messenger_config*) {
   return keys::of(
       keys::required("to", &messenger_config::to, keys::mote_name{}, "receiver"),
-      keys::required("text", &messenger_config::text, keys::text{}, "text of the message"),
+      keys::required("text", &messenger_config::text, keys::text{}, "text of the message")
+          .changeable(),
       keys::optional("every", &messenger_config::every, report_period,
-                     "from one message to the next"),
+                     "from one message to the next")
+          .changeable("the next message is sent one period later"),
       keys::optional("am_type", &messenger_config::am_type, keys::whole<std::uint8_t>{},
                      "channel of the listener"),
       keys::optional("reliable", &messenger_config::reliable, keys::flag{},
-                     "ask for an end-to-end acknowledgement"));
+                     "ask for an end-to-end acknowledgement")
+          .changeable(),
+      keys::optional("count", &messenger_config::count, keys::whole<std::uint32_t>{1},
+                     {"number of messages that it sends, again so many after a restart of its mote",
+                      "no limit"}));
 }
 
 inline auto keys_of(const listener_config*) {

@@ -3,16 +3,19 @@
 #include <string>
 #include <utility>
 
+#include "apps/app_keys.hpp"
+
 namespace rubicon::apps {
 
 void messenger::joined(communication::island_octet, std::uint16_t, communication::status success) {
-  begins_ = success == communication::SUCCESS;
+  begins_ = success == communication::SUCCESS && !(config_.count && sent_ >= *config_.count);
   next_.reset();
 }
 
-void messenger::set_period(duration every) {
-  config_.every = every;
-  begins_ = begins_ || next_.has_value();
+void messenger::change(const keys::key_changes& settings) {
+  const auto every = config_.every;
+  keys::apply(settings, config_);
+  begins_ = begins_ || (next_ && config_.every != every);
 }
 
 std::optional<instant> messenger::deadline() const {
@@ -25,6 +28,8 @@ void messenger::on_time(instant now) {
   } else if (next_ && *next_ <= now) {
     *next_ += config_.every;
     send();
+    if (config_.count && sent_ >= *config_.count)
+      next_.reset();
   }
 }
 

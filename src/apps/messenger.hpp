@@ -6,17 +6,19 @@
 #include <optional>
 
 #include "apps/application.hpp"
+#include "core/describe/changes.hpp"
 
 namespace rubicon::apps {
 
 /// Sends every period while its mote is in an island, the first time one period after it has
-/// joined; warns of what is not delivered.
+/// joined, and up to `count` messages; warns of what is not delivered.
 class messenger final : public application {
 public:
   explicit messenger(messenger_config config) : config_(std::move(config)) {}
 
-  /// From now on it sends so often, the first time one period from now.
-  void set_period(duration every);
+  /// Some of its settings are others from now on. With a new period the next message is sent one
+  /// period from now.
+  void change(const keys::key_changes& settings);
 
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override;

@@ -4,19 +4,20 @@
 #include <cstdlib>
 #include <utility>
 
+#include "apps/app_keys.hpp"
 #include "core/codec.hpp"
 
 namespace rubicon::apps {
 
 sampler::sampler(std::shared_ptr<const sampler_config> config, random_stream rng)
-    : config_(std::move(config)), own_period_(config_->every), rng_(rng),
+    : config_(std::move(config)), rng_(rng),
       means_(config_->mean_of.begin(), config_->mean_of.end()) {}
 
 std::optional<duration> sampler::period() const {
   const bool asked = wanted_ && wanted_->period.count() > 0;
   if (!in_island_ || (config_->only_subscribed && !wanted_))
     return std::nullopt;
-  return asked ? std::max<duration>(wanted_->period, config_->every_min) : own_period_;
+  return asked ? std::max<duration>(wanted_->period, config_->every_min) : config_->every;
 }
 
 void sampler::joined(communication::island_octet, std::uint16_t, communication::status success) {
@@ -29,8 +30,10 @@ void sampler::outputsWanted(std::span<const communication::output_wanted> all) {
   begins_ = begins_ || period() != every_;
 }
 
-void sampler::set_period(duration every) {
-  own_period_ = every;
+void sampler::change(const keys::key_changes& settings) {
+  auto own = *config_; // others may share that
+  keys::apply(settings, own);
+  config_ = std::make_shared<const sampler_config>(std::move(own));
   begins_ = begins_ || period() != every_;
 }
 

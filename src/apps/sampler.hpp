@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/application.hpp"
+#include "core/describe/changes.hpp"
 #include "core/numbers/running_mean.hpp"
 
 namespace rubicon::apps {
@@ -20,8 +21,8 @@ public:
   /// @param config not nullptr; samplers that are alike share one
   sampler(std::shared_ptr<const sampler_config> config, random_stream rng);
 
-  /// Its own period is another from now on, which begins at a random phase.
-  void set_period(duration every);
+  /// Some of its settings are others from now on. A new period begins at a random phase.
+  void change(const keys::key_changes& settings);
 
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override;
@@ -37,7 +38,6 @@ private:
   [[nodiscard]] bool is_news(const std::vector<std::int16_t>& counts) const;
 
   std::shared_ptr<const sampler_config> config_;
-  duration own_period_; ///< unless a subscriber requests another
   random_stream rng_;
   std::vector<running_mean> means_; ///< of each transducer; empty: counts go as they are
   bool in_island_ = false;

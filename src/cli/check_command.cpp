@@ -4,12 +4,50 @@
 #include "cli/print/console.hpp"
 #include "config/listing.hpp"
 #include "config/plan/placement.hpp"
+#include "config/run/reload.hpp"
 #include "config/run/summary.hpp"
+#include "config/summary_parts.hpp"
 #include "core/text/printable.hpp"
 
 namespace rubicon::cli {
 
+namespace {
+
+/// A line for each change, those that apply at once first.
+std::string text_of(const config::reloaded& x, config::ecology_description described) {
+  described.faults.clear();
+  for (const auto& each : x.changes)
+    described.faults.push_back({.at = {}, .what = config::fault(each)});
+  described.faults.insert(described.faults.end(), x.plan.begin(), x.plan.end());
+  std::string text;
+  const auto rows = config::fault_rows(described);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    text += (i < x.changes.size() ? "at once" : rows[i].front()) + "  " +
+            config::fault_text(rows[i]) + '\n';
+  return text.empty() ? "nothing changes\n" : text;
+}
+
+exit_status show_changes(const check_command& x) {
+  if (x.file == standard_input)
+    return refuse("--changes-from needs a file, not standard input");
+  const auto old = load_or_complain(x.changes_from, x.instead, x.known);
+  auto file = old ? load_or_complain(x.file, x.instead, x.known) : std::nullopt;
+  const auto before = config::read_file(x.changes_from, config::file_octets_max);
+  const auto now = config::read_file(x.file, config::file_octets_max);
+  if (!file || !before.text || !now.text)
+    return exit_status::refused;
+  config::followed_file followed(*before.text, x.file, x.instead, x.known);
+  const auto found = followed.read(*now.text, -1ns); // all that is planned is still to come
+  complain({std::nullopt, found.refused}, x.file);
+  const bool printed = print(stdout, text_of(found, std::move(file->ecology)));
+  return printed && found.refused.empty() ? exit_status::good : exit_status::refused;
+}
+
+} // namespace
+
 exit_status perform(const check_command& x) {
+  if (!x.changes_from.empty())
+    return show_changes(x);
   auto file = load_or_complain(x.file, x.instead, x.known);
   if (!file)
     return exit_status::refused;

@@ -98,9 +98,8 @@ struct fault_cells {
             [](const debug_change& y) {
               return row{"debug", "of " + debug_selection(y.of).text()};
             },
-            [this](const rate_change& y) {
-              return row{"rate",
-                         mote(y.mote) + ' ' + program_text(y) + " every " + to_text(y.period)};
+            [this](const program_change& y) {
+              return row{"program", mote(y.mote) + ' ' + program_text(y) + ' ' + settings_text(y)};
             },
             [this](const link_change& y) {
               return row{"link", radio(y.from) + " to " + radio(y.to) + ", " + link_text(y)};

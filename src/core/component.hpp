@@ -3,6 +3,7 @@
 // that a new one is one class.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 
 #include "core/address.hpp"
 #include "core/bytes.hpp"
+#include "core/describe/fields.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::components {
@@ -82,6 +84,17 @@ using outputs = std::vector<output>;
 
 /// For the report; empty: it has no part in that.
 using figures = std::vector<std::pair<std::string, double>>;
+
+/// All that a struct counts: `bad_values` as `bad values`. The struct is always named:
+/// tests/architecture/counters_shown looks for it.
+template <described Counters>
+void add_figures(figures& to, const Counters& x, const std::string& before = {}) {
+  for_each_field(x, [&](std::string_view field, std::uint64_t count) {
+    auto name = before + std::string(field);
+    std::ranges::replace(name, '_', ' ');
+    to.emplace_back(std::move(name), static_cast<double>(count));
+  });
+}
 
 class component {
 public:

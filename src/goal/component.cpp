@@ -75,12 +75,10 @@ components::outputs component::on_time(instant now) {
 }
 
 components::figures component::figures() const {
-  const auto& counted = core_.counters();
-  const auto figure = [](std::uint64_t x) { return static_cast<double>(x); };
-  return {{"goals", figure(counted.goals)},        {"succeeded", figure(counted.succeeded)},
-          {"failed", figure(counted.failed)},      {"preempted", figure(counted.preempted)},
-          {"timed out", figure(counted.timeouts)}, {"unknown", figure(counted.unknown)},
-          {"open", figure(core_.open_goals())}};
+  components::figures out;
+  components::add_figures<goal::pursuer_counters>(out, core_.counters());
+  out.emplace_back("open", static_cast<double>(core_.open_goals()));
+  return out;
 }
 
 } // namespace rubicon::goal

@@ -151,7 +151,7 @@ outputs pursuer::on_time(instant now) {
       leave_state(now, out);
       continue;
     }
-    ++counters_.timeouts;
+    ++counters_.timed_out;
     rest(out);
     end(goal_outcome::failed, goal_cause::timeout, out);
   }

@@ -73,10 +73,10 @@ struct pursuer_counters {
   std::uint64_t succeeded = 0;
   std::uint64_t failed = 0; ///< the next ones included
   std::uint64_t preempted = 0;
-  std::uint64_t timeouts = 0;
+  std::uint64_t timed_out = 0;
   std::uint64_t unknown = 0;
 };
-RUBICON_FIELDS(pursuer_counters, goals, succeeded, failed, preempted, timeouts, unknown);
+RUBICON_FIELDS(pursuer_counters, goals, succeeded, failed, preempted, timed_out, unknown);
 
 /// Pursues one goal at a time, by going through its states:
 ///

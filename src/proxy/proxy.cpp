@@ -103,13 +103,14 @@ proxy::outputs proxy::start(instant now) {
 
 proxy::outputs proxy::on_class_changed(const class_change& x) {
   outputs out;
-  const auto stale_after = class_.settings.stale_after;
+  const auto before = class_.settings;
   ::rubicon::proxy::apply(x, class_);
+  const auto& now = class_.settings;
   for (auto& [source, at] : stale_at_)
-    at += class_.settings.stale_after - stale_after;
-  if (x.answer_timeout || x.retry_for) {
+    at += now.stale_after - before.stale_after;
+  if (now.answer_timeout != before.answer_timeout || now.retry_for != before.retry_for) {
     for (auto& [channel, requests] : channels_)
-      requests.set_times(answer_timeout(), class_.settings.retry_for);
+      requests.set_times(answer_timeout(), now.retry_for);
     for (const auto& input : class_.inputs) {
       const auto deadline = to_text(instant(deadline_of(input.channel)));
       say(key_of(input.name + ".deadline"), deadline, out);
@@ -118,10 +119,10 @@ proxy::outputs proxy::on_class_changed(const class_change& x) {
         say(key_of(input.name + ".latency"), deadline, out);
     }
   }
-  if (x.period)
+  if (now.period != before.period)
     ask_for_period(out);
-  if (x.unit)
-    say(key_of(x.field + ".unit"), *x.unit, out);
+  if (keys::find(x.field_settings, "unit") != nullptr)
+    say(key_of(x.field + ".unit"), field_named(class_, x.field)->unit, out);
   return out;
 }
 
@@ -283,13 +284,6 @@ std::size_t proxy::open_requests() const {
   return open;
 }
 
-std::uint64_t proxy::retries() const {
-  std::uint64_t all = 0;
-  for (const auto& [channel, requests] : channels_)
-    all += requests.retries();
-  return all;
-}
-
 std::vector<std::pair<std::string, std::string>> proxy::values() const {
   std::vector<std::pair<std::string, std::string>> list;
   for (const auto& [name, x] : newest_)
@@ -406,9 +400,10 @@ void proxy::note_latency(std::uint16_t channel, duration taken, outputs& out) {
 
 void proxy::apply(std::uint16_t channel, input_channel::outputs todo, outputs& out) {
   for (auto& x : todo) {
-    if (auto* const work = std::get_if<submit>(&x))
+    if (auto* const work = std::get_if<submit>(&x)) {
+      counters_.retries += work->again ? 1 : 0;
       out.emplace_back(write_device{who_.mote, channel, std::move(work->octets)});
-    else if (const auto* const end = std::get_if<finished>(&x)) {
+    } else if (const auto* const end = std::get_if<finished>(&x)) {
       publish_outcome(end->input, end->word, end->outcome, out);
       if (end->outcome != request_outcome::acknowledged)
         continue;

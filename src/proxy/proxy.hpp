@@ -89,6 +89,7 @@ struct proxy_counters {
   delay_histogram latency; ///< of the same
   std::map<std::string, std::uint64_t>
       failed;                        ///< failed, unreachable, refused, superseded, timeout
+  std::uint64_t retries = 0;         ///< writes of requests after their first
   std::uint64_t messages = 0;        ///< from the mote, decoded
   std::uint64_t late = 0;            ///< messages and records older than the latency published
   std::uint64_t other_times = 0;     ///< the same, whose time cannot be one of the network's
@@ -99,9 +100,9 @@ struct proxy_counters {
   std::uint64_t bad_keys = 0;        ///< own keys over the limits: not published
   std::uint64_t foreign_names = 0;   ///< what a program says that is not in its names(): dropped
 };
-RUBICON_FIELDS(proxy_counters, requested, acknowledged, sent, slowest, latency, failed, messages,
-               late, other_times, short_messages, unread_messages, bad_statuses, foreign_tuples,
-               bad_keys, foreign_names);
+RUBICON_FIELDS(proxy_counters, requested, acknowledged, sent, slowest, latency, failed, retries,
+               messages, late, other_times, short_messages, unread_messages, bad_statuses,
+               foreign_tuples, bad_keys, foreign_names);
 
 /// One mote's face. It speaks tuples alone: raw ones with the mote's gateway, readable ones with
 /// the ecology (PXY-04, 05, 06, 12, 14).
@@ -203,7 +204,6 @@ public:
   [[nodiscard]] const proxy_identity& who() const { return who_; }
   [[nodiscard]] const proxy_counters& counters() const { return counters_; }
   [[nodiscard]] std::size_t open_requests() const;
-  [[nodiscard]] std::uint64_t retries() const; ///< writes of requests after their first
 
   /// The greatest latency of readings that it publishes at present; nothing if there is none.
   [[nodiscard]] std::optional<duration> reading_latency() const;

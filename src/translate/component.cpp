@@ -24,12 +24,10 @@ components::outputs component::on_tuple(const components::news& x, instant now) 
 }
 
 components::figures component::figures() const {
-  const auto& counted = core_.counters();
-  const auto figure = [](std::uint64_t x) { return static_cast<double>(x); };
-  return {{"translated", figure(counted.translated)}, {"tuples", figure(core_.targets())},
-          {"bad values", figure(counted.bad_values)}, {"long values", figure(counted.long_values)},
-          {"bad keys", figure(counted.bad_keys)},     {"refused", figure(counted.refused)},
-          {"own tuples", figure(counted.own)}};
+  components::figures out;
+  components::add_figures<translate::translator_counters>(out, core_.counters());
+  out.insert(out.begin() + 1, {"tuples", static_cast<double>(core_.targets())});
+  return out;
 }
 
 } // namespace rubicon::translate

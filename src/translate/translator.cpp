@@ -41,7 +41,7 @@ translator::outputs translator::on_value(std::string_view key, std::string_view 
                                          instant now) {
   outputs out;
   if (own && is_ours(key)) {
-    ++counters_.own;
+    ++counters_.own_tuples;
     return out;
   }
   for (const auto& rule : rules_) {

@@ -38,9 +38,10 @@ struct translator_counters {
   std::uint64_t long_values = 0; ///< texts of more than text_max octets: dropped
   std::uint64_t bad_keys = 0;    ///< targets over the limits of keys: dropped
   std::uint64_t refused = 0;     ///< beyond targets_max: dropped
-  std::uint64_t own = 0;         ///< what it has published itself: ignored
+  std::uint64_t own_tuples = 0;  ///< what it has published itself: ignored
 };
-RUBICON_FIELDS(translator_counters, translated, bad_values, long_values, bad_keys, refused, own);
+RUBICON_FIELDS(translator_counters, translated, bad_values, long_values, bad_keys, refused,
+               own_tuples);
 
 /// Each rule whose pattern matches publishes a tuple of its own for a value. A value that comes
 /// from a tuple that it has set itself is ignored, so that no rule feeds itself or another one.

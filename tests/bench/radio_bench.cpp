@@ -153,7 +153,7 @@ mote_actor::behavior_type empty_mote(scheduler::actor_pointer<empty_state, mote_
       [](const move_mote&) {},
       [](crash_now) {},
       [](end_battery) {},
-      [](const set_period&) {},
+      [](const change_program&) {},
       [](const set_network_keys&) {},
       [](const step_clock&) {},
       [](const backbone_received&) {},

@@ -109,3 +109,20 @@ TEST_CASE("the binary writes its pages and completions", "[cli]") {
   CHECK(rubicon_in(folder, "completion csh").status == 2);
   CHECK(rubicon_in(folder, "completion").status == 2);
 }
+
+TEST_CASE("what a run does with another file is shown beforehand", "[cli][ACT-10]") {
+  const scratch_folder folder;
+  REQUIRE(rubicon_in(folder, "new home old.toml").status == 0);
+  auto text = content((folder.path / "old.toml").string());
+  std::ofstream(folder.path / "new.toml")
+      << text << "[[change]]\nat = \"1min\"\nkind = \"debug\"\nof = []\n";
+  const auto same = rubicon_in(folder, "check old.toml --changes-from old.toml");
+  CHECK(same.status == 0);
+  CHECK(same.out == "nothing changes\n");
+  const auto planned = rubicon_in(folder, "check new.toml --changes-from old.toml");
+  CHECK(planned.status == 0);
+  CHECK(contains(planned.out, "1 min  debug of no actors\n"));
+  const auto refused = rubicon_in(folder, "check old.toml --changes-from new.toml");
+  CHECK(refused.status == 2);
+  CHECK(contains(refused.out, "was removed from the file"));
+}

@@ -154,7 +154,7 @@ TEST_CASE("a mote of another type has no such program any more", "[ecology][ACT-
     mote = "flat/stove"
     period = "2s"
   )");
-  CHECK(x.has_logged("flat/stove", "has no sampler 1 now, whose period could change"));
+  CHECK(x.has_logged("flat/stove", "has no sampler 1 now, which could change"));
   CHECK(x.report.actors.changes_refused == 1);
 }
 
@@ -196,9 +196,8 @@ TEST_CASE("proxies go by their class as it is now, and so do new ones", "[ecolog
     peer = "pc"
     for = "2s"
   )");
-  CHECK(x.has_logged("flat",
-                     "proxy class climate: period 5 s, temperature in K, add of temperature "
-                     "273.15, decimals of temperature 2"));
+  CHECK(x.has_logged("flat", "proxy class climate: period 5 s, add of temperature 273.15, "
+                             "decimals of temperature 2, unit of temperature K"));
   CHECK(x.values("flat.stove.temperature") == std::vector<std::string>{"20.0", "293.15"});
   CHECK(x.values("flat.window.temperature.unit") == std::vector<std::string>{"C", "K"});
   CHECK(x.count("flat.stove.temperature", 1min, 4min) == 18);

@@ -99,6 +99,7 @@ std::string text_of(const key_group& x) {
     out += line("default:", standard.substr(9));
   else
     out += line("default:", standard.empty() ? "none" : "none: it is required");
+  out += line("change:", plain_text(config::change_of(key)));
   out += line("table:", plain_text(x.first.title));
   for (const auto& path : x.paths)
     out += line(&path == &x.paths.front() ? "place:" : "", path);

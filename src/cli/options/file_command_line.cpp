@@ -40,6 +40,8 @@ void file_command_line::add_check() {
     if (check_.file.empty() && explained_.key.empty())
       throw CLI::RequiredError("FILE");
   });
+  add_path(check_app_, "--changes-from", "OLD", check_.changes_from,
+           "Show instead what a run of OLD applies and refuses if it reads FILE with run --reload");
   check_app_.add_flag("--list", check_.list, "List motes, peers and tuple keys instead");
   check_app_.add_flag("--strict", check_.is_strict, "Treat warnings about the file as errors");
   add_overrides(check_app_, check_.instead);

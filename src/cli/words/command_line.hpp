@@ -50,8 +50,9 @@ struct check_command {
   std::string file;
   config::overrides instead;
   config::extensions known;
-  bool list = false;      ///< motes, peers and tuples instead of a summary
-  bool is_strict = false; ///< a warning is an error
+  std::string changes_from; ///< file of a run that is to read FILE again; empty: none
+  bool list = false;        ///< motes, peers and tuples instead of a summary
+  bool is_strict = false;   ///< a warning is an error
 };
 
 /// `rubicon check --explain KEY`

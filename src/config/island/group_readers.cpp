@@ -64,9 +64,11 @@ auto network_secret_keys() {
   using x = smepp::group_settings;
   return keys::of(
       keys::optional("network_key", &x::network_key, secret_key{"smepp.network_key"},
-                     {"encrypts all frames", "drawn from the seed, which is not secret"}),
+                     {"encrypts all frames", "drawn from the seed, which is not secret"})
+          .changeable(),
       keys::optional("network_mac", &x::network_mac, secret_key{"smepp.network_mac"},
-                     {"authenticates them", "drawn from the seed, which is not secret"}));
+                     {"authenticates them", "drawn from the seed, which is not secret"})
+          .changeable());
 }
 
 auto sender_secret_keys() {

@@ -204,7 +204,9 @@ void read_macs(table_reader& in, radio::channel_config& out) {
 
 void read_radio_links(table_reader& in, radio::channel_config& out, std::vector<mark>& places) {
   uniqueness<std::pair<mote_address, mote_address>> pairs;
-  in.tables("link", "[[radio.link]]", {"links with their own loss or gain", "none"},
+  in.tables("link", "[[radio.link]]",
+            about("links with their own loss or gain", "none")
+                .changeable("loss and gain of a link, and further links"),
             [&](table_reader& x) {
               radio::link_override link;
               x.all(link, radio_link_keys());

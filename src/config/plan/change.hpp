@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/address.hpp"
+#include "core/describe/changes.hpp"
 #include "core/time.hpp"
 #include "proxy/classes/class_change.hpp"
 #include "smepp/member_config.hpp"
@@ -22,13 +23,13 @@ struct debug_change {
   std::vector<std::string> of; ///< patterns of debug_selection; empty: no actor's
 };
 
-/// A sampler or a messenger of a mote has another period, in all lives that the mote has as a mote
+/// A sampler or a messenger of a mote has other settings, in all lives that the mote has as a mote
 /// of its present type.
-struct rate_change {
+struct program_change {
   mote_address mote;
   std::optional<std::uint16_t> sampler = {};   ///< its channel; one of the two is set
   std::optional<std::uint16_t> messenger = {}; ///< its AM type
-  duration period{};
+  keys::key_changes settings = {}; ///< of the keys that apps/app_keys.hpp calls changeable
 };
 
 /// One direction between two radios of an air, as a link of [radio] says it. One of both is set.
@@ -48,14 +49,14 @@ struct network_keys_change {
 };
 
 /// What a `kind` of a change may be.
-inline constexpr std::array<std::string_view, 5> change_kinds{"debug", "rate", "link",
-                                                              "proxy_class", "network_keys"};
+inline constexpr std::array<std::string_view, 6> change_kinds{
+    "debug", "rate", "program", "link", "proxy_class", "network_keys"};
 
 /// Why there is no such kind, if it is something that does not change while an ecology runs; else
 /// empty.
 [[nodiscard]] std::string_view why_fixed(std::string_view kind);
 
-using change =
-    std::variant<debug_change, rate_change, link_change, proxy::class_change, network_keys_change>;
+using change = std::variant<debug_change, program_change, link_change, proxy::class_change,
+                            network_keys_change>;
 
 } // namespace rubicon::config

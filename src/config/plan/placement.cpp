@@ -69,7 +69,7 @@ struct places {
 
 std::vector<std::string> hosts_of_change(const places& where, const change& x) {
   return std::visit(overloads{
-                        [&](const rate_change& y) { return where.of(y.mote); },
+                        [&](const program_change& y) { return where.of(y.mote); },
                         [&](const link_change& y) { return where.of(y.from); },
                         [&](const auto& /*of all*/) { return where.hosts; },
                     },

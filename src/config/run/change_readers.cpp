@@ -8,6 +8,7 @@
 #include "config/plan/debug_selection.hpp"
 #include "config/plan/secret_key.hpp"
 #include "config/run/change_text.hpp"
+#include "config/run/key_changes.hpp"
 #include "proxy/classes/class_keys.hpp"
 
 namespace rubicon::config {
@@ -78,40 +79,33 @@ auto change_time_keys() {
   return of(required("at", &fault_description::at, time_of_run{}, "time from which it applies"));
 }
 
-/// All keys of a class_change but those that say of what.
 auto class_keys() {
   using proxy::class_change;
-  const auto said = [](const char* meaning) { return keys::about{meaning, "as before"}; };
-  return of(required("class", &class_change::class_name, text{}, "name of a [[proxy]]"),
-            optional("period", &class_change::period, time_span{10ms, 24h * 10},
-                     said("as in [`qos`](#proxyqos); its proxies request it at once")),
-            optional("stale_after", &class_change::stale_after, time_span{10ms, 24h * 10},
-                     said("the same, also for values read before")),
-            optional("inactive_after", &class_change::inactive_after, time_span{1s, 24h * 10},
-                     said("the same")),
-            optional("retire_after", &class_change::retire_after, time_span{1s, 24h * 10},
-                     said("the same")),
-            optional("answer_timeout", &class_change::answer_timeout, time_span{1s, 1h},
-                     said("the same, for values written from then on")),
-            optional("retry_for", &class_change::retry_for, time_span{0s, 24h}, said("the same")),
-            optional("field", &class_change::field, text{},
-                     {"the field that the next keys change", "none"}),
-            optional("unit", &class_change::unit, text{16}, said("published with the value")),
-            optional("scale", &class_change::scale, real{}, said("factor of the count")),
-            optional("add", &class_change::add, real{}, said("added to the scaled count")),
-            optional("decimals", &class_change::decimals, whole<int>{0, 6},
-                     said("digits after the point")));
+  return of(required("class", &class_change::class_name, text{}, "name of a [[proxy]]"));
 }
 
-auto rate_keys() {
-  return of(required("mote", &rate_change::mote, mote_name{}, "mote with the program"),
-            required("period", &rate_change::period, apps::report_period,
-                     "period of its messages, also after the mote was restarted; a period "
-                     "requested from the gateway takes precedence"),
-            optional("sampler", &rate_change::sampler, whole<std::uint16_t>{0, 255},
+auto class_field_keys() {
+  return of(optional("field", &proxy::class_change::field, text{},
+                     {"the field that the next keys change", "none"}));
+}
+
+auto program_keys() {
+  return of(required("mote", &program_change::mote, mote_name{}, "mote with the program"),
+            optional("sampler", &program_change::sampler, whole<std::uint16_t>{0, 255},
                      {"its channel", "the mote's only sampler or messenger"}),
-            optional("messenger", &rate_change::messenger, whole<std::uint16_t>{0, 255},
+            optional("messenger", &program_change::messenger, whole<std::uint16_t>{0, 255},
                      {"its AM type, instead", "the same"}));
+}
+
+/// The key `every` of a program, as kind = "rate" has it.
+struct new_rate {
+  duration period{};
+};
+
+auto rate_keys() {
+  return of(required("period", &new_rate::period, apps::report_period,
+                     "period of its messages, also after the mote was restarted; a period "
+                     "requested from the gateway takes precedence"));
 }
 
 auto link_keys() {
@@ -148,9 +142,10 @@ public:
                  one(of(required(
                      "of", &debug_change::of, debug_pattern_list{},
                      "actors whose messages `--debug-dir` has from then on; none: no actor's")))},
-                {"rate", one(rate_keys())},
+                {"rate", [this](table_reader& x) { read_rate(x); }},
+                {"program", [this](table_reader& x) { read_program(x); }},
                 {"link", one(link_keys())},
-                {"proxy_class", one(class_keys())},
+                {"proxy_class", [this](table_reader& x) { read_class(x); }},
                 {"network_keys", one(network_keys_keys())}},
         within);
   }
@@ -167,6 +162,43 @@ private:
           },
           list);
     };
+  }
+
+  void read_rate(table_reader& in) {
+    program_change x;
+    new_rate rate;
+    in.all(x, program_keys());
+    in.all(rate, rate_keys());
+    x.settings.push_back({"every", rate.period});
+    if (in.sound() && !in.walks())
+      check(in, x, program_of(in, x), "period");
+    out_ = std::move(x);
+  }
+
+  void read_program(table_reader& in) {
+    program_change x;
+    in.all(x, program_keys());
+    const auto* program = in.sound() && !in.walks() ? program_of(in, x) : nullptr;
+    if (program == nullptr || std::holds_alternative<sampler_app>(*program))
+      read_key_changes<sampler_app>(in, x.settings);
+    if (program == nullptr || std::holds_alternative<messenger_app>(*program))
+      read_key_changes<messenger_app>(in, x.settings);
+    if (in.sound() && !in.walks())
+      check(in, x, program, "every");
+    if (in.sound() && !in.walks() && x.settings.empty())
+      in.problems().add(in.at(), "no change of the program is given");
+    out_ = std::move(x);
+  }
+
+  void read_class(table_reader& in) {
+    proxy::class_change x;
+    in.all(x, class_keys());
+    read_key_changes<proxy::proxy_settings>(in, x.settings);
+    in.all(x, class_field_keys());
+    read_key_changes<proxy::field>(in, x.field_settings);
+    if (in.sound() && !in.walks())
+      check(in, x);
+    out_ = std::move(x);
   }
 
   /// @returns whether it asks for what cannot change
@@ -192,16 +224,18 @@ private:
       refuse(in, "of", std::move(why));
   }
 
-  void check(table_reader& in, rate_change& x) const {
+  /// The program that a change is about, by which its channel or AM type becomes known; nullptr if
+  /// there is none, which is reported.
+  const mote_app* program_of(table_reader& in, program_change& x) const {
     if (x.sampler && x.messenger) {
       refuse(in, "messenger", "`messenger` has no effect with `sampler`");
-      return;
+      return nullptr;
     }
     const auto* mote = find(x.mote);
     if (mote == nullptr) {
       if (const auto* of = in.names().find(x.mote.island); of != nullptr && !of->is_simulated)
         refuse(in, "mote", "that island has a real sink: nothing of its motes is simulated");
-      return; // which is reported elsewhere
+      return nullptr; // otherwise reported elsewhere
     }
     std::vector<const mote_app*> fitting;
     for (const auto& each : mote->apps)
@@ -209,15 +243,16 @@ private:
         fitting.push_back(&each);
     if (fitting.size() != 1) {
       refuse_program(in, x, fitting.empty());
-      return;
+      return nullptr;
     }
     if (const auto* messenger = std::get_if<messenger_app>(fitting.front()))
       x.messenger = messenger->am_type;
     else
-      check(in, x, std::get<sampler_app>(*fitting.front()));
+      x.sampler = std::get<sampler_app>(*fitting.front()).channel;
+    return fitting.front();
   }
 
-  static bool fits(const mote_app& app, const rate_change& x) {
+  static bool fits(const mote_app& app, const program_change& x) {
     if (const auto* sampler = std::get_if<sampler_app>(&app))
       return x.sampler ? *x.sampler == sampler->channel : !x.messenger;
     if (const auto* messenger = std::get_if<messenger_app>(&app))
@@ -225,7 +260,7 @@ private:
     return false;
   }
 
-  static void refuse_program(table_reader& in, const rate_change& x, bool none) {
+  static void refuse_program(table_reader& in, const program_change& x, bool none) {
     if (!none)
       refuse(in, "mote",
              "that mote has several samplers and messengers: choose one with `sampler` or "
@@ -238,20 +273,25 @@ private:
              "periods, which both ends of a stream or flow have agreed on");
   }
 
-  /// What the keys of the sampler have to do with its period.
-  static void check(table_reader& in, rate_change& x, const sampler_app& app) {
-    x.sampler = app.channel;
-    const auto than = [&](const char* how, const char* key, duration value) {
-      refuse(in, "period",
-             std::string("`period` must not be ") + how + " than the sampler's `" + key +
-                 "`, which is " + to_text(value));
+  /// What the other keys of a sampler have to do with its new period, which is at `key`.
+  static void check(table_reader& in, const program_change& x, const mote_app* program,
+                    const std::string& key) {
+    const auto* app = program == nullptr ? nullptr : std::get_if<sampler_app>(program);
+    const auto* every = keys::find(x.settings, "every");
+    if (app == nullptr || every == nullptr)
+      return;
+    const auto period = std::get<duration>(*every);
+    const auto than = [&](const char* how, const char* other, duration value) {
+      refuse(in, key,
+             '`' + key + "` must not be " + how + " than the sampler's `" + other + "`, which is " +
+                 to_text(value));
     };
-    if (x.period < app.jitter)
-      than("shorter", "jitter", app.jitter);
-    else if (x.period < app.every_min)
-      than("shorter", "every_min", app.every_min);
-    else if (!app.dead_band.empty() && x.period > app.silence_max)
-      than("longer", "silence_max", app.silence_max);
+    if (period < app->jitter)
+      than("shorter", "jitter", app->jitter);
+    else if (period < app->every_min)
+      than("shorter", "every_min", app->every_min);
+    else if (!app->dead_band.empty() && period > app->silence_max)
+      than("longer", "silence_max", app->silence_max);
   }
 
   void check(table_reader& in, link_change& x) const {
@@ -300,9 +340,9 @@ private:
 
   static void check_field(table_reader& in, const proxy::class_change& x,
                           const proxy::proxy_class& of) {
-    for (const auto* key : {"unit", "scale", "add", "decimals"})
-      if (in.has(key) && x.field.empty())
-        refuse(in, key, '`' + std::string(key) + "` needs `field`");
+    for (const auto& each : x.field_settings)
+      if (x.field.empty())
+        refuse(in, each.key, '`' + each.key + "` needs `field`");
     if (x.field.empty())
       return;
     std::vector<std::string> known;
@@ -341,7 +381,8 @@ std::string_view why_fixed(std::string_view kind) {
 std::vector<fault_description> read_changes(table_reader& root, const surroundings& /*with*/,
                                             const ecology_description& all) {
   std::vector<fault_description> out;
-  root.tables("change", "[[change]]", "settings that change at a given time",
+  root.tables("change", "[[change]]",
+              about("settings that change at a given time").changeable("further ones"),
               [&](table_reader& in) {
                 fault_description x;
                 change what;

@@ -11,16 +11,20 @@
 namespace rubicon::config {
 
 /// `sampler 1`, `messenger 10`
-[[nodiscard]] std::string program_text(const rate_change& x);
+[[nodiscard]] std::string program_text(const program_change& x);
+
+/// `every 5 s, reliable true`
+[[nodiscard]] std::string settings_text(const program_change& x);
 
 /// `loss 30 %, gain -80 dB`
 [[nodiscard]] std::string link_text(const link_change& x);
 
-/// The period of the program that the change is about; nothing if none of them is.
-[[nodiscard]] std::optional<duration> period_of(const std::vector<mote_app>& apps,
-                                                const rate_change& x);
+/// The present values of the settings that the change is about; nothing if none of the programs is
+/// the one that it is about.
+[[nodiscard]] std::optional<keys::key_changes> settings_before(const std::vector<mote_app>& apps,
+                                                               const program_change& x);
 
-/// @pre period_of() finds one
-void set_period(std::vector<mote_app>& apps, const rate_change& x);
+/// @pre settings_before() finds the program
+void apply(std::vector<mote_app>& apps, const program_change& x);
 
 } // namespace rubicon::config

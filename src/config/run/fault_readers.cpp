@@ -367,16 +367,17 @@ void read_repetition(table_reader& in, fault_description& out) {
 std::vector<fault_description> read_faults(table_reader& root, const surroundings& with,
                                            const std::vector<island_description>& islands) {
   std::vector<fault_description> out;
-  root.tables("fault", "[[fault]]", "faults and their times", [&](table_reader& in) {
-    fault_description x;
-    const bool repeated = in.has("every") || in.has("random");
-    in.all(x, fault_time_keys(!repeated));
-    if (in.is_good("at") && repeated)
-      in.problems().add(in.at("at"), "`at` has no effect with `every` or `random`");
-    read_repetition(in, x);
-    fault_reader(with, islands, x.what).read(in);
-    out.push_back(std::move(x));
-  });
+  root.tables("fault", "[[fault]]", about("faults and their times").changeable("further ones"),
+              [&](table_reader& in) {
+                fault_description x;
+                const bool repeated = in.has("every") || in.has("random");
+                in.all(x, fault_time_keys(!repeated));
+                if (in.is_good("at") && repeated)
+                  in.problems().add(in.at("at"), "`at` has no effect with `every` or `random`");
+                read_repetition(in, x);
+                fault_reader(with, islands, x.what).read(in);
+                out.push_back(std::move(x));
+              });
   sort_plan(out);
   return out;
 }

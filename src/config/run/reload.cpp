@@ -1,12 +1,15 @@
 #include "config/run/reload.hpp"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 #include <utility>
 
-#include "config/run/change_text.hpp"
+#include "apps/app_keys.hpp"
+#include "config/plan/change.hpp"
+#include "config/toml/schema.hpp"
 #include "config/toml/units.hpp"
+#include "core/describe/changes.hpp"
+#include "proxy/classes/class_keys.hpp"
 
 namespace rubicon::config {
 
@@ -14,11 +17,6 @@ namespace {
 
 /// Keys from the root to a value; elements of arrays are left out.
 using key_path = std::vector<std::string_view>;
-
-template <std::size_t size>
-bool among(const std::array<std::string_view, size>& all, std::string_view x) {
-  return std::ranges::find(all, x) != all.end();
-}
 
 /// Whether two values are the same, wherever they stand.
 bool equal(const node& a, const node& b) {
@@ -38,19 +36,37 @@ bool equal(const node& a, const node& b) {
          same(a.as<bool>(), b.as<bool>());
 }
 
+/// What a file may say at a key of a table, as the table's own value at its choice has it; nullptr
+/// if nothing is known of the key.
+const key_description* described_key(const table_description* of, const node& table,
+                                     std::string_view key) {
+  if (of == nullptr)
+    return nullptr;
+  if (const auto* found = of->find(key))
+    return found;
+  const auto* choice = of->choice.empty() ? nullptr : table.find(of->choice);
+  const auto* word = choice == nullptr ? nullptr : choice->as<std::string>();
+  const auto* variant = word == nullptr ? nullptr : of->variant(*word);
+  if (const auto* found = variant == nullptr ? nullptr : variant->find(key))
+    return found;
+  const auto others = std::ranges::find(of->keys, part::other_tables, &key_description::part);
+  return others == of->keys.end() ? nullptr : &*others;
+}
+
 /// Finds what differs and cannot follow.
 class comparison {
 public:
   explicit comparison(complaints& out) : out_(out) {}
 
-  void compare_tables(const node& before, const node& now) {
-    const auto& members = *now.as<node_table>();
-    for (const auto& x : members) {
+  /// @param of what the file may say there
+  void compare_tables(const node& before, const node& now, const table_description* of) {
+    for (const auto& x : *now.as<node_table>()) {
+      const auto* key = described_key(of, now, x.key);
       path_.push_back(x.key);
-      if (!follows(now)) {
+      if (key == nullptr || !key->is_changeable) {
         const auto* old = before.find(x.key);
         if (old != nullptr || x.value.as<node_table>() != nullptr)
-          compare(old != nullptr ? *old : no_keys, x.value);
+          compare(old != nullptr ? *old : no_keys, x.value, key);
         else
           refuse(x.value.at, "is new");
       }
@@ -59,50 +75,48 @@ public:
     for (const auto& x : *before.as<node_table>()) {
       if (now.find(x.key) != nullptr)
         continue;
+      const auto* key = described_key(of, before, x.key);
       path_.push_back(x.key);
       if (x.value.as<node_table>() != nullptr)
-        compare_tables(x.value, node{now.at, node_table{}});
-      else if (!follows(now) || among(never_unset, x.key))
+        compare_tables(x.value, node{now.at, node_table{}}, table_of(key));
+      else if (key == nullptr || !key->is_changeable || !key->is_removable)
         refuse(now.at, "is gone");
       path_.pop_back();
     }
   }
 
 private:
-  void compare(const node& before, const node& now) {
+  static const table_description* table_of(const key_description* x) {
+    return x == nullptr ? nullptr : x->table.get();
+  }
+
+  void compare(const node& before, const node& now, const key_description* key) {
     const auto* elements = now.as<node_array>();
     if (now.as<node_table>() != nullptr && before.as<node_table>() != nullptr)
-      compare_tables(before, now);
+      compare_inner(before, now, key);
     else if (elements != nullptr && before.as<node_array>() != nullptr)
-      compare_elements(*before.as<node_array>(), *elements, now.at);
+      compare_elements(*before.as<node_array>(), *elements, now.at, key);
     else if (!equal(before, now))
       refuse(now.at, "differs");
   }
 
-  void compare_elements(const node_array& before, const node_array& now, mark at) {
+  /// A table, or tables whose names the file's author has chosen.
+  void compare_inner(const node& before, const node& now, const key_description* key) {
+    if (key == nullptr || key->part != part::named_tables)
+      return compare_tables(before, now, table_of(key));
+    table_description named;
+    named.keys.push_back({.part = part::other_tables, .table = key->table});
+    compare_tables(before, now, &named);
+  }
+
+  void compare_elements(const node_array& before, const node_array& now, mark at,
+                        const key_description* key) {
     for (std::size_t i = 0; i < std::min(before.size(), now.size()); ++i)
-      compare(before[i], now[i]);
+      compare(before[i], now[i], key);
     if (now.size() > before.size())
       refuse(now[before.size()].at, "has more");
     else if (now.size() < before.size())
       refuse(at, "has fewer");
-  }
-
-  /// Whether what is there is compared by what it means.
-  [[nodiscard]] bool follows(const node& table) const {
-    const auto last = path_.back();
-    if (path_.size() == 1)
-      return last == "fault" || last == "change";
-    if (path_.size() == 2 && path_[0] == "radio")
-      return last == "link";
-    if (path_.size() == 2 && path_[0] == "smepp")
-      return last == "network_key" || last == "network_mac";
-    if (path_.size() == 3 && path_[0] == "proxy")
-      return (path_[1] == "qos" && among(qos, last)) || (path_[1] == "field" && among(field, last));
-    const auto* app = table.find("app");
-    const auto* kind = app == nullptr ? nullptr : app->as<std::string>();
-    return last == "every" && path_[0] != "peer" && kind != nullptr &&
-           (*kind == "sampler" || *kind == "messenger");
   }
 
   void refuse(mark at, const char* how) {
@@ -113,12 +127,6 @@ private:
     out_.add(at, '`' + keys + "` " + how + ", and cannot change while an ecology runs" +
                      (why.empty() ? std::string() : ": it " + std::string(why)));
   }
-
-  static constexpr std::array<std::string_view, 6> qos{
-      "answer_timeout", "retry_for", "period", "stale_after", "inactive_after", "retire_after"};
-  static constexpr std::array<std::string_view, 4> field{"unit", "scale", "add", "decimals"};
-  static constexpr std::array<std::string_view, 5> never_unset{
-      "period", "stale_after", "inactive_after", "retire_after", "unit"};
 
   complaints& out_;
   key_path path_;
@@ -134,30 +142,42 @@ const mote_description* find(const ecology_description& x, const mote_address& a
   return mote == island->motes.end() ? nullptr : &*mote;
 }
 
-void compare_rates(const ecology_description& before, const ecology_description& now,
-                   std::vector<change>& out) {
-  const auto compare = [&out](const mote_description& old, rate_change x) {
-    const auto was = period_of(old.apps, x);
-    if (was && *was != x.period)
-      out.emplace_back(x);
+/// The program of the same kind and number among those of before; nullptr if there is none.
+template <class App, class Number>
+const App* program_before(const mote_description& mote, const App& now, Number App::*number) {
+  for (const auto& each : mote.apps)
+    if (const auto* app = std::get_if<App>(&each); app != nullptr && app->*number == now.*number)
+      return app;
+  return nullptr;
+}
+
+void compare_programs(const mote_description& before, const mote_description& now, mote_address at,
+                      std::vector<change>& out) {
+  const auto add = [&out](program_change x) {
+    if (!x.settings.empty())
+      out.emplace_back(std::move(x));
   };
-  for (const auto& island : now.islands) {
-    for (const auto& mote : island.motes) {
-      const auto* old = find(before, {island.id, mote.id});
-      for (const auto& app : mote.apps) {
-        rate_change x{.mote = {island.id, mote.id}};
-        if (const auto* sampler = std::get_if<sampler_app>(&app)) {
-          x.sampler = sampler->channel;
-          x.period = sampler->every;
-        } else if (const auto* messenger = std::get_if<messenger_app>(&app)) {
-          x.messenger = messenger->am_type;
-          x.period = messenger->every;
-        }
-        if (old != nullptr && (x.sampler || x.messenger))
-          compare(*old, x);
-      }
+  for (const auto& app : now.apps) {
+    if (const auto* sampler = std::get_if<sampler_app>(&app)) {
+      if (const auto* old = program_before(before, *sampler, &sampler_app::channel))
+        add({.mote = at,
+             .sampler = sampler->channel,
+             .settings = keys::changes_between(*old, *sampler)});
+    } else if (const auto* messenger = std::get_if<messenger_app>(&app)) {
+      if (const auto* old = program_before(before, *messenger, &messenger_app::am_type))
+        add({.mote = at,
+             .messenger = messenger->am_type,
+             .settings = keys::changes_between(*old, *messenger)});
     }
   }
+}
+
+void compare_programs(const ecology_description& before, const ecology_description& now,
+                      std::vector<change>& out) {
+  for (const auto& island : now.islands)
+    for (const auto& mote : island.motes)
+      if (const auto* old = find(before, {island.id, mote.id}))
+        compare_programs(*old, mote, {island.id, mote.id}, out);
 }
 
 /// Links that the file no longer has cannot be made as if it had never had them.
@@ -181,48 +201,23 @@ void compare_links(const ecology_description& before, const ecology_description&
                       "new loss and gain");
 }
 
-template <class T>
-std::optional<T> news(const T& before, const T& now) {
-  return before == now ? std::nullopt : std::optional(now);
-}
-template <class T>
-std::optional<T> news(const std::optional<T>& before, const std::optional<T>& now) {
-  return before == now ? std::nullopt : now;
-}
-
 void compare_classes(const ecology_description& before, const ecology_description& now,
                      std::vector<change>& out) {
   const auto add = [&out](proxy::class_change x) {
-    if (!proxy::to_text(x).empty())
+    if (!x.settings.empty() || !x.field_settings.empty())
       out.emplace_back(std::move(x));
   };
   for (const auto& each : now.proxies) {
     const auto old = std::ranges::find(before.proxies, each.name, &proxy::proxy_class::name);
     if (old == before.proxies.end() || old->types.empty())
       continue;
-    const auto& a = old->settings;
-    const auto& b = each.settings;
-    proxy::class_change x{.class_name = each.name};
-    x.answer_timeout = news(a.answer_timeout, b.answer_timeout);
-    x.retry_for = news(a.retry_for, b.retry_for);
-    if (b.period > 0s) // else it was given up, which is refused
-      x.period = news(a.period, b.period);
-    if (b.stale_after > 0s)
-      x.stale_after = news(a.stale_after, b.stale_after);
-    x.inactive_after = news(a.inactive_after, b.inactive_after);
-    x.retire_after = news(a.retire_after, b.retire_after);
-    add(std::move(x));
+    add({.class_name = each.name, .settings = keys::changes_between(old->settings, each.settings)});
     for (const auto& field : each.fields) {
       const auto was = std::ranges::find(old->fields, field.name, &proxy::field::name);
-      if (was == old->fields.end())
-        continue;
-      proxy::class_change y{.class_name = each.name};
-      y.field = field.name;
-      y.unit = news(was->unit, field.unit);
-      y.scale = news(was->scale, field.scale);
-      y.add = news(was->add, field.add);
-      y.decimals = news(was->decimals, field.decimals);
-      add(std::move(y));
+      if (was != old->fields.end())
+        add({.class_name = each.name,
+             .field = field.name,
+             .field_settings = keys::changes_between(*was, field)});
     }
   }
 }
@@ -332,8 +327,9 @@ reloaded followed_file::read(std::string_view toml, duration now) {
   }
   auto& root = std::get<node>(parsed);
   complaints refused;
-  comparison(refused).compare_tables(first_, root);
-  compare_rates(described_, *loaded.ecology, out.changes);
+  const auto file = describe_file();
+  comparison(refused).compare_tables(first_, root, &file);
+  compare_programs(described_, *loaded.ecology, out.changes);
   const auto* radio = root.find("radio");
   compare_links(described_, *loaded.ecology, radio == nullptr ? root.at : radio->at, out.changes,
                 refused);

@@ -14,6 +14,12 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
+/// `sampler` of `app = "sampler"`.
+std::string word_of(const std::string& title) {
+  const auto begin = title.find('"') + 1;
+  return title.substr(begin, title.rfind('"') - begin);
+}
+
 /// Collects tables that stand in several places under their titles.
 class schema_writer {
 public:
@@ -38,12 +44,6 @@ public:
   json take_definitions() { return std::move(definitions_); }
 
 private:
-  /// `sampler` of `app = "sampler"`.
-  static std::string word_of(const std::string& title) {
-    const auto begin = title.find('"') + 1;
-    return title.substr(begin, title.rfind('"') - begin);
-  }
-
   json plain(const std::vector<key_description>& keys, const std::string& but = {}) {
     json out{{"type", "object"}, {"properties", json::object()}, {"additionalProperties", false}};
     for (const auto& key : keys) {
@@ -145,11 +145,30 @@ std::string default_of(const key_description& x) {
   return '`' + toml_of(json::parse(x.standard)) + '`';
 }
 
+/// Tables have a column of their own if one of their keys may change.
+std::string change_cell(const key_description& x) {
+  if (x.is_changeable)
+    return change_of(x);
+  return x.table == nullptr ? "no" : "see there";
+}
+
 } // namespace
 
 const key_description* table_description::find(std::string_view key) const {
   const auto found = std::ranges::find(keys, key, &key_description::name);
   return found == keys.end() ? nullptr : &*found;
+}
+
+const table_description* table_description::variant(std::string_view word) const {
+  const auto found = std::ranges::find_if(
+      variants, [word](const table_description& x) { return word_of(x.title) == word; });
+  return found == variants.end() ? nullptr : &*found;
+}
+
+std::string change_of(const key_description& x) {
+  if (!x.is_changeable)
+    return {};
+  return x.effect.empty() ? "yes" : "yes: " + x.effect;
 }
 
 std::string wanted_of(const key_description& x) {
@@ -195,11 +214,17 @@ std::vector<const key_description*> keys_of(const table_description& file, std::
 }
 
 std::string markdown_of(const table_description& file, std::string_view title) {
+  const auto keys = keys_of(file, title);
+  const bool some_change = std::ranges::any_of(keys, &key_description::is_changeable);
   std::string out;
-  for (const auto* key : keys_of(file, title))
+  for (const auto* key : keys)
     out += "| `" + key->name + "` | " + wanted_of(*key) + " | " + default_of(*key) + " | " +
-           key->meaning + " |\n";
-  return out.empty() ? out : "| Key | Value | Default | Meaning |\n|---|---|---|---|\n" + out;
+           (some_change ? change_cell(*key) + " | " : "") + key->meaning + " |\n";
+  if (out.empty())
+    return out;
+  return (some_change ? "| Key | Value | Default | May change | Meaning |\n|---|---|---|---|---|\n"
+                      : "| Key | Value | Default | Meaning |\n|---|---|---|---|\n") +
+         out;
 }
 
 std::string with_tables(const table_description& file, const std::string& text) {

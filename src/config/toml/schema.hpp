@@ -26,6 +26,9 @@ struct key_description {
   json_text standard{};  ///< default as a file would write it
   json_text schema{};    ///< JSON Schema of a value
   bool is_required = false;
+  bool is_changeable = false; ///< while an ecology runs
+  bool is_removable = true;   ///< the same
+  std::string effect{};       ///< of a change, if that is not obvious
   config::part part = config::part::value;
   std::shared_ptr<const table_description> table{}; ///< of a part that is no value
 };
@@ -37,6 +40,9 @@ struct table_description {
   std::vector<table_description> variants; ///< in the order of its words, with their keys only
 
   [[nodiscard]] const key_description* find(std::string_view key) const;
+
+  /// That of a table with this word at `choice`; nullptr if there is none.
+  [[nodiscard]] const table_description* variant(std::string_view word) const;
 };
 
 /// All that a file may say.
@@ -44,6 +50,9 @@ struct table_description {
 
 /// What a key may be, in Markdown; of a table a link to what is said of it.
 [[nodiscard]] std::string wanted_of(const key_description& x);
+
+/// Whether a key may change while an ecology runs, `yes`, and what that affects; else empty.
+[[nodiscard]] std::string change_of(const key_description& x);
 
 /// JSON Schema (draft 7) of a file, for editors and validators.
 [[nodiscard]] std::string json_schema(const table_description& file);

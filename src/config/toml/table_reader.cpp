@@ -26,6 +26,9 @@ void table_reader::walk(std::string_view key, part kind, const std::string& titl
        .wanted = std::string(what.wanted),
        .unset = std::string(what.unset),
        .is_required = is_required,
+       .is_changeable = what.is_changeable,
+       .is_removable = what.is_removable,
+       .effect = std::string(what.effect),
        .part = kind,
        .table = std::make_shared<const table_description>(std::move(part.own_))});
 }

@@ -184,6 +184,9 @@ private:
     x.meaning = what.meaning;
     x.wanted = what.wanted.empty() ? std::move(wanted) : std::string(what.wanted);
     x.unset = what.unset;
+    x.is_changeable = what.is_changeable;
+    x.is_removable = what.is_removable;
+    x.effect = what.effect;
     x.schema = std::move(schema);
     add(std::move(x));
   }

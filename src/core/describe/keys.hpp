@@ -7,6 +7,9 @@
 //                                    "of adapter and driver, each way"));
 //   }
 //
+// A key that may change while an ecology runs says so there, `.changeable()`, and nowhere else: see
+// core/describe/changes.hpp.
+//
 // Kinds say what a value may be; they are plain, and `config` knows how each is read and described.
 #pragma once
 
@@ -177,9 +180,28 @@ struct about {
   constexpr about(const char* meaning_, std::string_view unset_ = {}, std::string_view wanted_ = {})
       : meaning(meaning_), unset(unset_), wanted(wanted_) {}
 
+  /// It may change while an ecology runs: what is new in a file that is read again is applied.
+  /// @param effect_ what a change affects, if that is not obvious
+  [[nodiscard]] constexpr about changeable(std::string_view effect_ = {}) const {
+    auto x = *this;
+    x.is_changeable = true;
+    x.effect = effect_;
+    return x;
+  }
+
+  /// The same, but only from one value to another: once it is in the file, it remains there.
+  [[nodiscard]] constexpr about replaceable(std::string_view effect_ = {}) const {
+    auto x = changeable(effect_);
+    x.is_removable = false;
+    return x;
+  }
+
   std::string_view meaning; ///< one sentence, without a full stop; empty: its name says it
   std::string_view unset;   ///< what holds without it, if its struct's default does not say
   std::string_view wanted;  ///< what it may be, if its kind does not say
+  bool is_changeable = false;
+  bool is_removable = true;
+  std::string_view effect{};
 };
 
 /// One key and the member that it sets.
@@ -191,6 +213,18 @@ struct key {
   about what;
   bool is_required = false;
   bool is_conditional = false; ///< other keys decide whether it is required; its sentence says how
+
+  [[nodiscard]] constexpr key changeable(std::string_view effect = {}) const {
+    auto x = *this;
+    x.what = what.changeable(effect);
+    return x;
+  }
+
+  [[nodiscard]] constexpr key replaceable(std::string_view effect = {}) const {
+    auto x = *this;
+    x.what = what.replaceable(effect);
+    return x;
+  }
 };
 
 /// Without it the member stays as it is.

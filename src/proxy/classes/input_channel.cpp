@@ -94,8 +94,7 @@ input_channel::outputs input_channel::on_time(instant now) {
   current_->again.reset();
   current_->sequence.reset();
   current_->expires = now + answer_timeout_;
-  ++retries_;
-  out.emplace_back(submit{current_->what.octets});
+  out.emplace_back(submit{current_->what.octets, true});
   return out;
 }
 

@@ -46,6 +46,7 @@ struct request {
 /// Write these to the channel at the gateway.
 struct submit {
   bytes octets;
+  bool again = false; ///< what was written before has failed
 };
 
 /// A request has ended.
@@ -111,9 +112,6 @@ public:
   /// Requests without outcome.
   [[nodiscard]] std::size_t open() const { return waiting_.size() + (current_ ? 1 : 0); }
 
-  /// Writes of the same request after its first.
-  [[nodiscard]] std::uint64_t retries() const { return retries_; }
-
 private:
   struct current_request {
     request what;
@@ -130,7 +128,6 @@ private:
 
   duration answer_timeout_;
   duration retry_for_;
-  std::uint64_t retries_ = 0;
   std::optional<current_request> current_;
   std::vector<request> waiting_;       ///< at most one per input, in order of asking
   std::optional<input_status> newest_; ///< highest number seen in this life of the gateway

@@ -93,7 +93,7 @@ void rules::make_up(state& x, instant previous, instant now) {
                     " ago";
   x.is_late = x.what.retry && retry_ > 0s && now - previous <= lateness_max;
   if (!x.is_late)
-    ++counters_.missed;
+    ++counters_.times_missed;
   notify(late + (x.is_late ? "" : ": nothing is written"));
 }
 
@@ -110,7 +110,7 @@ std::vector<write_tuple> rules::on_value(std::string_view key, std::string_view 
     watched = true;
     follow(x, text, now);
   }
-  counters_.unwatched += watched ? 0 : 1;
+  counters_.unwatched_keys += watched ? 0 : 1;
   for (auto& x : on_time(now))
     out.push_back(std::move(x));
   return out;
@@ -178,7 +178,7 @@ rules::level rules::judge(const rule& x, std::string_view text) {
   }
   const auto value = number_in(text);
   if (!value) {
-    ++counters_.bad_values;
+    ++counters_.unread_values;
     report_unread(x, text);
     return level::unknown;
   }
@@ -232,7 +232,6 @@ void rules::on_time_of(const std::string& key, standing& x, instant now,
   if (!x.due || *x.due > now)
     return;
   x.due.reset();
-  ++counters_.writes;
   ++counters_.repeats;
   x.is = x.is == standing::stage::waiting ? standing::stage::asked : x.is;
   out.push_back({key, x.word, true, is_meta(key)});
@@ -286,7 +285,6 @@ std::vector<write_tuple> rules::on_owner(std::string_view key, instant, bool is_
   x->is = is_delivered ? x->is : stage::asked;
   x->report_due.reset();
   x->due.reset();
-  ++counters_.writes;
   const auto& target =
       *std::ranges::find_if(written_, [key](const auto& k) { return same_key(k, key); });
   return {{target, x->word, is_back || x->is_reported, is_meta(target)}};
@@ -399,7 +397,6 @@ void rules::write(const state& by, const std::string& to, const std::string& wor
   x.since = now;
   x.pause = retry_;
   standing_.insert_or_assign(key, std::move(x));
-  ++counters_.writes;
   ++ended_[by.number].writes;
   out.push_back({key, word, false, is_meta(key)});
 }

@@ -40,14 +40,13 @@ struct write_counters {
 RUBICON_FIELDS(write_counters, writes, accepted, refused, replaced, lost);
 
 struct rules_counters {
-  std::uint64_t values = 0;     ///< numbers that a rule watches
-  std::uint64_t bad_values = 0; ///< texts that are no number: dropped
-  std::uint64_t unwatched = 0;  ///< keys that no rule watches: dropped
-  std::uint64_t writes = 0;
-  std::uint64_t repeats = 0; ///< of them those because one before had failed
-  std::uint64_t missed = 0;  ///< times of day at which the rules were away, and too old since
+  std::uint64_t repeats = 0;       ///< writes because one before had failed
+  std::uint64_t times_missed = 0;  ///< times of day at which the rules were away, and too old since
+  std::uint64_t values = 0;        ///< numbers that a rule watches
+  std::uint64_t unread_values = 0; ///< texts that are no number: dropped
+  std::uint64_t unwatched_keys = 0; ///< keys that no rule watches: dropped
 };
-RUBICON_FIELDS(rules_counters, values, bad_values, unwatched, writes, repeats, missed);
+RUBICON_FIELDS(rules_counters, repeats, times_missed, values, unread_values, unwatched_keys);
 
 /// What an owner's kernel has made of a write.
 enum class write_end : std::uint8_t {

@@ -69,33 +69,23 @@ components::outputs rules_component::on_time(instant now) {
 
 components::figures rules_component::figures() const {
   components::figures out;
-  const auto add = [&out](std::string name, std::uint64_t x) {
-    out.emplace_back(std::move(name), static_cast<double>(x));
-  };
-  const auto add_all = [&add](const std::string& whose, const write_counters& x, bool zeros) {
+  const auto add_all = [&out](const std::string& whose, const write_counters& x) {
+    components::add_figures<rubicon::proxy::write_counters>(out, x, whose);
     const auto ended = x.accepted + x.refused + x.replaced + x.lost;
-    const std::array<std::pair<const char*, std::uint64_t>, 6> all{{{"writes", x.writes},
-                                                                    {"accepted", x.accepted},
-                                                                    {"refused", x.refused},
-                                                                    {"replaced", x.replaced},
-                                                                    {"lost", x.lost},
-                                                                    {"waiting", x.writes - ended}}};
-    for (const auto& [name, count] : all)
-      if (zeros || count > 0)
-        add(whose + name, count);
+    out.emplace_back(whose + "waiting", static_cast<double>(x.writes - ended));
   };
-  write_counters sum;
-  for (const auto& x : rules_.counters_of_rules())
-    sum += x;
-  add_all("", sum, true);
-  add("repeats", rules_.counters().repeats);
-  add("times missed", rules_.counters().missed);
-  add("values", rules_.counters().values);
-  add("unread values", rules_.counters().bad_values);
-  add("unwatched keys", rules_.counters().unwatched);
   const auto& each = rules_.counters_of_rules();
+  write_counters sum;
+  for (const auto& x : each)
+    sum += x;
+  add_all("", sum);
+  components::add_figures<rubicon::proxy::rules_counters>(out, rules_.counters());
+  const auto of_all = out.size();
   for (std::size_t i = 0; each.size() > 1 && i < each.size(); ++i)
-    add_all("rule " + std::to_string(i + 1) + ' ', each[i], false);
+    add_all("rule " + std::to_string(i + 1) + ' ', each[i]);
+  const auto is_zero = [](const auto& x) { return x.second == 0; };
+  out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(of_all), out.end(), is_zero),
+            out.end());
   return out;
 }
 

@@ -44,6 +44,12 @@ TEST_CASE("a key is explained by its whole path", "[cli][ACT-13]") {
   CHECK(explained("duty_cycle.period").text == x.text);
 }
 
+TEST_CASE("a key that may change while an ecology runs says so", "[cli][ACT-10][ACT-13]") {
+  CHECK(contains(explained("proxy.qos.period").text,
+                 "  change:   yes: its proxies request it at once\n"));
+  CHECK_FALSE(contains(explained("island.duty_cycle.period").text, "change:"));
+}
+
 TEST_CASE("a table is explained by its last name, with its keys", "[cli][ACT-13]") {
   const auto x = explained("duty_cycle");
   CHECK(x.is_found);

@@ -111,6 +111,8 @@ TEST_CASE("check takes the files that run takes", "[cli]") {
   CHECK(std::get<check_command>(x).instead.noise_trace == "m.txt");
   CHECK_FALSE(std::get<check_command>(x).is_strict);
   CHECK(std::get<check_command>(parse({"check", "a.toml", "--strict"})).is_strict);
+  CHECK(std::get<check_command>(parse({"check", "b.toml", "--changes-from", "a.toml"}))
+            .changes_from == "a.toml");
   CHECK(parse_run({"--strict"}).is_strict);
 }
 

@@ -449,18 +449,18 @@ TEST_CASE("a sampler has another period from now on", "[apps][ACT-10]") {
   config.every = 10s;
   fixture x(sampler(config));
   auto& app = dynamic_cast<apps::sampler&>(*x.app);
-  app.set_period(20s); // before it joins
+  app.change({{"every", duration(20s)}}); // before it joins
   x.join();
   CHECK(x.readings_in_a_minute() == 3);
-  app.set_period(5s);
+  app.change({{"every", duration(5s)}});
   CHECK(x.app->deadline() == instant{}); // it wants its turn
   x.run_for(5s);                         // a phase is drawn anew
   CHECK(x.readings_in_a_minute() == 12);
   CHECK(x.gaps() == std::set<duration>{5s});
-  app.set_period(5s); // no news
+  app.change({{"every", duration(5s)}}); // no news
   CHECK(x.app->deadline() != instant{});
   x.lose();
-  app.set_period(1s);
+  app.change({{"every", duration(1s)}});
   CHECK(x.readings_in_a_minute() == 0);
   x.join();
   CHECK(x.readings_in_a_minute() >= 59);
@@ -474,7 +474,7 @@ TEST_CASE("who asks for a period goes before the sampler's own", "[apps][ACT-10]
   auto& app = dynamic_cast<apps::sampler&>(*x.app);
   x.join();
   x.ask({{1, 2s}});
-  app.set_period(30s);
+  app.change({{"every", duration(30s)}});
   x.run_for(2s);
   CHECK(x.readings_in_a_minute() == 30);
   x.ask({});
@@ -489,15 +489,49 @@ TEST_CASE("a messenger has another period from now on", "[apps][ACT-10]") {
   config.every = 30s;
   fixture x(std::make_unique<apps::messenger>(config));
   auto& app = dynamic_cast<apps::messenger&>(*x.app);
-  app.set_period(20s);
+  app.change({{"every", duration(20s)}});
   x.join();
   x.run_for(1min);
   CHECK(x.sent.size() == 3);
-  app.set_period(5s);
+  app.change({{"every", duration(5s)}});
   x.run_for(20s);
   CHECK(x.sent.size() == 7);
   x.lose();
-  app.set_period(1s);
+  app.change({{"every", duration(1s)}});
   x.run_for(1min);
   CHECK(x.sent.size() == 7);
+}
+
+TEST_CASE("a messenger stops after so many messages, also if its mote joins again", "[apps]") {
+  apps::messenger_config config;
+  config.to = {kitchen, mote_id{9}};
+  config.text = "hello";
+  config.every = 10s;
+  config.count = 2;
+  fixture x(std::make_unique<apps::messenger>(config));
+  x.join();
+  x.run_for(10s);
+  CHECK(x.sent.size() == 1);
+  x.run_for(1min);
+  CHECK(x.sent.size() == 2);
+  x.lose();
+  x.join();
+  x.run_for(1min);
+  CHECK(x.sent.size() == 2);
+}
+
+TEST_CASE("a messenger sends another text from now on", "[apps][ACT-10]") {
+  apps::messenger_config config;
+  config.to = {kitchen, mote_id{9}};
+  config.text = "hello";
+  config.every = 10s;
+  fixture x(std::make_unique<apps::messenger>(config));
+  x.join();
+  x.run_for(15s);
+  dynamic_cast<apps::messenger&>(*x.app).change({{"text", "good night"}, {"reliable", false}});
+  x.run_for(10s); // its period goes on
+  REQUIRE(x.sent.size() == 2);
+  CHECK(to_string(x.sent[0].what.payload) == "hello");
+  CHECK(to_string(x.sent[1].what.payload) == "good night");
+  CHECK(x.sent[1].what.what == segment::kind::unreliable);
 }

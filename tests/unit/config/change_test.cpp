@@ -66,15 +66,20 @@ TEST_CASE("changes arrive with their keys", "[config][ACT-10]") {
   CHECK(only_change<debug_change>("kind = \"debug\"\nof = \"\"\n").of.empty());
 
   const auto only =
-      only_change<rate_change>("kind = \"rate\"\nmote = \"k/three\"\nperiod = \"5s\"\n");
+      only_change<program_change>("kind = \"rate\"\nmote = \"k/three\"\nperiod = \"5s\"\n");
   CHECK(only.mote == mote_address{island_id{1}, mote_id{3}});
   CHECK(only.sampler == 1);
   CHECK_FALSE(only.messenger);
-  CHECK(only.period == 5s);
-  const auto one = only_change<rate_change>(
+  CHECK(only.settings == keys::key_changes{{"every", duration(5s)}});
+  const auto one = only_change<program_change>(
       "kind = \"rate\"\nmote = \"k/two\"\nmessenger = 10\nperiod = \"1min\"\n");
   CHECK(one.messenger == 10);
   CHECK_FALSE(one.sampler);
+
+  const auto program = only_change<program_change>(
+      "kind = \"program\"\nmote = \"k/two\"\nmessenger = 10\ntext = \"ho\"\nreliable = false\n");
+  CHECK(program.messenger == 10);
+  CHECK(program.settings == keys::key_changes{{"text", "ho"}, {"reliable", false}});
 
   const auto link = only_change<link_change>(
       "kind = \"link\"\nfrom = \"k/two\"\nto = \"k/sink\"\nloss = \"30%\"\n");
@@ -87,11 +92,10 @@ TEST_CASE("changes arrive with their keys", "[config][ACT-10]") {
       "kind = \"proxy_class\"\nclass = \"warm\"\nperiod = \"3s\"\nfield = \"temperature\"\n"
       "unit = \"K\"\nadd = 273.15\n");
   CHECK(settings.class_name == "warm");
-  CHECK(settings.period == duration(3s));
-  CHECK_FALSE(settings.stale_after);
-  CHECK(settings.unit == "K");
-  CHECK(settings.add == 273.15);
-  CHECK(proxy::to_text(settings) == "period 3 s, temperature in K, add of temperature 273.15");
+  CHECK(settings.settings == keys::key_changes{{"period", duration(3s)}});
+  CHECK(settings.field == "temperature");
+  CHECK(settings.field_settings == keys::key_changes{{"add", 273.15}, {"unit", "K"}});
+  CHECK(proxy::to_text(settings) == "period 3 s, add of temperature 273.15, unit of temperature K");
 }
 
 TEST_CASE("network keys may change, of motes that have some", "[config][ACT-10][SMP-02]") {
@@ -200,8 +204,8 @@ kind = "mode"
 [[change]]
 at = "1s"
 kind = "lnik"
-#      ^ `kind` must be "debug", "rate", "link", "proxy_class" or "network_keys", not "lnik"; did you
-#        mean "link"?
+#      ^ `kind` must be "debug", "rate", "program", "link", "proxy_class" or "network_keys", not
+#        "lnik"; did you mean "link"?
 
 [[change]]
 kind = "debug"
@@ -262,6 +266,22 @@ kind = "rate"
 mote = "k/three"
 period = "1s"
 #        ^ `period` must not be shorter than the sampler's `jitter`, which is 3 s
+
+[[change]]
+at = "1s"
+kind = "program"
+mote = "k/three"
+every = "1s"
+#       ^ `every` must not be shorter than the sampler's `jitter`, which is 3 s
+
+[[change]]
+at = "1s"
+kind = "program"
+mote = "k/three"
+text = "ho"
+#@ 30:1: no change of the program is given
+#@ 34:1: unknown key `text` in [[change]] kind = "program": there is at, kind, mote, sampler, messenger, every,
+#          reliable, only_subscribed
 
 [[change]]
 at = "1s"
@@ -327,8 +347,8 @@ kind = "proxy_class"
 class = "warm"
 types = [9]
 #@ 30:1: no change of the class is given
-#@ 34:1: unknown key `types` in [[change]] kind = "proxy_class": there is at, kind, class, period, stale_after,
-#          inactive_after, retire_after, answer_timeout, retry_for, field, ...
+#@ 34:1: unknown key `types` in [[change]] kind = "proxy_class": there is at, kind, class, answer_timeout,
+#          retry_for, period, stale_after, inactive_after, retire_after, field, ...
 )");
 }
 

@@ -90,18 +90,31 @@ TEST_CASE("another period of a program follows, of each mote that has it", "[con
   const auto x = file.read(home_but("every = \"10s\"", "every = \"2s\""), 1min);
   CHECK(refused(x).empty());
   REQUIRE(x.changes.size() == 2);
-  CHECK(std::get<rate_change>(x.changes[1]).mote.mote == mote_id{3});
-  const auto& rate = std::get<rate_change>(x.changes[0]);
+  CHECK(std::get<program_change>(x.changes[1]).mote.mote == mote_id{3});
+  const auto& rate = std::get<program_change>(x.changes[0]);
   CHECK(rate.mote.mote == mote_id{2});
   CHECK(rate.sampler == 1);
-  CHECK(rate.period == 2s);
+  CHECK(rate.settings == keys::key_changes{{"every", duration(2s)}});
   // Compared is what was read last.
   CHECK(file.read(home_but("every = \"10s\"", "every = \"2s\""), 1min).changes.empty());
   CHECK(file.read(home, 1min).changes.size() == 2);
-  const auto messenger = only<rate_change>(
+  const auto messenger = only<program_change>(
       file.read(home_but("text = \"hi\"", "text = \"hi\", every = \"7s\""), 1min));
   CHECK(messenger.messenger == 10);
-  CHECK(messenger.period == 7s);
+  CHECK(messenger.settings == keys::key_changes{{"every", duration(7s)}});
+}
+
+TEST_CASE("all keys of programs that may change follow, and no others", "[config][ACT-10]") {
+  auto file = follow();
+  const auto change = only<program_change>(
+      file.read(home_but("text = \"hi\"", "text = \"ho\", reliable = false"), 1min));
+  CHECK(change.messenger == 10);
+  CHECK(change.settings == keys::key_changes{{"text", "ho"}, {"reliable", false}});
+  const auto more = file.read(home_but("text = \"hi\"", "text = \"hi\", count = 3"), 1min);
+  CHECK(refused(more) ==
+        std::vector<std::string>{
+            "home.toml:21:61: `island.mote.apps.count` is new, and cannot change while an ecology "
+            "runs: it is fixed when the run begins"});
 }
 
 TEST_CASE("other network keys follow", "[config][ACT-10][SMP-02]") {
@@ -144,15 +157,15 @@ TEST_CASE("another class of proxies follows", "[config][ACT-10]") {
       only<proxy::class_change>(file.read(home_but("unit = \"C\"", "unit = \"K\""), 1min));
   CHECK(unit.class_name == "warm");
   CHECK(unit.field == "temperature");
-  CHECK(unit.unit == "K");
-  CHECK_FALSE(unit.scale);
+  CHECK(unit.settings.empty());
+  CHECK(unit.field_settings == keys::key_changes{{"unit", "K"}});
   const auto both =
       file.read(home_but("period = \"5s\"", "period = \"3s\", stale_after = \"9s\""), 1min);
   CHECK(refused(both).empty());
   REQUIRE(both.changes.size() == 2);
   CHECK(proxy::to_text(std::get<proxy::class_change>(both.changes[0])) ==
         "period 3 s, stale_after 9 s");
-  CHECK(proxy::to_text(std::get<proxy::class_change>(both.changes[1])) == "temperature in C");
+  CHECK(proxy::to_text(std::get<proxy::class_change>(both.changes[1])) == "unit of temperature C");
   const auto first = home_but("[[proxy]]", "[[proxy]]\nname = \"other\"\ntypes = [8]\n[[proxy]]");
   followed_file another(first, "home.toml", {}, {});
   const auto told =

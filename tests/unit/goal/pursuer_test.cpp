@@ -155,7 +155,7 @@ TEST_CASE("a goal that takes too long fails, and one that is over just then succ
   x.pass(29s);
   CHECK(x.core.counters().failed == 0);
   CHECK(x.pass(1s) == words{"state=idle", "outcome.cause=timeout", "outcome=at kitchen failed"});
-  CHECK(x.core.counters().timeouts == 1);
+  CHECK(x.core.counters().timed_out == 1);
   CHECK(x.input(door, "open").empty()); // too late
 
   fixture late;

@@ -217,7 +217,8 @@ TEST_CASE("a request waits as much longer as the mote's radio sleeps", "[proxy][
   static_cast<void>(aut.on_input("switch", "on", start + 1s));
   CHECK(aut.deadline() == start + 121s);
   CHECK(lines_of(aut.on_time(start + 121s)) == lines{base + "switch.outcome = on timeout"});
-  const auto shorter = aut.on_class_changed({.class_name = "climate", .answer_timeout = 5s});
+  const auto shorter = aut.on_class_changed(
+      {.class_name = "climate", .settings = {{"answer_timeout", duration(5s)}}});
   CHECK(lines_of(shorter).at(0) == base + "switch.deadline = 210.000000");
 }
 

@@ -219,7 +219,9 @@ TEST_CASE("a proxy goes by its class as it is now", "[proxy][ACT-10]") {
   };
 
   SECTION("its period is asked for at once, and again") {
-    CHECK(changed([](auto& x) { x.period = 2s; }) ==
+    CHECK(changed([](auto& x) {
+            x.settings = {{"period", duration(2s)}};
+          }) ==
           lines{"period devices.7.output.1.period 2000", "period devices.7.output.2.period 2000"});
     const auto more = aut.watches();
     REQUIRE(more.size() == watches.size() + 1);
@@ -231,29 +233,42 @@ TEST_CASE("a proxy goes by its class as it is now", "[proxy][ACT-10]") {
   SECTION("its fields are read in another form") {
     CHECK(changed([](auto& x) {
             x.field = "temperature";
-            x.unit = "K";
-            x.add = 273.15;
-            x.decimals = 2;
+            x.field_settings = {{"unit", "K"}, {"add", 273.15}, {"decimals", std::int64_t{2}}};
           }) == lines{base + "temperature.unit = K"});
     CHECK(lines_of(aut.on_output(1, bytes{0, 200, 45}, start)).front() ==
           base + "temperature = 293.15");
   }
   SECTION("what was read is stale at another time") {
-    CHECK(changed([](auto& x) { x.stale_after = 3s; }).empty());
+    CHECK(changed([](auto& x) { x.settings = {{"stale_after", duration(3s)}}; }).empty());
     CHECK(aut.deadline() == start + 3s);
     CHECK(lines_of(aut.on_time(start + 3s)).front() == base + "temperature.freshness = stale");
   }
   SECTION("it becomes inactive at another time") {
     static_cast<void>(aut.on_time(start + 10s)); // stale
     CHECK(aut.deadline() == start + 30s);
-    CHECK(changed([](auto& x) { x.inactive_after = 1min; }).empty());
+    CHECK(changed([](auto& x) { x.settings = {{"inactive_after", duration(1min)}}; }).empty());
     CHECK(aut.deadline() == start + 1min);
   }
   SECTION("what is written has another deadline") {
-    CHECK(changed([](auto& x) { x.answer_timeout = 5s; }) ==
-          lines{base + "switch.deadline = 10.000000", base + "switch.latency = 10.000000",
-                base + "led.deadline = 10.000000", base + "led.latency = 10.000000"});
+    CHECK(changed([](auto& x) {
+            x.settings = {{"answer_timeout", duration(5s)}};
+          }) == lines{base + "switch.deadline = 10.000000", base + "switch.latency = 10.000000",
+                      base + "led.deadline = 10.000000", base + "led.latency = 10.000000"});
     static_cast<void>(aut.on_input("switch", "on", start + 1s));
     CHECK(lines_of(aut.on_time(start + 6s)).back() == base + "switch.outcome = on timeout");
   }
+}
+
+TEST_CASE("writes after the first of a request are counted", "[proxy][PXY-12]") {
+  auto what = climate();
+  what.settings.answer_timeout = 5s;
+  what.settings.retry_for = 1min;
+  face aut(what, identity());
+  static_cast<void>(aut.start(start));
+  static_cast<void>(aut.on_input("switch", "on", start));
+  CHECK(aut.counters().retries == 0);
+  static_cast<void>(aut.on_time(start + 5s)); // no answer
+  static_cast<void>(aut.on_time(start + 6s)); // written again
+  CHECK(aut.counters().retries == 1);
+  CHECK(aut.counters().requested == 1);
 }

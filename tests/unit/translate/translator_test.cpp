@@ -134,10 +134,10 @@ TEST_CASE("no rule feeds itself or another", "[translate][SVC-09]") {
   CHECK(aut.on_value("a.x", "1", false, start).size() == 3);
   CHECK(aut.on_value("a.sum", "2", true, start).empty());
   CHECK(aut.on_value("A.Sum", "2", true, start).empty());
-  CHECK(aut.counters().own == 2);
+  CHECK(aut.counters().own_tuples == 2);
   CHECK(aut.on_value("a.sum.unit", "V", true, start).empty());
   CHECK(aut.on_value("a.sum.history", "0.000,2", true, start).empty());
-  CHECK(aut.counters().own == 4);
+  CHECK(aut.counters().own_tuples == 4);
   // The same key of somebody else is another tuple.
   CHECK(aut.on_value("c.sum", "2", true, start).size() == 1);
   CHECK(aut.on_value("c.sum.unit", "V", true, start).size() == 1);
