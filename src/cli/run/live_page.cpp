@@ -196,7 +196,7 @@ live_page::live_page(const page_place& where, const std::string& ecology,
   if (!facts.messages)
     timeline_->set_why_no_messages("The run is not recorded: add --record FILE to see where each "
                                    "message went.");
-  else
+  else if (record == nullptr)
     timeline_->set_why_no_messages("Nothing is recorded yet.");
   if (record != nullptr)
     view::fill(*timeline_, std::move(record));

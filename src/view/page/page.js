@@ -43,7 +43,7 @@ function make(what, ...children) {
 
 const button = (text, run, more = {}) => make("button", { onclick: run, ...more }, text);
 
-/** 754.5 -> "12:34.5", ecology time as the page writes it. */
+/** 754.5 -> "12:34.5", ecology time as the page writes it everywhere; axes leave out the tenths. */
 function timeText(seconds, decimals = 1) {
   if (!isNumber(seconds)) return "–";
   const scale = 10 ** decimals;
@@ -249,7 +249,7 @@ const SINK = -2;
 
 const mayControl = () => Boolean(model.ecology?.control);
 const hasMessages = () => Boolean(model.ecology?.messages);
-const runLength = () => max(model.ecology?.length_s || 0, run.now, run.end || 0, 1e-3);
+const runLength = () => max(run.end || model.ecology?.length_s || 0, run.now, 1e-3); // the end is known once it runs
 const islandOf = mote => model.islands[model.island[mote]];
 const fullName = mote => islandOf(mote).name + "/" + model.names[mote];
 const addressOf = mote => islandOf(mote).id + "/" + model.ids[mote];
@@ -1360,14 +1360,22 @@ function drawTimeBase() {
   for (const [text, y] of [["faults", LANES.faults], ["events", LANES.events], ["losses", (LANES.top + LANES.bottom) / 2]]) write(text, 2, y);
 }
 
+const timeStep = (length_s, width) => TIME_STEPS.find(x => x >= (length_s * 85) / width) || length_s;
+
 function drawTimeAxis() {
-  const step = TIME_STEPS.find(x => x >= (runLength() * 85) / timeLine.width) || runLength();
+  const step = timeStep(runLength(), timeLine.width);
   for (let k = 0; k * step <= runLength() * 1.0001; ++k) {
     const x = round(timeX(k * step)) + 0.5;
     stroke("line", 1, lines([x, 0], [x, LANES.bottom + 3]));
-    const atEnd = x > timeLine.width - 30;
-    write(timeText(k * step, step < 1 ? 2 : 0), atEnd ? timeLine.width - 2 : x, LANES.bottom + 11, { align: atEnd ? "right" : k ? "center" : "left" });
+    writeWithin(timeText(k * step, step < 1 ? 2 : 0), x, LANES.bottom + 13, timeLine.width);
   }
+}
+
+/** A label of an axis, in the middle of `x`, but not cut by the edges. */
+function writeWithin(text, x, y, width) {
+  ctx.font = "12px system-ui, sans-serif";
+  const half = ctx.measureText(text).width / 2;
+  write(text, clamp(x, half + 2, width - half - 2), y, { align: "center" });
 }
 
 /** Losses between samples, stacked by cause. */
@@ -1438,7 +1446,9 @@ function showTime() {
   assign($("time-line"), { "aria-valuemax": runLength().toFixed(1), "aria-valuenow": shown.at_s.toFixed(1), "aria-valuetext": timeText(shown.at_s) });
   put("play", shown.playing ? "❚❚" : "▶");
   $("play").setAttribute("aria-label", shown.playing ? "Pause" : "Play");
-  $("live").setAttribute("aria-pressed", shown.follow);
+  put("live", run.ended ? "▶| end" : "● live");
+  assign($("live"), { "aria-pressed": run.ended ? null : shown.follow, title: run.ended ? "To the end (End)" : "Follow the newest (End)" });
+  put("length", "of " + timeText(runLength()) + dayTime());
   if (shown.tab === "events") showCurrentEvent();
 }
 
@@ -1460,11 +1470,19 @@ function showStatus() {
   const [text, kind] = statusText();
   if ($("status").textContent !== text) put("status", text);
   $("status").className = "badge " + kind;
-  put("length", "of " + timeText(runLength(), 0));
+  put("length", "of " + timeText(runLength()) + dayTime());
   if (!model.ecology) return;
   const facts = [`seed ${model.ecology.seed}`, model.ecology.mode, `now ${timeText(run.now)}`, ...(run.events ? [`${countText(run.events)} events`] : [])];
   if (run.running && run.speed) facts.push(`${run.speed < 10 ? run.speed.toFixed(1) : countText(run.speed)}x`);
   put("run-facts", facts.join(" · "));
+}
+
+/** The time of day at the shown moment, of a run that starts at another than midnight. */
+function dayTime() {
+  const start_s = model.ecology?.start_s;
+  if (!start_s) return "";
+  const s = floor(start_s + shown.at_s) % 86400;
+  return ` · clock ${[floor(s / 3600), floor(s / 60) % 60, s % 60].map(x => String(x).padStart(2, "0")).join(":")}`;
 }
 
 function statusText() {
@@ -1546,12 +1564,21 @@ class List {
 /** A text in one line that may be cut; the whole of it is its title. */
 const cell = (kind, text) => make("span.text" + kind, { title: plain(text) }, plain(text, 200));
 
+/** The same, but what is cut is not its end: "writes kitchen.fan.sw… = on". */
+function withTail(kind, text) {
+  const whole = plain(text, 200);
+  const at = max(whole.lastIndexOf(" = "), whole.lastIndexOf(" to "), whole.length - 14);
+  const [head, tail] = whole.length > 22 && whole.length - at <= 20 ? [whole.slice(0, at), whole.slice(at)] : [whole, ""];
+  return make("span.parted" + kind, { title: plain(text) }, make("span.text", head), make("span.tail", tail));
+}
+
 // ---- tabs
 
 const tabs = {}; // by name: {refresh, list}
 const panelOf = tab => $(tab.id.replace("tab", "panel"));
 
 function showTab(name) {
+  if (name !== shown.tab) closeExplain();
   shown.tab = name;
   for (const each of $("tabs").children) {
     const here = each.id === "tab-" + name;
@@ -1592,7 +1619,7 @@ const needleOf = id => $(id).value.trim().toLowerCase();
 // ---- tab: events
 
 function startEvents() {
-  const row = x => [cell(".when", timeText(x.t)), make("span.sign." + x.kind, EVENT_SIGNS[x.kind]), cell(".who", x.who), cell(".what." + x.kind, x.what)];
+  const row = x => [cell(".when", timeText(x.t)), make("span.sign." + x.kind, EVENT_SIGNS[x.kind]), cell(".who", x.who), withTail(".what." + x.kind, x.what)];
   const clicked = x => {
     showAt(x.t);
     chooseByName(x.who);
@@ -1729,7 +1756,7 @@ function showTupleDetail() {
   const { owner, key } = tuples.chosen;
   const found = tuples.list.find(x => x[0] === owner && x[1] === key);
   put("tuple-value", found ? plainLines(found[2]) : "(not set at this moment)");
-  put("tuple-changed", found ? `, set at ${timeText(found[3], 3)}` : "");
+  put("tuple-changed", found ? `, set at ${timeText(found[3])}` : "");
   const canvas = $("tuple-curve");
   withCurve({ owner, key }, points => {
     canvas.hidden = points.length < 2;
@@ -1753,22 +1780,23 @@ function withCurve({ owner, key }, then) {
 /** A curve of steps; a line stands at the shown moment. */
 function drawCurve(canvas, points, width, height, withNumbers = false) {
   const [low, high] = points.reduce(([a, b], [, v]) => [min(a, v), max(b, v)], [Infinity, -Infinity]);
-  const left = withNumbers ? 52 : 1;
+  const left = withNumbers ? 62 : 1;
   const x = t => left + (t / runLength()) * (width - left - 2);
   const y = v => height - 3 - (high > low ? (v - low) / (high - low) : 0.5) * (height - 6);
   drawOn(canvas, width, height, () => {
     if (points.length < 2) return;
     stroke("c0", 1.3, lines(...points.flatMap(([t, v], i) => [[x(t), y(points[max(i - 1, 0)][1])], [x(t), y(v)]])));
     fill("soft", box(x(shown.at_s), 0, 1, height));
-    if (withNumbers) write(shortNumber(high), left - 5, 9, { align: "right" });
-    if (withNumbers && high > low) write(shortNumber(low), left - 5, height - 8, { align: "right" });
+    if (!withNumbers) return;
+    write(shortNumber(high), left - 5, 9, { align: "right" });
+    if (high > low) write(shortNumber(low), left - 5, height - 8, { align: "right" });
   });
 }
 
 // ---- tab: proxies
 
 const PROXY_FACTS = ["class", "id", "island", "status", "description"];
-const INPUT_PARTS = ["words", "deadline", "outcome", "latency"];
+const INPUT_PARTS = ["words", "range", "deadline", "outcome"]; // readings have units and latencies too
 const CARDS_MOST = 300;
 function startProxies() {
   tabs.proxies = { refresh: askTuples };
@@ -1892,7 +1920,7 @@ function startMessages() {
 
 /** Of a run that goes on messages are known as of some time. */
 const grows = answer => isNumber(answer.as_of_s);
-const asOf = answer => (grows(answer) ? " as of " + timeText(answer.as_of_s, 0) : "");
+const asOf = answer => (grows(answer) ? " as of " + timeText(answer.as_of_s) : "");
 
 const askMessages = latest(async () => {
   const lost = $("message-which").value === "lost";
@@ -1940,6 +1968,7 @@ function closeExplain() {
 // ---- tab: what is chosen
 
 function setChosen(target) {
+  closeExplain();
   shown.chosen = target;
   if (target?.kind === "mote") askNeighbours(target.index);
   redraw("map");
@@ -2129,6 +2158,9 @@ function findTargets(needle) {
 function searched(event) {
   const found = findTargets(needleOf("search") || "\n");
   $("found").replaceChildren(...found.map(x => make("option", { value: nameOf(x) })));
+  const nobody = needleOf("search") && !found.length;
+  $("found-none").hidden = !nobody;
+  put("found-none", nobody ? "nobody of this name: motes, islands and peers are searched" : "");
   const exact = found.find(x => nameOf(x) === $("search").value) || (event.key === "Enter" && found[0]);
   const picked = event.type === "input" && (event.inputType ?? "insertReplacementText") === "insertReplacementText";
   if (!exact || !(picked || event.key === "Enter")) return;
@@ -2174,6 +2206,7 @@ function onKey(event) {
 function escape(target) {
   if (target.matches("input")) {
     if (target.id === "search") target.value = "";
+    $("found-none").hidden = true;
     target.blur();
   } else if (!$("explain").hidden) closeExplain();
   else if (shown.tab === "tuples" && tuples.chosen) {
