@@ -285,16 +285,17 @@ function takeMotes(x) {
   model.count = islands.reduce((sum, each) => sum + each.motes.length, 0);
   for (const name of ["ids", "island", "parent"]) model[name] = new Int32Array(model.count);
   for (const name of ["x", "y", "wx", "wy"]) model[name] = new Float64Array(model.count);
-  Object.assign(model, { names: [], byAddress: new Map(), byName: new Map(), sinks: new Map(), islands: [] });
+  Object.assign(model, { names: [], types: [], byAddress: new Map(), byName: new Map(), sinks: new Map(), islands: [] });
   islands.forEach((each, at) => {
     const island = { id: each.id, name: each.name, air: each.air ?? at, sink: each.sink, gateways: each.gateways || [],
       first: model.names.length, count: each.motes.length, byId: new Map(), counts: STATES.map(() => 0) };
     model.islands.push(island);
     for (const name of [each.name + "/sink", `${each.id}/${each.sink?.id}`]) model.sinks.set(name, at);
-    for (const [id, name, mx, my] of each.motes) {
+    for (const [id, name, mx, my, type] of each.motes) {
       const i = model.names.length;
       [model.ids[i], model.island[i], model.x[i], model.y[i], model.parent[i]] = [id, at, mx, my, NO_PARENT];
       model.names.push(name.startsWith(each.name + "/") ? name.slice(each.name.length + 1) : name);
+      model.types.push(type);
       island.byId.set(id, i);
       model.byAddress.set(addressOf(i), i);
       model.byName.set(fullName(i), i);
@@ -1303,15 +1304,17 @@ function proposalParts(i) {
   const island = islandOf(i).name;
   const lines = `# mote ${model.ids[i]} of island ${island}, at ${shortNumber(model.x[i])}, ${shortNumber(model.y[i])} m so far\n`
     + `[[island.mote]]\nid = ${model.ids[i]}\nposition_m = ${value}`;
-  const option = "--set " + shellWord(`island.${island}.mote.${model.names[i]}.position_m=${value}`);
+  const part = name => (/^[A-Za-z0-9_-]+$/.test(name) ? name : JSON.stringify(name));
+  const option = "--set " + shellWord(`island.${part(island)}.mote.${part(model.names[i])}.position_m=${value}`);
+  const hasName = model.names[i] !== `${model.types[i]}-${model.ids[i]}`; // else the file has no name for it
   const cancel = () => {
     proposal = null;
     redraw("map");
     refreshTab();
   };
-  return [make("h3", "Proposed position"), make("p.soft.small", "The run stays as it is. In the file (a third number, its height, is kept by hand):"),
-    make("pre.value", plainLines(lines)), make("p.soft.small", "or added to the command of the run:"), make("pre.value", option), button("discard", cancel, { id: "proposal-discard" })]
-    .map(x => (x.tagName === "PRE" ? Object.assign(x, { tabIndex: 0 }) : x));
+  const code = text => Object.assign(make("pre.value", { tabindex: 0 }), { textContent: plainLines(text) });
+  return [make("h3", "Proposed position"), make("p.soft.small", "The run stays as it is. In the file (keep a third number, its height):"), code(lines),
+    ...(hasName ? [make("p.soft.small", "or added to the command of the run:"), code(option)] : []), button("discard", cancel, { id: "proposal-discard" })];
 }
 
 function clickMap(x, y) {
@@ -1937,13 +1940,13 @@ function reading(owner, key, name, x) {
   });
   const value = plain(x.value, 300) + (x.unit ? " " + plain(x.unit, 20) : "");
   return make("button.reading", { title: `${plain(key, 200)}, set at ${timeText(x.value_s)}: click for its curve`, "data-id": "curve " + owner + key,
-    onclick: () => chartTuple(owner, key, x.unit) }, make("span.text.soft", name), make("b.text", value), spark);
+    onclick: () => chartTuple(owner, key, x.unit) }, make("span.text.soft", name), make("span.text.now", value), spark);
 }
 
 /** A switch, words to choose from, a slider, or a text: what fits the input. */
 function inputControls(owner, key, x) {
   const send = value => requestInput(owner, key, value);
-  if (!mayControl()) return [make("b", plain(x.value ?? "–", 60))];
+  if (!mayControl()) return [make("span.now", plain(x.value ?? "–", 60))];
   const common = word => ({ "data-key": key, "data-id": owner + key + " " + word });
   const words = (x.words || "").split(" ").filter(Boolean).slice(0, 40);
   if (words.length === 2 && words.includes("on") && words.includes("off") && !x.range) {
@@ -2199,7 +2202,7 @@ function showChart() {
   put("chart-at", chart.curves.length ? `at ${timeText(t)}` : "Add two or more quantities to compare them, from here, from Tuples or from Proxies.");
   const text = x => (isNumber(x) ? shortNumber(x) : "–");
   $("chart-legend").replaceChildren(...chart.curves.map(curve => make("div.row", swatch(curve.hue), make("span.text", { title: curve.label }, curve.label),
-    make("span.space"), make("b", `${text(valueAt(curve.points, t))} ${curve.unit}`),
+    make("span.space"), make("span.now", `${text(valueAt(curve.points, t))} ${curve.unit}`),
     ...chart.files.map(file => make("span.soft", `${file.name}: ${text(valueAt(curve.of(file) || [], t))}`)),
     button("×", () => {
       chart.curves = chart.curves.filter(x => x !== curve);
