@@ -1983,7 +1983,7 @@ const OUTCOMES_BAD = /failed|unreachable|refused|superseded|timeout/;
 /** What has become of the newest request: sent, acknowledged, or refused and why. */
 function requestState(owner, key, x) {
   const request = requests.get(tupleName(owner, key));
-  const say = (kind, text) => make("div.small.request" + kind, { role: "status" }, plain(text, 300));
+  const say = (kind, text) => make("div.small.request" + kind, plain(text, 300));
   if (request?.refused) return say(".bad", `✕ ${request.value}: refused: ${request.refused}`);
   if (request && !(x.outcome_s >= request.at_s)) {
     const most = isNumber(Number(x.deadline)) && x.deadline ? `; answered within ${shortNumber(Number(x.deadline))} s` : "";
@@ -1997,6 +1997,7 @@ function requestState(owner, key, x) {
 async function requestInput(owner, key, value) {
   requests.set(tupleName(owner, key), { value, at_s: run.now });
   const answer = await setTuple(owner, key, value);
+  if (!answer.good) put("said", plain(`${value}: refused: ${answer.text}`, 200));
   if (!answer.good) requests.set(tupleName(owner, key), { value, at_s: run.now, refused: answer.text });
   refreshTab();
 }
@@ -2201,13 +2202,17 @@ function showChart() {
   const t = chart.hover_s ?? shown.at_s;
   put("chart-at", chart.curves.length ? `at ${timeText(t)}` : "Add two or more quantities to compare them, from here, from Tuples or from Proxies.");
   const text = x => (isNumber(x) ? shortNumber(x) : "–");
-  $("chart-legend").replaceChildren(...chart.curves.map(curve => make("div.row", swatch(curve.hue), make("span.text", { title: curve.label }, curve.label),
+  const legend = $("chart-legend");
+  const focused = [...legend.querySelectorAll("button")].indexOf(document.activeElement);
+  legend.replaceChildren(...chart.curves.map(curve => make("div.row", swatch(curve.hue), make("span.text", { title: curve.label }, curve.label),
     make("span.space"), make("span.now", `${text(valueAt(curve.points, t))} ${curve.unit}`),
     ...chart.files.map(file => make("span.soft", `${file.name}: ${text(valueAt(curve.of(file) || [], t))}`)),
     button("×", () => {
       chart.curves = chart.curves.filter(x => x !== curve);
       showChart();
     }, { "aria-label": "Remove " + plain(curve.label, 100) }))));
+  const buttons = legend.querySelectorAll("button");
+  if (focused >= 0) buttons[min(focused, buttons.length - 1)]?.focus();
 }
 
 /** The least and the greatest value of a unit in the time that is seen, with a little room. */

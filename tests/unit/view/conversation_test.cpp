@@ -111,7 +111,8 @@ TEST_CASE("what is planned to go wrong is told, and is in a record", "[view]") {
     CHECK(view::planned_faults(std::string(text)).empty());
 }
 
-TEST_CASE("a record names the picture of its floor plan, and the time of day of its start", "[view]") {
+TEST_CASE("a record names the picture of its floor plan, and the time of day of its start",
+          "[view]") {
   auto ecology = ecology_of_two();
   CHECK(json::parse(view::ecology_json(ecology)).contains("start_s") == false);
   ecology.day_begins = 7h + 30min;
