@@ -43,12 +43,19 @@ std::string events_before(const run_page& x, instant at) {
   return "<h3>Events before it</h3>" + wide("<table>" + rows + "</table>");
 }
 
-/// The command that explains an expectation that is not met, decided at that time.
-std::string command_of(const run_page& x, const report::violation& first) {
+/// What it says, and the command that explains it, if it is an expectation that is not met.
+std::string words_of(const run_page& x, const report::violation& first) {
+  const auto words = [&first](const std::string& detail) {
+    return element("p",
+                   report::run_time(first.at) + "  " + first.invariant +
+                       (detail.empty() ? "" : ": " + detail),
+                   "class='bad'");
+  };
   for (const auto& each : x.report.expectations)
     if (!each.command.empty() && each.at == first.at && first.invariant.ends_with(each.text))
-      return element("p", "It is explained by", "class='soft'") + element("pre", each.command);
-  return {};
+      return words(each.measured) + element("p", "It is explained by", "class='soft'") +
+             element("pre", each.command);
+  return words(first.detail);
 }
 
 } // namespace
@@ -58,15 +65,12 @@ std::string first_problem_of(const run_page& x) {
   const auto first = std::ranges::min_element(all, {}, &report::violation::at);
   if (first == all.end())
     return {};
-  auto out = element("p",
-                     report::run_time(first->at) + "  " + first->invariant +
-                         (first->detail.empty() ? "" : ": " + first->detail),
-                     "class='bad'");
   const auto fault = fault_before(x, first->at);
-  out += fault.empty() ? element("p", "No fault of the plan came before it.", "class='soft'")
-                       : element("p", "Newest fault before it: " + fault);
+  const auto before = fault.empty()
+                          ? element("p", "No fault of the plan came before it.", "class='soft'")
+                          : element("p", "Newest fault before it: " + fault);
   return section("first", "First violation",
-                 out + command_of(x, *first) + events_before(x, first->at));
+                 words_of(x, *first) + before + events_before(x, first->at));
 }
 
 } // namespace rubicon::page

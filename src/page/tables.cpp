@@ -135,7 +135,7 @@ std::string mote_table(const std::vector<mote_entry>& all, std::size_t from, std
   return wide("<table>" + rows + "</table>");
 }
 
-/// The tenth of the run in which most were lost for this cause, `5:00.000 to 6:12.000, 62 %`;
+/// The tenth of the run in which most were lost for this cause, `5:00.000 to 6:12.000, 62.0%`;
 /// nothing: it is not known.
 std::string worst_time(const run_page& x, const report::loss_report& of) {
   constexpr std::size_t parts = 10;
@@ -156,7 +156,7 @@ std::string worst_time(const run_page& x, const report::loss_report& of) {
   const auto begin = x.report.simulated / parts * (most - lost.begin());
   return report::run_time(instant{} + begin) + " to " +
          report::run_time(instant{} + begin + x.report.simulated / parts) + ", " +
-         report::percent(*most / before, 0);
+         report::percent(*most, before);
 }
 
 /// Where messages and packets of streams were lost last.

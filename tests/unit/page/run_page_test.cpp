@@ -198,7 +198,7 @@ TEST_CASE("a place of losses says when most of its cause were lost", "[page]") {
     sample.islands.push_back(island);
     seen.add(sample);
   }
-  CHECK(contains(page_of(x, seen), "0:40.000 to 0:50.000, 75%"));
+  CHECK(contains(page_of(x, seen), "0:40.000 to 0:50.000, 75.0%"));
   CHECK(contains(page_of(x), "kitchen/climate-7")); // without samples the time is not known
 }
 
