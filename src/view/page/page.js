@@ -1867,7 +1867,7 @@ const PROXY_FACTS = ["class", "id", "island", "status", "description"];
 const INPUT_PARTS = ["words", "range", "deadline", "outcome"]; // readings have units and latencies too
 const CARDS_MOST = 300;
 function startProxies() {
-  tabs.proxies = { refresh: askTuples };
+  tabs.proxies = { refresh: throttled(700, askTuples) }; // cards have many canvases
   on($("proxy-filter"), "input", showProxies);
 }
 
