@@ -203,6 +203,7 @@ live_page::live_page(const page_place& where, const std::string& ecology,
   io::web_site site;
   site.address = where.address;
   site.port = where.port;
+  site.hosts = where.hosts;
   site.token = random_id() + random_id();
   site.files = files_of_page(picture);
   auto about = std::make_shared<const view::introduction>(
