@@ -56,6 +56,8 @@ summary{cursor:pointer;color:var(--soft)}
 .link.poor{stroke:var(--poor);stroke-width:2;stroke-dasharray:9 3}
 .link.bad{stroke:var(--bad);stroke-width:1.8;stroke-dasharray:3 3}
 .link,.path,.dead,.curve,.event,svg .grid,svg .frame{vector-effect:non-scaling-stroke}
+.cell.good{fill:var(--good)}.cell.fair{fill:var(--fair)}.cell.poor{fill:var(--poor)}.cell.bad{fill:var(--bad)}
+.matrix text{font-size:8px}.wide svg.matrix{min-width:700px}
 .mote{fill:var(--fg);stroke:var(--bg);stroke-width:1}
 .mote.absent{fill:var(--bg);stroke:var(--fg);stroke-width:1.5}
 .dead{stroke:var(--bad);stroke-width:2.5}

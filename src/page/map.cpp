@@ -62,7 +62,7 @@ struct box {
 class air_map {
 public:
   air_map(const run_page& page, const config::air_description& air, double width)
-      : page_(page), width_(width) {
+      : page_(page), width_(width), has_matrix_(has_matrix(page)) {
     for (const auto& island : page.ecology.islands) {
       if (std::ranges::find(air.islands, island.id) == air.islands.end())
         continue;
@@ -161,8 +161,9 @@ private:
                island.name + '/' + mote.name + ": " + share(delivery) + " of its messages arrived");
     }
     for (const auto& flow : page_.report.flows) {
-      const bool is_here = flow.from.island == island.id && flow.to.island == island.id &&
-                           places.contains(flow.from.mote) && places.contains(flow.to.mote);
+      const bool is_here = !has_matrix_ && flow.from.island == island.id &&
+                           flow.to.island == island.id && places.contains(flow.from.mote) &&
+                           places.contains(flow.to.mote);
       if (!is_here || flow.sent == 0)
         continue;
       out.line(places.at(flow.from.mote), places.at(flow.to.mote),
@@ -261,6 +262,7 @@ private:
 
   const run_page& page_;
   double width_;
+  bool has_matrix_; ///< flows are in the matrix
   std::vector<const config::island_description*> islands_;
   std::size_t motes_ = 0;
   point low_{std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};

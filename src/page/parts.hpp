@@ -1,6 +1,7 @@
 // For files of this room only: the sections of a page, each empty if there is nothing to show.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -12,7 +13,13 @@
 namespace rubicon::page {
 
 [[nodiscard]] std::string head_of(const run_page& x);
+/// The earliest violation, with the newest fault and the events before it.
+[[nodiscard]] std::string first_problem_of(const run_page& x);
 [[nodiscard]] std::string map_of(const run_page& x);
+/// Flows between more than this many motes are cells of a matrix, not lines on a map.
+inline constexpr std::size_t lines_motes_max = 30;
+[[nodiscard]] bool has_matrix(const run_page& x);
+[[nodiscard]] std::string matrix_of(const run_page& x);
 [[nodiscard]] std::string time_line_of(const run_page& x);
 [[nodiscard]] std::string energy_of(const run_page& x);
 [[nodiscard]] std::string tuples_of(const run_page& x);

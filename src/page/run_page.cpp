@@ -67,9 +67,9 @@ std::string head_of(const run_page& x) {
 
 std::string html_of(const run_page& x) {
   return document(x.report.ecology + ", seed " + std::to_string(x.report.seed),
-                  head_of(x) + violations_of(x) + expectations_of(x) + map_of(x) + time_line_of(x) +
-                      losses_of(x) + motes_of(x) + energy_of(x) + groups_of(x) + tuples_of(x) +
-                      proxies_of(x) + peers_of(x));
+                  head_of(x) + first_problem_of(x) + violations_of(x) + expectations_of(x) +
+                      map_of(x) + matrix_of(x) + time_line_of(x) + losses_of(x) + motes_of(x) +
+                      energy_of(x) + groups_of(x) + tuples_of(x) + proxies_of(x) + peers_of(x));
 }
 
 } // namespace rubicon::page

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "page/axis.hpp"
 #include "page/markup.hpp"
@@ -64,11 +66,40 @@ std::string histogram(const std::string& title, const std::vector<seed_figures::
   return out.finish();
 }
 
+struct distribution {
+  std::string title;
+  std::vector<seed_figures::entry> sorted; ///< ascending by value
+};
+
+/// Figures by which a network is judged come first, then those that differ most between seeds, in
+/// relation to their size, then those of the computer; those that never differ are last.
+std::vector<distribution> by_weight(const seed_figures& from) {
+  static constexpr std::array<std::string_view, 5> judged{"arrived", "joined", "flat battery",
+                                                          "charge", "transmissions"};
+  const auto rank = [](const distribution& x) {
+    const auto low = x.sorted.front().value;
+    const auto high = x.sorted.back().value;
+    if (high <= low)
+      return std::pair(judged.size() + 2, 0.0);
+    if (x.title.starts_with("real time") || x.title == "events")
+      return std::pair(judged.size() + 1, 0.0);
+    const auto found = std::ranges::find_if(
+        judged, [&x](std::string_view word) { return x.title.find(word) != std::string::npos; });
+    const auto size = std::max(std::fabs(low), std::fabs(high));
+    return std::pair(static_cast<std::size_t>(found - judged.begin()), (low - high) / size);
+  };
+  std::vector<distribution> all;
+  for (const auto& [title, entries] : from.all()) {
+    all.push_back({title, entries});
+    std::ranges::stable_sort(all.back().sorted, {}, &seed_figures::entry::value);
+  }
+  std::ranges::stable_sort(all, {}, rank);
+  return all;
+}
+
 std::string distributions_of(const swarm_page& x) {
   std::string out;
-  for (const auto& [title, entries] : x.figures.all()) {
-    auto sorted = entries;
-    std::ranges::stable_sort(sorted, {}, &seed_figures::entry::value);
+  for (const auto& [title, sorted] : by_weight(x.figures)) {
     const auto wide_value = sorted.back().value - sorted.front().value;
     const auto entry_text = [&](const char* name, const seed_figures::entry& y) {
       return std::string(name) + ' ' + value_text(y.value, wide_value) + " (seed " +

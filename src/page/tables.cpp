@@ -1,5 +1,6 @@
 // Figures at the end of a run, as tables.
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -134,18 +135,47 @@ std::string mote_table(const std::vector<mote_entry>& all, std::size_t from, std
   return wide("<table>" + rows + "</table>");
 }
 
-/// Where messages and packets of streams were lost last.
-std::string places_of(const report::run_report& x) {
-  if (x.losses.empty())
+/// The tenth of the run in which most were lost for this cause, `5:00.000 to 6:12.000, 62.0%`;
+/// nothing: it is not known.
+std::string worst_time(const run_page& x, const report::loss_report& of) {
+  constexpr std::size_t parts = 10;
+  const auto found = x.seen.lost().find({of.what == "message" ? "messages" : "channels", of.cause});
+  const auto& times = x.seen.times();
+  if (found == x.seen.lost().end() || found->second.size() != times.size() || times.empty() ||
+      found->second.back() <= 0 || x.report.simulated <= 0s)
     return {};
-  auto rows = head_row({{"lost", true}, {"what"}, {"where"}, {"cause"}});
-  const auto shown = std::min(x.losses.size(), rows_open_max);
-  for (std::size_t i = 0; i < shown; ++i) {
-    const auto& each = x.losses[i];
-    rows += row({{with_thousands(each.count), true}, {each.what}, {each.place}, {each.cause}});
+  std::array<double, parts> lost{};
+  double before = 0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const auto share_of_run = seconds(times[i].time_since_epoch()) / seconds(x.report.simulated);
+    const auto part = static_cast<std::size_t>(share_of_run * parts * (1 - 1e-9));
+    lost[std::min(part, parts - 1)] += found->second[i] - before;
+    before = found->second[i];
   }
-  if (shown < x.losses.size())
-    rows += row({{""}, {"and " + counted(x.losses.size() - shown, "other place")}});
+  const auto most = std::ranges::max_element(lost);
+  const auto begin = x.report.simulated / parts * (most - lost.begin());
+  return report::run_time(instant{} + begin) + " to " +
+         report::run_time(instant{} + begin + x.report.simulated / parts) + ", " +
+         report::percent(*most, before);
+}
+
+/// Where messages and packets of streams were lost last.
+std::string places_of(const run_page& x) {
+  const auto& all = x.report.losses;
+  if (all.empty())
+    return {};
+  auto rows = head_row({{"lost", true}, {"what"}, {"where"}, {"cause"}, {"most of this cause"}});
+  const auto shown = std::min(all.size(), rows_open_max);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const auto& each = all[i];
+    rows += row({{with_thousands(each.count), true},
+                 {each.what},
+                 {each.place},
+                 {each.cause},
+                 {worst_time(x, each)}});
+  }
+  if (shown < all.size())
+    rows += row({{""}, {"and " + counted(all.size() - shown, "other place")}});
   return wide("<table>" + rows + "</table>");
 }
 
@@ -170,7 +200,7 @@ std::string losses_of(const run_page& x) {
            losses_over_time(x, layer.sampled) + "</figure>\n";
   }
   return section("losses", "Losses by cause",
-                 out.empty() ? out : "<div class='grid'>" + out + "</div>\n" + places_of(x.report));
+                 out.empty() ? out : "<div class='grid'>" + out + "</div>\n" + places_of(x));
 }
 
 std::string motes_of(const run_page& x) {

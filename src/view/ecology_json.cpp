@@ -110,9 +110,13 @@ std::string ecology_json(const config::ecology_description& x) {
             {"seed", x.seed},
             {"mode", x.mode == config::run_mode::wall ? "wall" : "virtual"},
             {"length_s", seconds(x.length)}};
+  if (x.day_begins != duration{})
+    y["start_s"] = seconds(x.day_begins);
   if (x.plan)
-    y["plan"] = {
-        {"x_m", x.plan->corner.x_m}, {"y_m", x.plan->corner.y_m}, {"width_m", x.plan->width_m}};
+    y["plan"] = {{"x_m", x.plan->corner.x_m},
+                 {"y_m", x.plan->corner.y_m},
+                 {"width_m", x.plan->width_m},
+                 {"picture", x.plan->picture}};
   auto& islands = y["islands"] = json::array();
   for (const auto& each : x.islands)
     islands.push_back(island_json(x, each));
@@ -124,6 +128,15 @@ std::string ecology_json(const config::ecology_description& x) {
   for (const auto& each : planned_faults(x))
     faults.push_back(json::array({each.at.time_since_epoch().count(), each.what}));
   return text_of(y);
+}
+
+std::string plan_picture(const std::string& ecology) {
+  const auto x = json::parse(ecology, nullptr, /*allow_exceptions=*/false);
+  if (!x.is_object() || !x.contains("plan") || !x["plan"].is_object())
+    return {};
+  const auto picture = x["plan"].find("picture");
+  return picture != x["plan"].end() && picture->is_string() ? picture->get<std::string>()
+                                                            : std::string();
 }
 
 std::string with_facts(const std::string& ecology, const run_facts& facts,

@@ -26,7 +26,11 @@ struct run_facts {
 /// The message `ecology` of docs/view.md, without the facts of the run.
 [[nodiscard]] std::string ecology_json(const config::ecology_description& x);
 
-/// The same with the facts. @param ecology of ecology_json(); @param mode `virtual`, `wall` or
+/// The file of the floor plan in a message `ecology`, relative to the folder of the ecology's file;
+/// empty: there is none.
+[[nodiscard]] std::string plan_picture(const std::string& ecology);
+
+/// The message with the facts. @param ecology of ecology_json(); @param mode `virtual`, `wall` or
 /// `record`; empty: as it is there
 /// @returns nothing if that was none
 [[nodiscard]] std::string with_facts(const std::string& ecology, const run_facts& facts,

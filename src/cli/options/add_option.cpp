@@ -57,6 +57,20 @@ CLI::Option* add_page(CLI::App& app, std::optional<page_place>& x) {
       ->expected(0, 1);
 }
 
+CLI::Option* add_page_host(CLI::App& app, std::function<page_place*()> where) {
+  return app
+      .add_option_function<std::vector<std::string>>(
+          "--view-host",
+          [where = std::move(where)](const std::vector<std::string>& names) {
+            if (auto* const page = where())
+              for (const auto& each : names)
+                parse_page_host(each, *page);
+          },
+          "Serve the page also under this name of a host, or of a proxy before it; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NAME");
+}
+
 CLI::Option* add_log(CLI::App& app, std::string& level) {
   return app.add_option("--log", level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))

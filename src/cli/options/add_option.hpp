@@ -37,6 +37,10 @@ std::vector<CLI::Option*> add_overrides(CLI::App& app, config::overrides& x);
 /// `--view`: the live page.
 CLI::Option* add_page(CLI::App& app, std::optional<page_place>& x);
 
+/// `--view-host`: further names of the page. @param where of the page, once the options before it
+/// are parsed; nullptr: it is not served
+CLI::Option* add_page_host(CLI::App& app, std::function<page_place*()> where);
+
 /// `--log`
 CLI::Option* add_log(CLI::App& app, std::string& level);
 

@@ -109,6 +109,9 @@ void hosts_command_line::add_deploy() {
   add_path(deploy_app_, "--report", "FILE", deploy_.page_file,
            "Write the report as one self-contained HTML page");
   auto* const view = cli::add_page(deploy_app_, deploy_.view);
+  add_page_host(deploy_app_, [this] {
+    return deploy_.view ? &*deploy_.view : nullptr;
+  })->needs(view);
   deploy_app_.add_flag("--control", deploy_.control, "Let the page cause faults")->needs(view);
   add_log(deploy_app_, deploy_.log_level);
   deploy_app_.footer(

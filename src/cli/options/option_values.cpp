@@ -1,8 +1,11 @@
 #include "cli/options/option_values.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <system_error>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -64,6 +67,23 @@ void parse_page_place(const std::string& text, page_place& x, const char* option
     throw CLI::ValidationError(option, "not a port, or an IPv4 address and a port: '" + text +
                                            "' (say 8080, or nothing for any)");
   x.port = static_cast<std::uint16_t>(*port);
+}
+
+void parse_page_host(const std::string& text, page_place& x) {
+  constexpr std::size_t name_max = 253; // RFC 1035 2.3.4
+  constexpr std::size_t hosts_max = 16;
+  std::string name = text;
+  std::ranges::transform(name, name.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const bool is_name =
+      !name.empty() && name.size() <= name_max &&
+      name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-.") == std::string::npos;
+  if (!is_name)
+    throw CLI::ValidationError("--view-host", "not the name of a host, without port: '" + text +
+                                                  "' (say house.example)");
+  if (x.hosts.size() >= hosts_max)
+    throw CLI::ValidationError("--view-host", "at most 16 names");
+  x.hosts.push_back(std::move(name));
 }
 
 } // namespace rubicon::cli

@@ -31,5 +31,7 @@ namespace rubicon::cli {
 
 /// `PORT` or `ADDRESS:PORT`
 void parse_page_place(const std::string& text, page_place& x, const char* option = "--view");
+/// Adds the name of a host, in lower case.
+void parse_page_host(const std::string& text, page_place& x);
 
 } // namespace rubicon::cli

@@ -50,6 +50,7 @@ void record_command_line::add_view() {
   add_parsed(view_app_, "--port", "PORT",
              "Address of the page; default: any free port of 127.0.0.1",
              [&](const auto& text) { parse_page_place(text, view_.where); });
+  add_page_host(view_app_, [this] { return &view_.where; });
   view_app_.footer("It prints the address of the page, and keeps serving until Ctrl-C.");
 }
 

@@ -104,6 +104,9 @@ void run_command_line::add_report() {
 
 void run_command_line::add_page() {
   auto* const view = shows(cli::add_page(app_, run_.watch.view));
+  shows(add_page_host(app_, [this] {
+    return run_.watch.view ? &*run_.watch.view : nullptr;
+  }))->needs(view);
   shows(add_control(
             app_, run_.watch,
             "Let the page cause faults and changes and set tuples, with =kernel also kernel.* "

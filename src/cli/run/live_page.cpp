@@ -196,13 +196,14 @@ live_page::live_page(const page_place& where, const std::string& ecology,
   if (!facts.messages)
     timeline_->set_why_no_messages("The run is not recorded: add --record FILE to see where each "
                                    "message went.");
-  else
+  else if (record == nullptr)
     timeline_->set_why_no_messages("Nothing is recorded yet.");
   if (record != nullptr)
     view::fill(*timeline_, std::move(record));
   io::web_site site;
   site.address = where.address;
   site.port = where.port;
+  site.hosts = where.hosts;
   site.token = random_id() + random_id();
   site.files = files_of_page(picture);
   auto about = std::make_shared<const view::introduction>(

@@ -1,5 +1,6 @@
 #include "cli/run/view_command.hpp"
 
+#include <filesystem>
 #include <memory>
 #include <utility>
 #include <variant>
@@ -11,6 +12,18 @@
 #include "core/text/shell_word.hpp"
 
 namespace rubicon::cli {
+
+namespace {
+
+/// The picture under the map, where it was when the run was recorded; empty: none.
+std::string floor_plan_of(const explain::traces& x) {
+  const auto picture = view::plan_picture(x.ecology);
+  if (picture.empty() || x.about.file.empty())
+    return {};
+  return (std::filesystem::path(x.about.file).parent_path() / picture).string();
+}
+
+} // namespace
 
 exit_status perform(const view_command& x) {
   const auto refuse = [](const std::string& why) {
@@ -31,7 +44,7 @@ exit_status perform(const view_command& x) {
                               .messages = true};
   if (view::with_facts(all->ecology, facts, "record").empty())
     return refuse(x.record + ": it lacks the positions of the motes: record the run again");
-  live_page page(x.where, all->ecology, facts, "record", "", nullptr, all);
+  live_page page(x.where, all->ecology, facts, "record", floor_plan_of(*all), nullptr, all);
   page.stay();
   return exit_status::good;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/time.hpp"
 
@@ -11,8 +12,9 @@ namespace rubicon::cli {
 
 /// Where a live page is served.
 struct page_place {
-  std::string address = "127.0.0.1"; ///< IPv4
-  std::uint16_t port = 0;            ///< 0: the system chooses
+  std::string address = "127.0.0.1";   ///< IPv4
+  std::uint16_t port = 0;              ///< 0: the system chooses
+  std::vector<std::string> hosts = {}; ///< other names under which browsers may reach it
 };
 
 /// Where metrics are served.

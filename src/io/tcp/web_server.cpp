@@ -1,5 +1,6 @@
 #include "io/tcp/web_server.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <list>
@@ -44,16 +45,34 @@ bool is_same(std::string_view x, std::string_view secret) {
   return differs == 0;
 }
 
-/// A name of this computer that nobody else can give to a host of theirs, or an address.
-bool is_own_host(std::string_view host) {
-  const auto name = host.substr(0, host.rfind(':'));
-  return name == "localhost" || name == "[::1]" || parse_ipv4_address(std::string(name));
+/// Whether a host, with or without its port, has one of these names.
+bool is_one_of(std::string_view host, const std::vector<std::string>& names) {
+  std::string name(host.substr(0, host.rfind(':')));
+  std::ranges::transform(name, name.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  });
+  return std::ranges::find(names, name) != names.end();
 }
 
-/// A page that has come from this server: then the browser says the same of both.
-bool is_own_origin(std::string_view origin, std::string_view host) {
-  constexpr std::string_view scheme = "http://";
-  return origin.starts_with(scheme) && origin.substr(scheme.size()) == host;
+/// A name of this computer that nobody else can give to a host of theirs, an address, or one of
+/// those that the site has.
+bool is_own_host(std::string_view host, const std::vector<std::string>& names) {
+  const auto name = host.substr(0, host.rfind(':'));
+  return name == "localhost" || name == "[::1]" || parse_ipv4_address(std::string(name)) ||
+         is_one_of(host, names);
+}
+
+/// A page that has come from this server: then the browser says the same of both; or through a
+/// proxy of one of the names, which may encrypt, and may send another `Host`.
+bool is_own_origin(std::string_view origin, std::string_view host,
+                   const std::vector<std::string>& names) {
+  constexpr std::string_view plain = "http://";
+  constexpr std::string_view encrypted = "https://";
+  if (origin.starts_with(plain)) {
+    const auto from = origin.substr(plain.size());
+    return from == host || is_one_of(from, names);
+  }
+  return origin.starts_with(encrypted) && is_one_of(origin.substr(encrypted.size()), names);
 }
 
 /// Threads that are created meanwhile receive no signals.
@@ -222,7 +241,7 @@ private:
   void on_request() {
     const auto& request = parser_->get();
     const auto host = view_of(request[http::field::host]);
-    if (!is_own_host(host))
+    if (!is_own_host(host, all_.site.hosts))
       return refuse(http::status::forbidden, "this host name is not served here\n");
     const auto target = view_of(request.target());
     const auto slash = all_.site.token.empty() ? 0 : target.find('/', 1);
@@ -235,7 +254,7 @@ private:
     if (websocket::is_upgrade(request)) {
       if (name != all_.site.socket_name || !all_.site.on_session)
         return refuse(http::status::not_found, "not found\n");
-      if (!is_own_origin(view_of(request[http::field::origin]), host))
+      if (!is_own_origin(view_of(request[http::field::origin]), host, all_.site.hosts))
         return refuse(http::status::forbidden, "only the page served here may connect\n");
       stream_.expires_never();
       std::make_shared<live_socket>(stream_.release_socket(), all_, std::move(place_))

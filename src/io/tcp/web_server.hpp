@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "core/time.hpp"
 
@@ -43,6 +44,9 @@ public:
 struct web_site {
   std::string address = "127.0.0.1"; ///< IPv4, at which it listens
   std::uint16_t port = 0;            ///< 0: the system chooses
+  /// Names under which browsers may reach it, in lower case, beside those of this computer: of a
+  /// host, or of a proxy in front.
+  std::vector<std::string> hosts = {};
   /// First part of each path: requests without it get 404. Empty: paths have no such part.
   std::string token;
   std::map<std::string, web_file> files; ///< by name, `` is the page; at `/TOKEN/NAME`
@@ -57,10 +61,10 @@ struct web_site {
 
 /// Serves a site from open() on until it is destroyed, which ends all connections.
 ///
-/// Refused: paths without the token (404), a `Host` that is neither of this computer nor an address
-/// (403: another site's name that leads here), a WebSocket of a page that is not this server's
-/// (`Origin`, 403), and other methods than GET and HEAD (405). Pages may run their own files and
-/// nothing else (Content-Security-Policy).
+/// Refused: paths without the token (404), a `Host` that is neither of this computer, an address
+/// nor one of `hosts` (403: another site's name that leads here), a WebSocket of a page that is
+/// neither this server's nor of one of `hosts` (`Origin`, 403), and other methods than GET and HEAD
+/// (405). Pages may run their own files and nothing else (Content-Security-Policy).
 class web_server {
 public:
   /// Beyond, one that has not shown the token is closed for the next, the oldest first.

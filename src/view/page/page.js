@@ -7,7 +7,7 @@
 
 const { abs, ceil, floor, hypot, max, min, PI, round } = Math;
 const $ = id => document.getElementById(id);
-const put = (id, text) => { $(id).textContent = text; };
+const put = (id, text) => { if ($(id).textContent !== text) $(id).textContent = text; };
 const on = (target, types, run, options) => types.split(" ").forEach(type => target.addEventListener(type, run, options));
 const clamp = (x, low, high) => min(max(x, low), high);
 const range = n => [...Array(n).keys()];
@@ -43,7 +43,7 @@ function make(what, ...children) {
 
 const button = (text, run, more = {}) => make("button", { onclick: run, ...more }, text);
 
-/** 754.5 -> "12:34.5", ecology time as the page writes it. */
+/** 754.5 -> "12:34.5", ecology time as the page writes it everywhere; axes leave out the tenths. */
 function timeText(seconds, decimals = 1) {
   if (!isNumber(seconds)) return "–";
   const scale = 10 ** decimals;
@@ -249,7 +249,7 @@ const SINK = -2;
 
 const mayControl = () => Boolean(model.ecology?.control);
 const hasMessages = () => Boolean(model.ecology?.messages);
-const runLength = () => max(model.ecology?.length_s || 0, run.now, run.end || 0, 1e-3);
+const runLength = () => max(run.end || model.ecology?.length_s || 0, run.now, 1e-3); // the end is known once it runs
 const islandOf = mote => model.islands[model.island[mote]];
 const fullName = mote => islandOf(mote).name + "/" + model.names[mote];
 const addressOf = mote => islandOf(mote).id + "/" + model.ids[mote];
@@ -267,7 +267,9 @@ function takeEcology(x) {
   takePeers(x);
   events.length = 0;
   curves.clear();
+  proposal = null;
   energyOf.clear();
+  for (const each of chart.curves) each.asked_ms = -Infinity;
   frames.clear();
   layOut();
   if (!same) view.placed = false;
@@ -283,16 +285,17 @@ function takeMotes(x) {
   model.count = islands.reduce((sum, each) => sum + each.motes.length, 0);
   for (const name of ["ids", "island", "parent"]) model[name] = new Int32Array(model.count);
   for (const name of ["x", "y", "wx", "wy"]) model[name] = new Float64Array(model.count);
-  Object.assign(model, { names: [], byAddress: new Map(), byName: new Map(), sinks: new Map(), islands: [] });
+  Object.assign(model, { names: [], types: [], byAddress: new Map(), byName: new Map(), sinks: new Map(), islands: [] });
   islands.forEach((each, at) => {
     const island = { id: each.id, name: each.name, air: each.air ?? at, sink: each.sink, gateways: each.gateways || [],
       first: model.names.length, count: each.motes.length, byId: new Map(), counts: STATES.map(() => 0) };
     model.islands.push(island);
     for (const name of [each.name + "/sink", `${each.id}/${each.sink?.id}`]) model.sinks.set(name, at);
-    for (const [id, name, mx, my] of each.motes) {
+    for (const [id, name, mx, my, type] of each.motes) {
       const i = model.names.length;
       [model.ids[i], model.island[i], model.x[i], model.y[i], model.parent[i]] = [id, at, mx, my, NO_PARENT];
       model.names.push(name.startsWith(each.name + "/") ? name.slice(each.name.length + 1) : name);
+      model.types.push(type);
       island.byId.set(id, i);
       model.byAddress.set(addressOf(i), i);
       model.byName.set(fullName(i), i);
@@ -821,6 +824,7 @@ function drawMap() {
     if (view.band) drawBand();
     drawNeighbours();
     drawMarks();
+    drawProposal();
     if (frames.wanted()) drawFrames();
   });
   shown.first_picture_ms ||= round(performance.now());
@@ -1144,7 +1148,8 @@ function drawPeer(peer) {
 
 // ---- map: the pointer
 
-const pointer = { over: null, down: new Map(), moved: 0, spread: 0, timer: 0 };
+const pointer = { over: null, down: new Map(), moved: 0, spread: 0, timer: 0, mote: -1 }; // mote: that is dragged
+let proposal = null; // another position of a mote: {mote, x, y}, in metres
 let neighbours = { mote: -1, list: [] }; // of the mote that was pointed at last: [[name, etx], …]
 
 /** What is at a place of the canvas: {kind: "mote", "island" or "peer", index}, or null. */
@@ -1222,7 +1227,9 @@ function listenToMap() {
   const map = $("map");
   on(map, "pointerdown", event => {
     pointer.down.set(event.pointerId, placeInMap(event));
-    Object.assign(pointer, { moved: 0, spread: 0 });
+    const target = model.ecology ? targetAt(...placeInMap(event)) : null;
+    const isChosen = target?.kind === "mote" && sameTarget(target, shown.chosen) && pointer.down.size === 1;
+    Object.assign(pointer, { moved: 0, spread: 0, mote: isChosen ? target.index : -1 });
     capture(map, event);
   });
   on(map, "pointermove", event => (pointer.down.has(event.pointerId) ? drag(event.pointerId, placeInMap(event)) : pointAt(event)));
@@ -1230,6 +1237,8 @@ function listenToMap() {
     const wasDown = pointer.down.delete(event.pointerId);
     map.classList.remove("dragged");
     if (event.type === "pointerup" && wasDown && pointer.moved < 5 && !pointer.down.size) clickMap(...placeInMap(event));
+    else if (pointer.mote >= 0) choose({ kind: "mote", index: pointer.mote });
+    pointer.mote = -1;
   });
   on(map, "pointerleave", pointAt);
   on(map, "wheel", event => {
@@ -1251,10 +1260,61 @@ function drag(id, at) {
   if (pointer.moved < 5) return;
   $("map").classList.add("dragged");
   const [a, b] = [...pointer.down.values()];
+  if (!b && pointer.mote >= 0) return propose(pointer.mote, (at[0] - view.ox) / view.scale, (at[1] - view.oy) / view.scale);
   if (!b) return pan(at[0] - before[0], at[1] - before[1]);
   const spread = hypot(a[0] - b[0], a[1] - b[1]);
   if (pointer.spread) zoom(spread / pointer.spread, (a[0] + b[0]) / 2, (a[1] + b[1]) / 2);
   pointer.spread = spread;
+}
+
+/** Another position of a mote, given in the world; it is only shown, and written as TOML. */
+function propose(mote, wx, wy) {
+  const { ground } = islandOf(mote);
+  const metres = x => Number(x.toFixed(2));
+  proposal = { mote, wx, wy, x: metres(wx - ground.x + ground.left), y: metres(ground.y + ground.top - wy) };
+  redraw("map");
+  refreshTab();
+}
+
+/** Alt and an arrow: the selected mote's proposed position goes a hundredth of the ground on. */
+function nudge([dx, dy]) {
+  if (shown.chosen?.kind !== "mote") return;
+  const mote = shown.chosen.index;
+  const from = proposal?.mote === mote ? proposal : { wx: model.wx[mote], wy: model.wy[mote] };
+  const step = islandOf(mote).ground.width / 100;
+  propose(mote, from.wx + step * Math.sign(dx), from.wy + step * Math.sign(dy));
+  put("said", `${proposal.x}, ${proposal.y} m`);
+}
+
+function drawProposal() {
+  if (!proposal) return;
+  const from = moteSpot(proposal.mote);
+  const [x, y] = [screenX(proposal.wx), screenY(proposal.wy)];
+  stroke("fg", 1.5, lines([from.x, from.y], [x, y]), [4, 3]);
+  stroke("fg", 2, disc(x, y, from.r + 2));
+  write(`${proposal.x}, ${proposal.y} m`, x + from.r + 6, y, { hue: "fg" });
+}
+
+const shellWord = text => "'" + plain(text, 1e4).replaceAll("'", "'\\''") + "'";
+
+/** The proposed position as lines of the file, and as an option of the command. */
+function proposalParts(i) {
+  if (proposal?.mote !== i) return [];
+  const value = `[${proposal.x}, ${proposal.y}]`;
+  const island = islandOf(i).name;
+  const lines = `# mote ${model.ids[i]} of island ${island}, at ${shortNumber(model.x[i])}, ${shortNumber(model.y[i])} m so far\n`
+    + `[[island.mote]]\nid = ${model.ids[i]}\nposition_m = ${value}`;
+  const part = name => (/^[A-Za-z0-9_-]+$/.test(name) ? name : JSON.stringify(name));
+  const option = "--set " + shellWord(`island.${part(island)}.mote.${part(model.names[i])}.position_m=${value}`);
+  const hasName = model.names[i] !== `${model.types[i]}-${model.ids[i]}`; // else the file has no name for it
+  const cancel = () => {
+    proposal = null;
+    redraw("map");
+    refreshTab();
+  };
+  const code = text => Object.assign(make("pre.value", { tabindex: 0 }), { textContent: plainLines(text) });
+  return [make("h3", "Proposed position"), make("p.soft.small", "The run stays as it is. In the file (keep a third number, its height):"), code(lines),
+    ...(hasName ? [make("p.soft.small", "or added to the command of the run:"), code(option)] : []), button("discard", cancel, { id: "proposal-discard" })];
 }
 
 function clickMap(x, y) {
@@ -1360,14 +1420,22 @@ function drawTimeBase() {
   for (const [text, y] of [["faults", LANES.faults], ["events", LANES.events], ["losses", (LANES.top + LANES.bottom) / 2]]) write(text, 2, y);
 }
 
+const timeStep = (length_s, width) => TIME_STEPS.find(x => x >= (length_s * 85) / width) || length_s;
+
 function drawTimeAxis() {
-  const step = TIME_STEPS.find(x => x >= (runLength() * 85) / timeLine.width) || runLength();
+  const step = timeStep(runLength(), timeLine.width);
   for (let k = 0; k * step <= runLength() * 1.0001; ++k) {
     const x = round(timeX(k * step)) + 0.5;
     stroke("line", 1, lines([x, 0], [x, LANES.bottom + 3]));
-    const atEnd = x > timeLine.width - 30;
-    write(timeText(k * step, step < 1 ? 2 : 0), atEnd ? timeLine.width - 2 : x, LANES.bottom + 11, { align: atEnd ? "right" : k ? "center" : "left" });
+    writeWithin(timeText(k * step, step < 1 ? 2 : 0), x, LANES.bottom + 13, timeLine.width);
   }
+}
+
+/** A label of an axis, in the middle of `x`, but not cut by the edges. */
+function writeWithin(text, x, y, width) {
+  ctx.font = "12px system-ui, sans-serif";
+  const half = ctx.measureText(text).width / 2;
+  write(text, clamp(x, half + 2, width - half - 2), y, { align: "center" });
 }
 
 /** Losses between samples, stacked by cause. */
@@ -1438,7 +1506,9 @@ function showTime() {
   assign($("time-line"), { "aria-valuemax": runLength().toFixed(1), "aria-valuenow": shown.at_s.toFixed(1), "aria-valuetext": timeText(shown.at_s) });
   put("play", shown.playing ? "❚❚" : "▶");
   $("play").setAttribute("aria-label", shown.playing ? "Pause" : "Play");
-  $("live").setAttribute("aria-pressed", shown.follow);
+  put("live", run.ended ? "▶| end" : "● live");
+  assign($("live"), { "aria-pressed": run.ended ? null : shown.follow, title: run.ended ? "To the end (End)" : "Follow the newest (End)" });
+  put("length", "of " + timeText(runLength()) + dayTime());
   if (shown.tab === "events") showCurrentEvent();
 }
 
@@ -1460,11 +1530,19 @@ function showStatus() {
   const [text, kind] = statusText();
   if ($("status").textContent !== text) put("status", text);
   $("status").className = "badge " + kind;
-  put("length", "of " + timeText(runLength(), 0));
+  put("length", "of " + timeText(runLength()) + dayTime());
   if (!model.ecology) return;
   const facts = [`seed ${model.ecology.seed}`, model.ecology.mode, `now ${timeText(run.now)}`, ...(run.events ? [`${countText(run.events)} events`] : [])];
   if (run.running && run.speed) facts.push(`${run.speed < 10 ? run.speed.toFixed(1) : countText(run.speed)}x`);
   put("run-facts", facts.join(" · "));
+}
+
+/** The time of day at the shown moment, of a run that starts at another than midnight. */
+function dayTime() {
+  const start_s = model.ecology?.start_s;
+  if (!start_s) return "";
+  const s = floor(start_s + shown.at_s) % 86400;
+  return ` · clock ${[floor(s / 3600), floor(s / 60) % 60, s % 60].map(x => String(x).padStart(2, "0")).join(":")}`;
 }
 
 function statusText() {
@@ -1546,12 +1624,21 @@ class List {
 /** A text in one line that may be cut; the whole of it is its title. */
 const cell = (kind, text) => make("span.text" + kind, { title: plain(text) }, plain(text, 200));
 
+/** The same, but what is cut is not its end: "writes kitchen.fan.sw… = on". */
+function withTail(kind, text) {
+  const whole = plain(text, 200);
+  const at = max(whole.lastIndexOf(" = "), whole.lastIndexOf(" to "), whole.length - 14);
+  const [head, tail] = whole.length > 22 && whole.length - at <= 20 ? [whole.slice(0, at), whole.slice(at)] : [whole, ""];
+  return make("span.parted" + kind, { title: plain(text) }, make("span.text", head), make("span.tail", tail));
+}
+
 // ---- tabs
 
 const tabs = {}; // by name: {refresh, list}
 const panelOf = tab => $(tab.id.replace("tab", "panel"));
 
 function showTab(name) {
+  if (name !== shown.tab) closeExplain();
   shown.tab = name;
   for (const each of $("tabs").children) {
     const here = each.id === "tab-" + name;
@@ -1592,7 +1679,7 @@ const needleOf = id => $(id).value.trim().toLowerCase();
 // ---- tab: events
 
 function startEvents() {
-  const row = x => [cell(".when", timeText(x.t)), make("span.sign." + x.kind, EVENT_SIGNS[x.kind]), cell(".who", x.who), cell(".what." + x.kind, x.what)];
+  const row = x => [cell(".when", timeText(x.t)), make("span.sign." + x.kind, EVENT_SIGNS[x.kind]), cell(".who", x.who), withTail(".what." + x.kind, x.what)];
   const clicked = x => {
     showAt(x.t);
     chooseByName(x.who);
@@ -1643,6 +1730,7 @@ const askTuples = latest(async () => {
   Object.assign(tuples, { list: answer.tuples || [], leftOut: answer.left_out || 0 });
   if (shown.tab === "tuples") showTuples();
   else if (shown.tab === "proxies") showProxies();
+  else if (shown.tab === "curves") refreshChart();
 });
 
 function startTuples() {
@@ -1716,11 +1804,18 @@ function clickTuple(row) {
   const { owner, key } = row.tuple;
   tuples.chosen = { owner, key };
   const value = make("input", { id: "tuple-new", type: "text", "aria-label": "New value", placeholder: "new value" });
-  const control = mayControl() ? [value, button("set", () => setTuple(owner, key, value.value), { id: "tuple-set" })] : [];
+  const outcome = make("p.small", { id: "tuple-outcome", role: "status" });
+  const set = async () => {
+    const { good, text } = await setTuple(owner, key, value.value);
+    outcome.className = good ? "small good" : "small bad";
+    outcome.textContent = plain(good ? `✓ ${value.value}: ${text}` : `✕ ${value.value}: refused: ${text}`, 300);
+  };
+  const control = mayControl() ? [value, button("set", set, { id: "tuple-set" })] : [];
   $("tuple-detail").replaceChildren(make("h2", key), make("p.soft.small", "of " + owner, make("span", { id: "tuple-changed" })),
     make("pre.value", { id: "tuple-value", tabindex: 0 }), make("canvas.curve", { id: "tuple-curve" }),
     make("div.row", button("explain", () => explain({ ask: "explain_tuple", owner, key, at_s: shown.at_s }, key), { id: "tuple-explain",
-      disabled: hasMessages() ? null : "", title: hasMessages() ? "Where this value came from" : "needs a record: --record FILE" }), ...control));
+      disabled: hasMessages() ? null : "", title: hasMessages() ? "Where this value came from" : "needs a record: --record FILE" }),
+      button("chart", () => chartTuple(owner, key), { id: "tuple-chart", title: "Lay its curve into the chart" }), ...control), outcome);
   $("tuple-detail").hidden = false;
   return showTuples();
 }
@@ -1729,7 +1824,7 @@ function showTupleDetail() {
   const { owner, key } = tuples.chosen;
   const found = tuples.list.find(x => x[0] === owner && x[1] === key);
   put("tuple-value", found ? plainLines(found[2]) : "(not set at this moment)");
-  put("tuple-changed", found ? `, set at ${timeText(found[3], 3)}` : "");
+  put("tuple-changed", found ? `, set at ${timeText(found[3])}` : "");
   const canvas = $("tuple-curve");
   withCurve({ owner, key }, points => {
     canvas.hidden = points.length < 2;
@@ -1751,27 +1846,28 @@ function withCurve({ owner, key }, then) {
 }
 
 /** A curve of steps; a line stands at the shown moment. */
-function drawCurve(canvas, points, width, height, withNumbers = false) {
+function drawCurve(canvas, points, width, height, withNumbers = false, length_s = runLength()) {
   const [low, high] = points.reduce(([a, b], [, v]) => [min(a, v), max(b, v)], [Infinity, -Infinity]);
-  const left = withNumbers ? 52 : 1;
-  const x = t => left + (t / runLength()) * (width - left - 2);
+  const left = withNumbers ? 62 : 1;
+  const x = t => left + (t / length_s) * (width - left - 2);
   const y = v => height - 3 - (high > low ? (v - low) / (high - low) : 0.5) * (height - 6);
   drawOn(canvas, width, height, () => {
     if (points.length < 2) return;
     stroke("c0", 1.3, lines(...points.flatMap(([t, v], i) => [[x(t), y(points[max(i - 1, 0)][1])], [x(t), y(v)]])));
     fill("soft", box(x(shown.at_s), 0, 1, height));
-    if (withNumbers) write(shortNumber(high), left - 5, 9, { align: "right" });
-    if (withNumbers && high > low) write(shortNumber(low), left - 5, height - 8, { align: "right" });
+    if (!withNumbers) return;
+    write(shortNumber(high), left - 5, 9, { align: "right" });
+    if (high > low) write(shortNumber(low), left - 5, height - 8, { align: "right" });
   });
 }
 
 // ---- tab: proxies
 
 const PROXY_FACTS = ["class", "id", "island", "status", "description"];
-const INPUT_PARTS = ["words", "deadline", "outcome", "latency"];
+const INPUT_PARTS = ["words", "range", "deadline", "outcome"]; // readings have units and latencies too
 const CARDS_MOST = 300;
 function startProxies() {
-  tabs.proxies = { refresh: askTuples };
+  tabs.proxies = { refresh: throttled(700, askTuples) }; // cards have many canvases
   on($("proxy-filter"), "input", showProxies);
 }
 
@@ -1780,19 +1876,23 @@ function proxiesOf(list) {
   const found = new Map();
   for (const [owner, key] of list)
     if (key.endsWith(".class")) found.set(tupleName(owner, key.slice(0, -6)), { owner, prefix: key.slice(0, -6), facts: {}, fields: new Map(), inputs: new Map() });
-  for (const [owner, key, value] of list) {
+  for (const [owner, key, value, changed_s] of list) {
     const parts = key.split(".");
     for (const n of [1, 2]) {
       const proxy = found.get(tupleName(owner, parts.slice(0, -n).join(".")));
-      if (proxy) addToProxy(proxy, parts.slice(-n), value);
+      if (proxy) addToProxy(proxy, parts.slice(-n), value, changed_s);
     }
   }
-  for (const proxy of found.values()) for (const name of proxy.inputs.keys()) proxy.fields.delete(name);
+  for (const proxy of found.values())
+    for (const [name, input] of proxy.inputs) {
+      proxy.inputs.set(name, { ...proxy.fields.get(name), ...input });
+      proxy.fields.delete(name);
+    }
   return [...found.values()].filter(x => "status" in x.facts).sort((a, b) => (a.prefix < b.prefix ? -1 : 1));
 }
 
-function addToProxy({ facts, fields, inputs }, [name, part], value) {
-  const keep = (map, what) => map.set(name, { ...map.get(name), [what]: value });
+function addToProxy({ facts, fields, inputs }, [name, part], value, changed_s) {
+  const keep = (map, what) => map.set(name, { ...map.get(name), [what]: value, [what + "_s"]: changed_s });
   if (name === "status" && part) facts["status." + part] = value;
   else if (!part && PROXY_FACTS.includes(name)) facts[name] = value;
   else if (!part || part === "unit") keep(fields, part || "value");
@@ -1804,24 +1904,378 @@ function showProxies() {
   const found = proxiesOf(tuples.list).filter(x => matches(needle, x.prefix, x.facts.class, x.facts.status));
   const more = found.length > CARDS_MOST ? `; the first ${CARDS_MOST} are shown, filter for others` : "";
   put("proxy-count", `${countText(found.length)} proxies at ${timeText(shown.at_s)}${more}`);
-  if ($("proxy-cards").querySelector("input:focus")) return; // somebody types
-  $("proxy-cards").replaceChildren(...found.slice(0, CARDS_MOST).map(x => make("article.card", ...cardParts(x))));
+  const cards = $("proxy-cards");
+  if (cards.querySelector("input:focus, select:focus")) return; // somebody types
+  const focused = cards.contains(document.activeElement) ? document.activeElement.dataset.id : undefined;
+  const rooms = new Map();
+  for (const x of found.slice(0, CARDS_MOST)) rooms.set(roomOf(x), [...(rooms.get(roomOf(x)) || []), x]);
+  cards.replaceChildren(...[...rooms].sort(([a], [b]) => (a < b ? -1 : 1)).flatMap(([room, list]) => [
+    make("h2", `${plain(room, 60)} `, make("span.soft.small", String(list.length))),
+    make("div.cards", ...list.map(x => make("article.card", { "aria-label": x.prefix }, ...cardParts(x))))]));
+  if (focused !== undefined) [...cards.querySelectorAll("[data-id]")].find(x => x.dataset.id === focused)?.focus();
 }
+
+/** Where it stands: its island, or what its name begins with. */
+const roomOf = ({ prefix, facts }) => facts.island || prefix.split(".")[0];
 
 function cardParts({ owner, prefix, facts, fields, inputs }) {
   const good = facts.status === "active";
   const cause = facts["status.cause"];
   const state = make(good ? "span.good" : "span.bad", `${good ? "●" : "○"} ${facts.status}${!good && cause && cause !== "none" ? ` (${cause})` : ""} `);
-  return [make("h3", { title: prefix }, prefix), make("div.small", state, make("span.soft", plain(facts.class, 40))),
-    factList([...fields].map(([name, x]) => [name, plain(x.value ?? "–", 300) + (x.unit ? " " + plain(x.unit, 20) : "")])),
-    ...[...inputs].map(([name, x]) => make("div.acts", make("span.soft", name),
-      ...(mayControl() ? inputControls(owner, prefix + "." + name, x.words) : []), make("span.soft.small", x.outcome ?? "")))];
+  const room = roomOf({ prefix, facts });
+  return [make("h3", { title: prefix }, prefix.startsWith(room + ".") ? prefix.slice(room.length + 1) : prefix),
+    make("div.small", state, make("span.soft", plain(facts.class, 40))),
+    ...[...fields].filter(([, x]) => x.value !== undefined).map(([name, x]) => reading(owner, prefix + "." + name, name, x)),
+    ...[...inputs].flatMap(([name, x]) => [make("div.acts", make("span.soft", name), ...inputControls(owner, prefix + "." + name, x)),
+      requestState(owner, prefix + "." + name, x)])];
 }
 
-function inputControls(owner, key, words) {
-  if (words) return words.split(" ").slice(0, 20).map(word => button(word, () => setTuple(owner, key, word), { "data-key": key }));
-  const value = make("input", { type: "text", "aria-label": "Value for " + key });
-  return [value, button("set", () => setTuple(owner, key, value.value), { "data-key": key })];
+/** A reading with its unit and its history; a click lays it into the chart. */
+function reading(owner, key, name, x) {
+  const spark = make("canvas.spark", { "aria-hidden": "true" });
+  spark.hidden = true;
+  withCurve({ owner, key }, points => {
+    spark.hidden = points.length < 2;
+    drawCurve(spark, points, 160, 18, false, max(run.now, 1e-3));
+  });
+  const value = plain(x.value, 300) + (x.unit ? " " + plain(x.unit, 20) : "");
+  return make("button.reading", { title: `${plain(key, 200)}, set at ${timeText(x.value_s)}: click for its curve`, "data-id": "curve " + owner + key,
+    onclick: () => chartTuple(owner, key, x.unit) }, make("span.text.soft", name), make("span.text.now", value), spark);
+}
+
+/** A switch, words to choose from, a slider, or a text: what fits the input. */
+function inputControls(owner, key, x) {
+  const send = value => requestInput(owner, key, value);
+  if (!mayControl()) return [make("span.now", plain(x.value ?? "–", 60))];
+  const common = word => ({ "data-key": key, "data-id": owner + key + " " + word });
+  const words = (x.words || "").split(" ").filter(Boolean).slice(0, 40);
+  if (words.length === 2 && words.includes("on") && words.includes("off") && !x.range) {
+    const isOn = x.value === "on";
+    return [make("button.switch", { role: "switch", "aria-checked": isOn, "aria-label": key, ...common(""), onclick: () => send(isOn ? "off" : "on") }, isOn ? "on" : "off")];
+  }
+  const parts = words.length > 4
+    ? [make("select", { "aria-label": key, ...common(""), onchange: event => send(event.target.value) },
+      ...(words.includes(x.value) ? [] : [make("option", { value: "", disabled: "" }, "–")]), ...options(words, x.value))]
+    : words.map(word => button(word, () => send(word), { "aria-pressed": word === x.value, ...common(word) }));
+  const [low, high] = (x.range || "").split(" ").map(Number);
+  if (x.range && isNumber(low) && isNumber(high)) parts.push(...slider(key, x, low, high, send, common("range")));
+  if (parts.length) return parts;
+  const value = make("input", { type: "text", "aria-label": "Value for " + key, value: x.value ?? "" });
+  return [value, button("set", () => send(value.value), common("set"))];
+}
+
+function slider(key, x, low, high, send, common) {
+  const unit = x.unit ? " " + plain(x.unit, 20) : "";
+  const now = Number(x.value ?? low);
+  const number = make("output", `${isNumber(now) ? now : "–"}${unit}`);
+  const step = high - low >= 20 ? 1 : (high - low) / 100;
+  return [make("input", { type: "range", min: low, max: high, step, value: isNumber(now) ? now : low, "aria-label": key, ...common,
+    oninput: event => { number.textContent = event.target.value + unit; },
+    onchange: event => {
+      send(event.target.value);
+      event.target.blur();
+    } }), number, make("span.soft.small", `${low} to ${high}${unit}`)];
+}
+
+const requests = new Map(); // by tupleName() of inputs: {value, at_s, refused}
+const OUTCOMES_BAD = /failed|unreachable|refused|superseded|timeout/;
+
+/** What has become of the newest request: sent, acknowledged, or refused and why. */
+function requestState(owner, key, x) {
+  const request = requests.get(tupleName(owner, key));
+  const say = (kind, text) => make("div.small.request" + kind, plain(text, 300));
+  if (request?.refused) return say(".bad", `✕ ${request.value}: refused: ${request.refused}`);
+  if (request && !(x.outcome_s >= request.at_s)) {
+    const most = isNumber(Number(x.deadline)) && x.deadline ? `; answered within ${shortNumber(Number(x.deadline))} s` : "";
+    return say(".soft", `→ ${request.value}: sent${most}`);
+  }
+  if (!x.outcome) return say(".soft", "no request yet");
+  const bad = OUTCOMES_BAD.test(x.outcome);
+  return say(bad ? ".bad" : ".soft", `${bad ? "✕" : /acknowledged/.test(x.outcome) ? "✓" : "→"} ${x.outcome}, ${timeText(x.outcome_s)}`);
+}
+
+async function requestInput(owner, key, value) {
+  requests.set(tupleName(owner, key), { value, at_s: run.now });
+  const answer = await setTuple(owner, key, value);
+  if (!answer.good) put("said", plain(`${value}: refused: ${answer.text}`, 200));
+  if (!answer.good) requests.set(tupleName(owner, key), { value, at_s: run.now, refused: answer.text });
+  refreshTab();
+}
+
+// ---- tab: curves
+
+const CHART_HEIGHT = 250;
+const CHART_FILE_OCTETS_MAX = 64e6;
+const CURVES_MOST = 8;
+const CURVE_COLOURS = ["c0", "c1", "c2", "c3", "c4", "c5", "fg", "soft"];
+const FILE_DASHES = [[7, 3], [2, 3], [9, 3, 2, 3], [4, 4]];
+// Curves of any quantities over one time axis, one scale a unit; from tables of other runs the same quantities.
+const chart = { curves: [], from_s: 0, to_s: Infinity, hover_s: null, files: [], down: null };
+
+function startCurves() {
+  tabs.curves = { refresh: () => (tuples.list.length && !run.running ? refreshChart() : askTuples()) };
+  on($("curve-add"), "input keydown", addTyped);
+  on($("curve-file"), "change", async () => {
+    for (const file of $("curve-file").files) await layFile(file);
+    $("curve-file").value = "";
+    showChart();
+  });
+  for (const [id, act] of Object.entries({ "curve-in": () => zoomChart(0.5), "curve-out": () => zoomChart(2), "curve-all": showAllOfChart, "curve-clear": clearChart }))
+    on($(id), "click", act);
+  listenToChart($("chart"));
+}
+
+function listenToChart(canvas) {
+  const timeAt = event => chartTimeAt(event.clientX - canvas.getBoundingClientRect().left);
+  on(canvas, "pointerdown", event => {
+    chart.down = { x: event.clientX, moved: 0 };
+    capture(canvas, event);
+  });
+  on(canvas, "pointermove", event => {
+    if (chart.down) panChart(chartTimeAt(chart.down.x) - chartTimeAt(event.clientX), abs(event.clientX - chart.down.x), event.clientX);
+    else chart.hover_s = timeAt(event);
+    showChart();
+  });
+  on(canvas, "pointerup", event => {
+    if (chart.down && chart.down.moved < 4) showAt(timeAt(event));
+    chart.down = null;
+  });
+  on(canvas, "pointerleave pointercancel", () => {
+    Object.assign(chart, { hover_s: null, down: null });
+    showChart();
+  });
+  on(canvas, "wheel", event => {
+    event.preventDefault();
+    zoomChart(Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0016)), timeAt(event));
+  }, { passive: false });
+  on(canvas, "keydown", event => {
+    const width = chartSpan()[1] - chartSpan()[0];
+    const act = { ArrowLeft: () => panChart(-width / 8), ArrowRight: () => panChart(width / 8), "+": () => zoomChart(0.5), "=": () => zoomChart(0.5),
+      "-": () => zoomChart(2), 0: showAllOfChart }[event.key];
+    if (!act) return;
+    event.preventDefault();
+    event.stopPropagation();
+    act();
+    showChart();
+  });
+}
+
+const chartSpan = () => [max(chart.from_s, 0), min(chart.to_s, runLength())];
+const chartRight = () => $("chart").clientWidth - (chart.units?.length > 1 ? 56 : 14);
+
+function chartTimeAt(x) {
+  const [from, to] = chartSpan();
+  return from + clamp((x - 56) / max(chartRight() - 56, 1), 0, 1) * (to - from);
+}
+
+function panChart(by_s, moved_px = 0, x = 0) {
+  const [from, to] = chartSpan();
+  const by = clamp(by_s, -from, runLength() - to);
+  Object.assign(chart, { from_s: from + by, to_s: to + by });
+  if (chart.down) Object.assign(chart.down, { x, moved: chart.down.moved + moved_px });
+}
+
+/** By a factor of the time that is seen; `at` stays where it is. */
+function zoomChart(factor, at = chart.hover_s ?? (chartSpan()[0] + chartSpan()[1]) / 2) {
+  const [from, to] = chartSpan();
+  const width = clamp((to - from) * factor, min(0.1, runLength()), runLength());
+  chart.from_s = clamp(at - ((at - from) * width) / (to - from), 0, runLength() - width);
+  chart.to_s = chart.from_s + width;
+  showChart();
+}
+
+function showAllOfChart() {
+  Object.assign(chart, { from_s: 0, to_s: Infinity });
+  showChart();
+}
+
+function clearChart() {
+  Object.assign(chart, { curves: [], files: [] });
+  showAllOfChart();
+}
+
+const pointsOf = (answer, name) => (answer?.[name] || []).filter(([t, v]) => isNumber(t) && isNumber(v));
+
+/** Of a tuple: `load` asks for its points, `of` finds those of another run. */
+function tupleQuantity(owner, key, unit) {
+  const known = unit ?? tuples.list.find(x => x[0] === owner && x[1] === key + ".unit")?.[2];
+  return { label: key, unit: plain(known || "", 20), load: async () => pointsOf(await ask({ ask: "curve", owner, key }, "curve"), "points"),
+    of: file => file.tuples.get(tupleName(owner, key)) };
+}
+
+const chargeQuantity = i => ({ label: `charge used by ${fullName(i)}`, unit: "mAh", of: file => file.charge.get(fullName(i)),
+  load: async () => pointsOf(await ask({ ask: "mote", address: addressOf(i), at_s: run.now }, "mote"), "used") });
+
+const seriesQuantity = (label, unit, values) => ({ label, unit, load: async () => series.times.map((t, i) => [t, values()?.[i] ?? 0]), of: () => undefined });
+
+/** Those that there are, with the typed text in their name. */
+function quantities(needle) {
+  const number = value => value !== "" && isNumber(Number(value));
+  return [...tuples.list.filter(([, key, value]) => number(value) && matches(needle, key)).map(([owner, key]) => tupleQuantity(owner, key)),
+    ...Object.keys(series.lost).map(cause => seriesQuantity(`lost ${cause}`, "lost", () => series.lost[cause])),
+    seriesQuantity("charge used by all motes", "mAh", () => series.used_mah),
+    ...range(model.count).filter(i => matches(needle, "charge used by " + fullName(i))).slice(0, 40).map(chargeQuantity)]
+    .filter(x => matches(needle, x.label)).slice(0, 40);
+}
+
+function addTyped(event) {
+  const typed = $("curve-add").value;
+  const found = quantities(needleOf("curve-add"));
+  $("curve-names").replaceChildren(...found.map(x => make("option", { value: x.label })));
+  const exact = found.find(x => x.label === typed) || (event.key === "Enter" && found[0]);
+  const picked = event.type === "input" && (event.inputType ?? "insertReplacementText") === "insertReplacementText";
+  put("curve-note", typed.trim() && !found.length ? "no quantity of this name" : "");
+  if (!exact || !(picked || event.key === "Enter")) return;
+  $("curve-add").value = "";
+  addCurve(exact);
+}
+
+/** Lays a tuple's curve into the chart, and shows it. */
+function chartTuple(owner, key, unit) {
+  addCurve(tupleQuantity(owner, key, unit));
+  showTab("curves");
+}
+
+function addCurve(quantity) {
+  if (chart.curves.some(x => x.label === quantity.label)) return;
+  if (chart.curves.length >= CURVES_MOST) chart.curves.shift();
+  const hue = CURVE_COLOURS.find(name => !chart.curves.some(x => x.hue === name));
+  chart.curves.push({ ...quantity, hue, points: [], asked_ms: -Infinity });
+  refreshChart();
+}
+
+const refreshChart = latest(async () => {
+  for (const each of chart.curves) {
+    const age_ms = performance.now() - each.asked_ms;
+    if (age_ms < 4000 || (!run.running && isNumber(each.asked_ms))) continue;
+    each.points = await each.load();
+    each.asked_ms = performance.now();
+  }
+  showChart();
+});
+
+/** Rows of a table in CSV (RFC 4180). */
+function* csvRows(text) {
+  let row = [];
+  for (const [, cellText, end] of text.matchAll(/("(?:[^"]|"")*"|[^,\r\n]*)(,|\r?\n|$)/g)) {
+    row.push(cellText.startsWith('"') ? cellText.slice(1, -1).replaceAll('""', '"') : cellText);
+    if (end === ",") continue;
+    if (row.length > 1) yield row;
+    row = [];
+  }
+}
+
+/** A table of `--csv` of another run, tuples.csv or energy.csv. It stays in the browser. */
+async function layFile(file) {
+  const note = text => put("curve-note", plain(`${file.name}: ${text}`, 200));
+  if (file.size > CHART_FILE_OCTETS_MAX) return note("longer than 64 MB");
+  const laid = { name: `run ${chart.files.length + 2}`, tuples: new Map(), charge: new Map() };
+  const add = (map, name, t, value) => {
+    if (value === "" || !isNumber(Number(value))) return;
+    if (!map.has(name)) map.set(name, []);
+    map.get(name).push([Number(t), Number(value)]);
+  };
+  const rows = csvRows(await file.text());
+  const columns = rows.next().value || [];
+  const at = Object.fromEntries(columns.map((name, i) => [name, i]));
+  if (!("time_s" in at) || !("key" in at || "used_mah" in at)) return note("neither tuples.csv nor energy.csv of --csv");
+  for (const row of rows)
+    if ("key" in at) add(laid.tuples, tupleName(row[at.owner], row[at.key]), row[at.time_s], row[at.value]);
+    else add(laid.charge, `${row[at.island]}/${row[at.mote]}`, row[at.time_s], row[at.used_mah]);
+  chart.files.push(laid);
+  return note(`laid over as ${laid.name}: the dashed curves`);
+}
+
+/** What is drawn: the curves, and after each the same of other runs. */
+const chartLines = () => chart.curves.flatMap(curve => [{ curve, points: curve.points, dash: [] },
+  ...chart.files.map((file, k) => ({ curve, points: curve.of(file) || [], dash: FILE_DASHES[k % FILE_DASHES.length] }))]);
+
+const indexAt = (points, t) => firstAfter(points, point => point[0], t) - 1;
+const valueAt = (points, t) => points[indexAt(points, t)]?.[1];
+
+function showChart() {
+  if (shown.tab !== "curves") return;
+  const all = chartLines();
+  chart.units = [...new Set(chart.curves.map(x => x.unit))];
+  const canvas = $("chart");
+  drawOn(canvas, canvas.clientWidth, CHART_HEIGHT, () => drawChart(all));
+  const t = chart.hover_s ?? shown.at_s;
+  put("chart-at", chart.curves.length ? `at ${timeText(t)}` : "Add two or more quantities to compare them, from here, from Tuples or from Proxies.");
+  const text = x => (isNumber(x) ? shortNumber(x) : "–");
+  const legend = $("chart-legend");
+  const focused = [...legend.querySelectorAll("button")].indexOf(document.activeElement);
+  legend.replaceChildren(...chart.curves.map(curve => make("div.row", swatch(curve.hue), make("span.text", { title: curve.label }, curve.label),
+    make("span.space"), make("span.now", `${text(valueAt(curve.points, t))} ${curve.unit}`),
+    ...chart.files.map(file => make("span.soft", `${file.name}: ${text(valueAt(curve.of(file) || [], t))}`)),
+    button("×", () => {
+      chart.curves = chart.curves.filter(x => x !== curve);
+      showChart();
+    }, { "aria-label": "Remove " + plain(curve.label, 100) }))));
+  const buttons = legend.querySelectorAll("button");
+  if (focused >= 0) buttons[min(focused, buttons.length - 1)]?.focus();
+}
+
+/** The least and the greatest value of a unit in the time that is seen, with a little room. */
+function unitScale(all, unit, [from, to]) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const { curve, points } of all)
+    if (curve.unit === unit)
+      for (let i = max(indexAt(points, from), 0); i < points.length && points[i][0] <= to; ++i) {
+        low = min(low, points[i][1]);
+        high = max(high, points[i][1]);
+      }
+  if (low > high) return [0, 1];
+  const room = (high - low) * 0.05 || abs(high) * 0.05 || 1;
+  return [low - room, high + room];
+}
+
+function niceStep(width) {
+  const decade = 10 ** floor(Math.log10(width));
+  return [1, 2, 5, 10].find(n => n * decade >= width) * decade;
+}
+
+function drawChart(all) {
+  const span = chartSpan();
+  const [from, to] = span;
+  const [left, right, top, bottom] = [56, chartRight(), 18, CHART_HEIGHT - 22];
+  const x = t => left + ((t - from) / max(to - from, 1e-9)) * (right - left);
+  fill("panel", box(left, top, right - left, bottom - top));
+  const step = timeStep(to - from, right - left);
+  for (let t = ceil(from / step) * step; t <= to * 1.0001; t += step) {
+    stroke("line", 1, lines([round(x(t)) + 0.5, top], [round(x(t)) + 0.5, bottom]));
+    writeWithin(timeText(t, step < 1 ? 2 : 0), x(t), bottom + 12, $("chart").clientWidth);
+  }
+  for (const [k, unit] of chart.units.entries()) {
+    const [low, high] = unitScale(all, unit, span);
+    const y = v => bottom - ((v - low) / (high - low)) * (bottom - top);
+    if (k < 2) drawChartScale(k, unit, low, high, y, k ? right + 4 : left - 5);
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(left, top - 2, right - left, bottom - top + 4);
+    ctx.clip();
+    for (const { curve, points, dash } of all) if (curve.unit === unit) drawChartLine(points, curve.hue, dash, span, x, y);
+    ctx.restore();
+  }
+  for (const t of [shown.at_s, chart.hover_s]) if (t !== null && t >= from && t <= to) fill(t === chart.hover_s ? "soft" : "fg", box(x(t), top, 1, bottom - top));
+}
+
+function drawChartScale(k, unit, low, high, y, at) {
+  const step = niceStep((high - low) / 4);
+  write(plain(unit, 12) || "value", at, 8, { align: k ? "left" : "right" });
+  for (let v = ceil(low / step) * step; v <= high; v += step) write(shortNumber(Number(v.toPrecision(6))), at, y(v), { align: k ? "left" : "right" });
+}
+
+/** In steps; of very many points those that can be told apart. */
+function drawChartLine(points, hue, dash, [from, to], x, y) {
+  stroke(hue, 1.6, () => {
+    for (let i = max(indexAt(points, from), 0), last; i < points.length && (!i || points[i - 1][0] <= to); ++i) {
+      const [t, v] = points[i];
+      if (last !== undefined) ctx.lineTo(x(t), y(last));
+      ctx.lineTo(x(t), y(v));
+      last = v;
+      if (i === points.length - 1) ctx.lineTo(x(min(run.now, to)), y(v));
+    }
+  }, dash);
 }
 
 // ---- tab: energy
@@ -1892,7 +2346,7 @@ function startMessages() {
 
 /** Of a run that goes on messages are known as of some time. */
 const grows = answer => isNumber(answer.as_of_s);
-const asOf = answer => (grows(answer) ? " as of " + timeText(answer.as_of_s, 0) : "");
+const asOf = answer => (grows(answer) ? " as of " + timeText(answer.as_of_s) : "");
 
 const askMessages = latest(async () => {
   const lost = $("message-which").value === "lost";
@@ -1929,6 +2383,7 @@ async function explain(question, title, anew = false) {
   put("explain-title", plain(title) + asOf(answer));
   put("explain-text", plainLines(answer.text));
   $("explain").hidden = false;
+  if (!anew) $("explain").scrollIntoView({ block: "nearest" });
 }
 
 function closeExplain() {
@@ -1940,6 +2395,7 @@ function closeExplain() {
 // ---- tab: what is chosen
 
 function setChosen(target) {
+  closeExplain();
   shown.chosen = target;
   if (target?.kind === "mote") askNeighbours(target.index);
   redraw("map");
@@ -1986,7 +2442,7 @@ async function moteParts(i) {
   const address = addressOf(i);
   const [answer, sent] = await Promise.all([ask({ ask: "mote", address, at_s: shown.at_s }, "mote"), messagesOf(address)]);
   return [make("h2", fullName(i)), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at_s)}`),
-    faultButton("crash this mote…", "crash mote", fullName(i)), factList(answer?.facts || []),
+    faultButton("crash this mote…", "crash mote", fullName(i)), ...proposalParts(i), factList(answer?.facts || []),
     ...energyDetails(answer), ...neighbourDetails(answer?.neighbours || [], islandOf(i)), ...sent].filter(Boolean);
 }
 
@@ -2074,7 +2530,7 @@ function startControl() {
   on($("fault-sentence"), "keydown", event => { if (event.key === "Enter") doFault(); });
 }
 
-const options = names => names.map(name => make("option", { value: name }, plain(name, 60)));
+const options = (names, chosen) => names.map(name => make("option", { value: name, selected: name === chosen ? "" : null }, plain(name, 60)));
 
 /** Whom a fault may concern, as they are called in sentences. */
 function victims(whom) {
@@ -2111,6 +2567,7 @@ async function post(question, title) {
   while ($("answers").children.length > 50) $("answers").lastChild.remove();
   put("said", plain(text, 200));
   refreshTab();
+  return { good, text };
 }
 
 // ---- search
@@ -2129,6 +2586,9 @@ function findTargets(needle) {
 function searched(event) {
   const found = findTargets(needleOf("search") || "\n");
   $("found").replaceChildren(...found.map(x => make("option", { value: nameOf(x) })));
+  const nobody = needleOf("search") && !found.length;
+  $("found-none").hidden = !nobody;
+  put("found-none", nobody ? "nobody of this name: motes, islands and peers are searched" : "");
   const exact = found.find(x => nameOf(x) === $("search").value) || (event.key === "Enter" && found[0]);
   const picked = event.type === "input" && (event.inputType ?? "insertReplacementText") === "insertReplacementText";
   if (!exact || !(picked || event.key === "Enter")) return;
@@ -2160,6 +2620,10 @@ const KEYS = {
 const MAP_KEYS = { ArrowLeft: [60, 0], ArrowRight: [-60, 0], ArrowUp: [0, 60], ArrowDown: [0, -60] };
 
 function onKey(event) {
+  if (event.altKey && event.target.id === "map" && MAP_KEYS[event.key]) {
+    event.preventDefault();
+    return nudge(MAP_KEYS[event.key].map(x => -x));
+  }
   if (event.ctrlKey || event.metaKey || event.altKey || $("help").open) return;
   if (event.key === "Escape") return escape(event.target);
   if (event.target.matches("input, select") || (event.key === " " && event.target.matches("button"))) return;
@@ -2174,6 +2638,7 @@ function onKey(event) {
 function escape(target) {
   if (target.matches("input")) {
     if (target.id === "search") target.value = "";
+    $("found-none").hidden = true;
     target.blur();
   } else if (!$("explain").hidden) closeExplain();
   else if (shown.tab === "tuples" && tuples.chosen) {
@@ -2188,7 +2653,7 @@ function escape(target) {
 function listenToTools() {
   const clicks = {
     "zoom-in": KEYS["+"], "zoom-out": KEYS["-"], "zoom-fit": fitView, theme: () => setTheme(isDark() ? "light" : "dark"), "help-open": KEYS["?"],
-    "help-close": () => $("help").close(), "explain-close": closeExplain, "to-start": KEYS.Home, "event-back": eventBefore,
+    "help-close": () => $("help").close(), "hint-close": closeHint, "explain-close": closeExplain, "to-start": KEYS.Home, "event-back": eventBefore,
     "event-next": nextEvent, play: KEYS[" "], live: goLive,
     "band-toggle": () => {
       $("band-toggle").setAttribute("aria-pressed", $("band-toggle").getAttribute("aria-pressed") !== "true");
@@ -2206,6 +2671,18 @@ function listenToTools() {
   });
   on($("search"), "input keydown", searched);
   on(document, "keydown", onKey);
+}
+
+/** Shown until it is closed once, in this browser; where it keeps nothing, each time. */
+function showHint() {
+  let known = false;
+  try { known = localStorage.getItem("rubicon-hint") === "known"; } catch { /* it keeps nothing */ }
+  $("hint").hidden = known;
+}
+
+function closeHint() {
+  $("hint").hidden = true;
+  try { localStorage.setItem("rubicon-hint", "known"); } catch { /* likewise */ }
 }
 
 /** For tests of this page: what it shows, to read only. */
@@ -2227,7 +2704,7 @@ window.rubicon = Object.freeze({
 });
 
 function start() {
-  for (const each of [startEvents, startTuples, startProxies, startEnergy, startMessages, startControl]) each();
+  for (const each of [startEvents, startTuples, startProxies, startCurves, startEnergy, startMessages, startControl]) each();
   tabs.details = { refresh: refreshDetails };
   for (const each of [listenToMap, listenToTimeLine, listenToTabs, listenToTools]) each();
   for (const each of document.querySelectorAll("[title]:not([aria-label])")) each.setAttribute("aria-label", each.title);
@@ -2235,8 +2712,10 @@ function start() {
   setSpeed(1);
   setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
   showTab("events");
+  showHint();
   new ResizeObserver(resizeMap).observe($("map-area"));
   new ResizeObserver(() => redraw("time")).observe($("time-line"));
+  new ResizeObserver(showChart).observe($("chart"));
   setInterval(() => {
     showStatus();
     if (shown.tab === "messages") refreshTab(); // more of the record may be read by now

@@ -103,6 +103,19 @@ TEST_CASE("what only shows a run, or is set anew, is not repeated", "[cli]") {
   CHECK(parse_run({"--check-determinism", "--json"}).deciding.empty());
 }
 
+TEST_CASE("a page has further names, in lower case", "[cli]") {
+  const auto x = parse_run({"--view-host", "House.Example", "--view", "8080", "--view-host", "b"});
+  REQUIRE(x.watch.view);
+  CHECK(x.watch.view->hosts == std::vector<std::string>{"house.example", "b"});
+  CHECK(x.deciding.empty());
+  const auto view = parse({"view", "home.rec", "--view-host", "house.example"});
+  CHECK(std::get<view_command>(view).where.hosts.size() == 1);
+  CHECK(contains(refusal({"run", "a.toml", "--view-host", "house.example"}), "--view"));
+  for (const auto* wrong : {"house.example:80", "http://house", "*", "a b"})
+    CHECK(contains(refusal({"run", "a.toml", "--view", "0", "--view-host", wrong}),
+                   "not the name of a host"));
+}
+
 TEST_CASE("check takes the files that run takes", "[cli]") {
   const auto x = parse({"check", "a.toml", "--topology", "grid.txt", "--noise-trace", "m.txt"});
   REQUIRE(std::holds_alternative<check_command>(x));

@@ -92,8 +92,9 @@ private:
   int told_ = 0;
 };
 
-io::web_server served() {
+io::web_server served(std::vector<std::string> hosts = {}) {
   io::web_site site;
+  site.hosts = std::move(hosts);
   site.token = "secret";
   site.files = {{"", {"text/html", "<p>page"}}, {"page.js", {"text/javascript", "script"}}};
   site.on_session = [] { return std::make_unique<echo>(); };
@@ -190,6 +191,23 @@ TEST_CASE("a WebSocket is for the own page alone", "[io][web]") {
   CHECK(status("/secret/live", "") == "HTTP/1.1 403");
   CHECK(status("/wrong/live", own) == "HTTP/1.1 404");
   CHECK(status("/secret/page.js", own) == "HTTP/1.1 404");
+}
+
+TEST_CASE("a page is served under further names that it was given, also behind a proxy",
+          "[io][web][security]") {
+  const auto server = served({"house.example"});
+  const auto status = [&](const std::string& host, const std::string& origin) {
+    return answer(server, request(server, "/secret/live", upgrade(origin), host)).substr(0, 12);
+  };
+  CHECK(answer(server, request(server, "/secret/", {}, "House.Example:8443"))
+            .starts_with("HTTP/1.1 200"));
+  CHECK(status("house.example", "https://house.example") == "HTTP/1.1 101");
+  CHECK(status("house.example:8080", "http://house.example:8080") == "HTTP/1.1 101");
+  CHECK(status("127.0.0.1:1", "https://house.example:8443") == "HTTP/1.1 101");
+  CHECK(status("house.example", "https://evil.example") == "HTTP/1.1 403");
+  CHECK(status("house.example", "https://house.example.evil.example") == "HTTP/1.1 403");
+  CHECK(status("house.example", "null") == "HTTP/1.1 403");
+  CHECK(status("evil.example", "https://house.example") == "HTTP/1.1 403");
 }
 
 TEST_CASE("what is asked is answered, and news come unasked", "[io][web]") {

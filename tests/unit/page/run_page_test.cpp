@@ -140,6 +140,68 @@ TEST_CASE("an expectation that is not met is told once, with its command, and on
   CHECK(contains(html, "<td class='long bad'>radio copies balance</td>"));
 }
 
+TEST_CASE("the first violation comes first, with what had happened until then", "[page]") {
+  auto x = sample_report();
+  CHECK_FALSE(contains(page_of(x), "<section id='first'>"));
+  x.event_log = {{instant(1s), "kitchen/climate-7", "joined"},
+                 {instant(19s), "kitchen/climate-7", "left: battery"},
+                 {instant(30s), "kitchen/climate-8", "joined"}};
+  x.violations = {{instant{40s}, "radio copies balance", "sent 1, delivered 0"},
+                  {instant{20s}, "motes stay", "<b>1 left</b>"}};
+  auto ecology = sample_ecology(x);
+  ecology.faults.push_back({10s, config::unplug_fault{x.islands[0].id}});
+  ecology.faults.push_back({25s, config::unplug_fault{x.islands[0].id}});
+  const auto html = page::html_of({ecology, x, {}, "rubicon run a.toml", "00ff"});
+  check_well_formed(html);
+  const auto first = html.substr(html.find("<section id='first'>"));
+  const auto section = first.substr(0, first.find("</section>"));
+  CHECK(contains(section, "0:20.000  motes stay: &lt;b&gt;1 left&lt;/b&gt;"));
+  CHECK(contains(section, "Newest fault before it: 0:10.000"));
+  CHECK(contains(section, "left: battery"));
+  CHECK_FALSE(contains(section, "climate-8"));
+  CHECK(html.find("<section id='first'>") < html.find("<section id='violations'>"));
+}
+
+TEST_CASE("flows between more than 30 motes are a matrix", "[page]") {
+  auto x = sample_report();
+  const auto flows_of = [&x](int senders) {
+    x.flows.clear();
+    for (int i = 0; i < senders; ++i) {
+      auto& flow = x.flows.emplace_back();
+      flow.from_name = "lab/node-" + std::to_string(i);
+      flow.to_name = "lab/sink";
+      flow.sent = 100;
+      flow.pdr = i == 7 ? 0.5 : 1;
+    }
+    return page_of(x);
+  };
+  CHECK_FALSE(contains(flows_of(29), "<section id='matrix'>"));
+  const auto html = flows_of(30);
+  check_well_formed(html);
+  CHECK(contains(html, "<section id='matrix'>"));
+  CHECK(contains(html, "lab/node-7 to lab/sink: 50.0% of 100 packets delivered"));
+  x.flows[7].to_name = "lab/*"; // a broadcast has no one receiver
+  CHECK_FALSE(contains(page_of(x), "lab/node-7 to"));
+}
+
+TEST_CASE("a place of losses says when most of its cause were lost", "[page]") {
+  auto x = sample_report();
+  x.simulated = 100s;
+  x.losses = {{"message", "gave_up", "kitchen/climate-7", 3}};
+  history seen;
+  for (int i = 0; i <= 10; ++i) {
+    run_sample sample;
+    sample.at = instant(i * 10s);
+    island_sample island;
+    island.island = x.islands[0].id;
+    island.lost["messages"]["gave_up"] = i < 5 ? 1 : 4;
+    sample.islands.push_back(island);
+    seen.add(sample);
+  }
+  CHECK(contains(page_of(x, seen), "0:40.000 to 0:50.000, 75.0%"));
+  CHECK(contains(page_of(x), "kitchen/climate-7")); // without samples the time is not known
+}
+
 TEST_CASE("names and values of others are data on a page", "[page]") {
   const std::string evil = "<script src='http:x'>alert(1)</script>\033[2J\"'><img onerror=x>&\xff";
   auto x = sample_report();

@@ -36,6 +36,29 @@ TEST_CASE("a swarm's page shows what was violated, as data", "[page]") {
   CHECK_FALSE(contains(html, "<i>"));
 }
 
+TEST_CASE("a swarm's page begins with the figures that matter", "[page]") {
+  seed_figures figures;
+  for (std::uint64_t seed = 1; seed <= 9; ++seed) {
+    const auto x = static_cast<double>(seed);
+    figures.add(seed, {{"PEIS packages", 100 + x},
+                       {"another figure", x},
+                       {"charge used by all motes, mAh", 50 + x},
+                       {"messages arrived, %", 90 + 0.1 * x},
+                       {"motes joined", 13},
+                       {"real time, s", x}});
+  }
+  const auto html = html_of({"home.toml", "1..9", 9, 0, {}, figures, {}, "rubicon swarm"});
+  std::size_t last = 0;
+  for (const auto* title : {"messages arrived, %", "charge used by all motes, mAh",
+                            "another figure", "PEIS packages", "real time, s", "motes joined"}) {
+    const auto at = html.find("<h3>" + std::string(title));
+    CAPTURE(title);
+    REQUIRE(at != std::string::npos);
+    CHECK(at > last);
+    last = at;
+  }
+}
+
 TEST_CASE("figures of very many seeds are bounded", "[page]") {
   seed_figures figures;
   for (std::uint64_t seed = 0; seed < seed_figures::seeds_max + 10; ++seed)

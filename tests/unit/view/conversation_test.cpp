@@ -111,6 +111,20 @@ TEST_CASE("what is planned to go wrong is told, and is in a record", "[view]") {
     CHECK(view::planned_faults(std::string(text)).empty());
 }
 
+TEST_CASE("a record names the picture of its floor plan, and the time of day of its start",
+          "[view]") {
+  auto ecology = ecology_of_two();
+  CHECK(json::parse(view::ecology_json(ecology)).contains("start_s") == false);
+  ecology.day_begins = 7h + 30min;
+  const auto text = view::ecology_json(ecology);
+  CHECK(json::parse(text)["start_s"] == 27000.0);
+  CHECK(view::plan_picture(text) == "plan.png");
+  ecology.plan.reset();
+  CHECK(view::plan_picture(view::ecology_json(ecology)).empty());
+  for (const auto* other : {"", "[]", "{}", R"({"plan":7})", R"({"plan":{"picture":7}})"})
+    CHECK(view::plan_picture(other).empty());
+}
+
 TEST_CASE("who follows is told the newest moment, and states in turns with it", "[view]") {
   page x;
   x.news();
