@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/numbers/math.hpp"
-#include "radio/mac_rules.hpp"
 
 namespace rubicon::radio {
 
@@ -36,6 +35,17 @@ power_units reading_in_units(std::int8_t dbm) {
   return table[static_cast<std::size_t>(dbm + 128)];
 }
 
+/// Of a received copy. @param damage to it, @param noise_damage by noise alone
+outcome fate(double damage, double noise_damage, random_stream& rng) {
+  if (damage < harmless)
+    return outcome::intact;
+  const auto die = rng.unit();
+  // exp(-x) >= 1 - x: mostly that decides, less what rounding could take from it.
+  if (die < 1 - damage - harmless || die < math::exp(-damage))
+    return outcome::intact;
+  return die < math::exp(-noise_damage) ? outcome::collision : outcome::weak;
+}
+
 } // namespace
 
 medium::medium(const channel_config& config)
@@ -57,6 +67,7 @@ void medium::add(transceiver_config config, const energy_meter& meter, instant n
   y.noise = config.noise;
   y.own_noise = config.own_noise;
   y.traced_noise = std::move(config.traced_noise);
+  has_traced_noise_ = has_traced_noise_ || y.traced_noise != nullptr;
   if (!disk_) {
     y.sensitivity = static_cast<float>(to_units(config.sensitivity_dbm));
     const auto threshold = to_units(config.cca_dbm);
@@ -69,6 +80,7 @@ void medium::add(transceiver_config config, const energy_meter& meter, instant n
 }
 
 slot_index medium::start(transmission x, std::shared_ptr<const hearers> heard_by) {
+  visit_hearers();
   const auto slot = free_slot();
   const auto now = x.begin;
   auto& sender = heads_[x.from.value];
@@ -85,22 +97,51 @@ slot_index medium::start(transmission x, std::shared_ptr<const hearers> heard_by
   sent.what = std::move(x);
   sent.heard_by = std::move(heard_by);
   ++sent.stamp;
-  sent.outcomes.resize(sent.heard_by->size());
-  std::uint32_t place = 0;
-  for (const auto& y : *sent.heard_by) {
-    sent.outcomes[place] = meet(y, slot, place, now);
-    ++place;
-  }
+  lone_ = slot;
+  if (free_.size() + 1 != on_air_.size() || !noises_.empty() || has_traced_noise_)
+    visit_hearers();
   return slot;
 }
 
+/// What has been put off at the beginning of the lone frame; nothing if there is none.
+void medium::visit_hearers() {
+  if (lone_ == nothing)
+    return;
+  const auto slot = std::exchange(lone_, nothing);
+  auto& sent = on_air_[slot];
+  sent.outcomes.resize(sent.heard_by->size());
+  std::uint32_t place = 0;
+  for (const auto& x : *sent.heard_by) {
+    sent.outcomes[place] = meet(x, slot, place, sent.what.begin);
+    ++place;
+  }
+}
+
+/// The copy of the lone frame at a radio; nullptr: there is none.
+const hearer* medium::lone_copy(radio_index radio) const {
+  if (lone_ == nothing)
+    return nullptr;
+  const auto& all = *on_air_[lone_].heard_by;
+  const auto found = std::ranges::lower_bound(all, radio, {}, &hearer::radio);
+  return found != all.end() && found->radio == radio ? &*found : nullptr;
+}
+
+/// Whether the radio receives its copy of the lone frame.
+bool medium::locks_on_lone(const hearer& x) const {
+  const auto& at = heads_[x.radio.value];
+  return at.state == mode::listening && x.power >= at.lock_floor &&
+         ((at.flags & turning) == 0 || on_air_[lone_].what.begin >= turned_back(x.radio));
+}
+
 void medium::cut(slot_index slot) {
+  visit_hearers();
   for (auto& x : on_air_[slot].outcomes)
     if (x == outcome::intact)
       x = outcome::off;
 }
 
 void medium::start_noise(radio_index from, std::shared_ptr<const hearers> heard_by, instant now) {
+  visit_hearers();
   for (const auto& x : *heard_by) {
     auto& at = heads_[x.radio.value];
     ++at.audible;
@@ -131,11 +172,13 @@ void medium::end_noise(radio_index from, instant now) {
 }
 
 void medium::switch_on(radio_index radio, instant now) {
+  visit_hearers_for(radio);
   heads_[radio.value].state = mode::listening;
   meter(radio).enter(radio_state::listen, now);
 }
 
 void medium::switch_off(radio_index radio, instant now) {
+  visit_hearers_for(radio);
   auto& x = heads_[radio.value];
   assert(x.state != mode::sending);
   if (x.locked != nothing) {
@@ -163,14 +206,15 @@ bool medium::was_busy(radio_index radio, instant since, instant now) {
 /// Energy or a carrier, by the rule for sensing.
 bool medium::senses(radio_index radio, instant now) {
   const auto& x = heads_[radio.value];
-  const bool is_locked = x.locked != nothing;
+  const auto* const lone = lone_copy(radio);
+  const bool is_locked = lone != nullptr ? locks_on_lone(*lone) : x.locked != nothing;
   if (sense_carrier_ && is_locked)
     return true;
   if (!sense_energy_)
     return false;
   if (disk_)
-    return x.audible != 0;
-  auto power = static_cast<double>(x.power);
+    return x.audible != 0 || lone != nullptr;
+  auto power = lone != nullptr ? static_cast<double>(lone->power) : static_cast<double>(x.power);
   if (tails_[radio.value].traced_noise != nullptr) {
     if (is_locked)
       count_damage(radio, now); // readings are taken in order of time
@@ -188,16 +232,13 @@ bool medium::stays_clear(radio_index radio, instant later) const {
          x.state == mode::listening && x.busy_until <= since && turned_back(radio) <= since;
 }
 
-/// When the receiver is ready again after what was sent last: until then it receives nothing.
-instant medium::turned_back(radio_index radio) const {
-  return tails_[radio.value].sent_until + timing::turnaround;
-}
-
 energy_times medium::times(radio_index radio, instant now) const {
   const auto& x = heads_[radio.value];
   auto all = meter(radio).times(now);
   all.radio_receive = x.received;
-  if (x.locked != nothing)
+  if (const auto* const copy = lone_copy(radio); copy != nullptr && locks_on_lone(*copy))
+    all.radio_receive += now - on_air_[lone_].what.begin;
+  else if (x.locked != nothing)
     all.radio_receive += now - x.locked_since;
   all.radio_listen -= all.radio_receive;
   return all;
@@ -349,12 +390,16 @@ void medium::count_damage(radio_index radio, instant now) {
 outcome medium::survive(radio_index radio, instant now, random_stream& rng) {
   count_damage(radio, now);
   const auto& rest = tails_[radio.value];
-  if (rest.damage < harmless)
-    return outcome::intact;
-  const auto die = rng.unit();
-  if (die < math::exp(-rest.damage))
-    return outcome::intact;
-  return die < math::exp(-rest.noise_damage) ? outcome::collision : outcome::weak;
+  return fate(rest.damage, rest.noise_damage, rng);
+}
+
+/// The same of a copy that nothing but constant noise has disturbed.
+outcome medium::survive_alone(const hearer& x, const transmission& sent, instant now,
+                              random_stream& rng) const {
+  const bool is_ack = sent.content.type == frame_type::ack;
+  const auto damage = static_cast<double>(x.clean_damage) *
+                      errors_.weight(bits(now - sent.begin), bits(sent.length), is_ack);
+  return fate(damage, damage, rng);
 }
 
 /// What disturbs the reception of a frame.

@@ -15,6 +15,7 @@
 #include "core/time.hpp"
 #include "radio/energy.hpp"
 #include "radio/frame.hpp"
+#include "radio/mac_rules.hpp"
 #include "radio/medium/noise.hpp"
 #include "radio/medium/power.hpp"
 #include "radio/medium/reception.hpp"
@@ -61,7 +62,8 @@ struct transceiver_config {
 /// frame (radio/medium/reception.hpp). Under collision_rule::strict any overlap, of frames in reach
 /// at all, spoils both; a radio that listens senses a carrier until the last of them has ended.
 ///
-/// Costs O(hearers) for each start and end of a frame.
+/// Costs O(hearers) for each start and end of a frame; for the end alone if nothing else was on the
+/// air and no hearer was switched in between: such a frame is lone, and its hearers are visited once.
 class medium {
 public:
   medium() = default;
@@ -88,10 +90,14 @@ public:
     auto& sent = on_air_[slot];
     assert(sent.heard_by != nullptr);
     stop_sending(sent.what.from, now);
+    const bool is_lone = lone_ == slot;
+    if (is_lone)
+      lone_ = nothing;
     const auto count = static_cast<std::uint32_t>(sent.heard_by->size());
     for (std::uint32_t place = 0; place < count; ++place) {
       const auto& x = (*sent.heard_by)[place];
-      const auto result = leave(x, slot, sent.outcomes[place], now, rng);
+      const auto result = is_lone ? pass(x, sent.what, now, rng)
+                                  : leave(x, slot, sent.outcomes[place], now, rng);
       on_copy(sent.what, place, x, result);
     }
     release(slot);
@@ -122,7 +128,8 @@ public:
 
   /// Whether it is receiving a frame.
   [[nodiscard]] bool receives(radio_index radio) const {
-    return heads_[radio.value].locked != nothing;
+    const auto* const copy = lone_copy(radio);
+    return copy != nullptr ? locks_on_lone(*copy) : heads_[radio.value].locked != nothing;
   }
 
   /// Whether clear() will be true at `later` if nothing goes on the air until then.
@@ -223,11 +230,21 @@ private:
   };
 
   [[nodiscard]] slot_index free_slot();
+  [[nodiscard]] const hearer* lone_copy(radio_index radio) const;
+  [[nodiscard]] bool locks_on_lone(const hearer& x) const;
+  void visit_hearers();
+  void visit_hearers_for(radio_index radio) {
+    if (lone_copy(radio) != nullptr)
+      visit_hearers();
+  }
   [[nodiscard]] bool senses(radio_index radio, instant now);
   [[nodiscard]] outcome meet(const hearer& x, slot_index slot, std::uint32_t place, instant now);
   [[nodiscard]] outcome meet_others(const hearer& x, slot_index slot, std::uint32_t place,
                                     instant now);
-  [[nodiscard]] instant turned_back(radio_index radio) const;
+  /// When the receiver is ready again after what was sent last: until then it receives nothing.
+  [[nodiscard]] instant turned_back(radio_index radio) const {
+    return tails_[radio.value].sent_until + timing::turnaround;
+  }
   [[nodiscard]] bool turns_back(radio_index radio, instant now);
   [[nodiscard]] outcome overlap(const hearer& x, slot_index slot, std::uint32_t place, instant now);
   [[nodiscard]] instant end_of(slot_index slot) const;
@@ -248,7 +265,11 @@ private:
   void count_damage(radio_index radio, instant now);
   [[nodiscard]] outcome leave(const hearer& x, slot_index slot, outcome so_far, instant now,
                               random_stream& rng);
+  [[nodiscard]] outcome pass(const hearer& x, const transmission& sent, instant now,
+                             random_stream& rng);
   [[nodiscard]] outcome survive(radio_index radio, instant now, random_stream& rng);
+  [[nodiscard]] outcome survive_alone(const hearer& x, const transmission& sent, instant now,
+                                      random_stream& rng) const;
   [[nodiscard]] power_units reading_at(radio_index radio, instant now);
   [[nodiscard]] power_units noise_at(radio_index radio, instant now);
   void stop_sending(radio_index radio, instant now);
@@ -267,6 +288,10 @@ private:
   std::vector<tail> tails_;
   std::vector<on_air> on_air_;
   std::vector<slot_index> free_;
+  /// The only frame on the air, as long as none of its hearers has been visited: what they would
+  /// have noted at its beginning is found at its end, or when something else is to happen to them.
+  slot_index lone_ = nothing;
+  bool has_traced_noise_ = false; ///< somewhere: it is read when a frame begins
   std::vector<std::pair<radio_index, std::shared_ptr<const hearers>>> noises_; ///< that go on
   std::uint64_t copies_ = 0;
 };
@@ -288,6 +313,29 @@ inline outcome medium::leave(const hearer& x, slot_index slot, outcome so_far, i
   at.power -= units_of(x);
   --at.audible;
   return so_far;
+}
+
+/// The end of a lone copy: what meet() and leave() make of one that nothing has disturbed.
+inline outcome medium::pass(const hearer& x, const transmission& sent, instant now,
+                            random_stream& rng) {
+  auto& at = heads_[x.radio.value];
+  auto result = outcome::intact;
+  bool was_locked = false;
+  if ((at.flags & turning) != 0 && turns_back(x.radio, sent.begin)) {
+    result = outcome::half_duplex;
+  } else if (at.state != mode::listening) {
+    result = at.state == mode::off ? outcome::off : outcome::half_duplex;
+  } else if (x.power < at.lock_floor) {
+    result = outcome::weak;
+  } else {
+    was_locked = true;
+    at.received += now - sent.begin;
+    if (x.clean_damage > 0)
+      result = survive_alone(x, sent, now, rng);
+  }
+  if ((sense_energy_ && x.power >= at.cca_floor) || (sense_carrier_ && was_locked))
+    at.busy_until = now;
+  return result;
 }
 
 } // namespace rubicon::radio
