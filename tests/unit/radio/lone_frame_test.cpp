@@ -1,5 +1,5 @@
-// A frame that is alone on the air is dealt with at its end only. Nobody can tell: the same steps
-// with another frame on the air all the time, which nobody receives, have the same results.
+// A frame that is alone on the air is dealt with at its end only, and there in short. The same
+// steps with another frame on the air all the time, which nobody receives, have the same results.
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "radio/medium/filtered_frames.hpp"
 #include "radio/medium/medium.hpp"
 #include "support/catch.hpp"
 #include "unit/radio/samples.hpp"
@@ -29,6 +30,9 @@ public:
       : air_(config), errors_(config.curve), steps_(seed), luck_(seed + 1) {
     for (std::uint32_t i = 0; i <= far_away.value; ++i) {
       transceiver_config x;
+      x.address = mote_id{static_cast<std::uint16_t>(i)};
+      x.pan = 1;
+      x.promiscuous = steps_.chance(0.2);
       x.sensitivity_dbm = -95;
       x.cca_dbm = -77;
       x.noise = to_units(-100);
@@ -38,8 +42,8 @@ public:
       around_.push_back(std::make_shared<const hearers>(links_of(from)));
     air_.switch_off(interferer, instant{});
     if (far_sends)
-      static_cast<void>(
-          air_.start(frame_of(far_away, 1h, frame_type::data), std::make_shared<const hearers>()));
+      static_cast<void>(air_.start(frame_of(far_away, 1h, frame_type::data, broadcast_mote),
+                                   std::make_shared<const hearers>()));
   }
 
   [[nodiscard]] std::string run(int steps) {
@@ -67,18 +71,21 @@ private:
         continue;
       hearer x;
       x.radio = radio_index{to};
-      x.power = static_cast<float>(to_units(-97.0 + static_cast<double>(steps_.below(30))));
-      x.clean_damage = static_cast<float>(
-          errors_.damage(double{x.power} / static_cast<double>(to_units(-100))));
+      x.power = static_cast<float>(to_units(-99.0 + static_cast<double>(steps_.below(30))));
+      x.clean_damage =
+          static_cast<float>(errors_.damage(double{x.power} / static_cast<double>(to_units(-100))));
       all.push_back(x);
     }
     return all;
   }
 
-  [[nodiscard]] transmission frame_of(radio_index from, duration length, frame_type type) const {
+  [[nodiscard]] transmission frame_of(radio_index from, duration length, frame_type type,
+                                      mote_id to) const {
     transmission x;
     x.from = from;
     x.content.type = type;
+    x.content.pan = 1;
+    x.content.destination = to;
     x.begin = now_;
     x.length = length;
     return x;
@@ -96,10 +103,15 @@ private:
   void end(radio_index from) {
     const auto x = *std::exchange(frames_[from.value], {});
     now_ = x.ends;
-    air_.end(x.slot, now_, luck_,
-             [&](const transmission&, std::size_t place, const hearer& y, outcome z) {
-               log_ << place << ':' << y.radio.value << '=' << static_cast<int>(z) << ' ';
-             });
+    std::array<outcome, motes> copies{}; // intact if not named
+    const auto on_copy = [&](const transmission&, std::size_t place, const hearer& y, outcome z) {
+      CHECK((*around_[from.value])[place] == y);
+      copies[y.radio.value] = z;
+    };
+    const bool selective = steps_.chance(0.8) && air_.is_lone(x.slot);
+    air_.end(x.slot, now_, luck_, on_copy, selective);
+    for (const auto each : copies)
+      log_ << static_cast<int>(each) << ' ';
     log_ << '\n';
   }
 
@@ -114,7 +126,7 @@ private:
     case 4:
       if (steps_.chance(0.3))
         toggle_noise();
-      return;
+      return air_.await_ack(whose, steps_.chance(0.3));
     default:
       look_at(whose);
     }
@@ -125,7 +137,8 @@ private:
       return;
     const auto length = steps_.between(300us, 1500us);
     const auto type = steps_.chance(0.5) ? frame_type::data : frame_type::ack;
-    const auto slot = air_.start(frame_of(from, length, type), around_[from.value]);
+    const mote_id to{static_cast<std::uint16_t>(steps_.below(motes))};
+    const auto slot = air_.start(frame_of(from, length, type, to), around_[from.value]);
     frames_[from.value] = running{slot, now_ + length};
   }
 
@@ -155,7 +168,7 @@ private:
   void look_at(radio_index whose) {
     const auto times = air_.times(whose, now_);
     log_ << now_.time_since_epoch().count() << ' ' << whose.value << ' ' << air_.clear(whose, now_)
-         << air_.receives(whose) << air_.was_busy(whose, now_ - 1ms, now_) << ' '
+         << air_.receives(whose) << air_.was_busy(whose, now_ - timing::cca, now_) << ' '
          << times.radio_receive.count() << ' ' << times.radio_listen.count() << '\n';
   }
 
@@ -176,8 +189,7 @@ private:
 TEST_CASE("what becomes of a lone frame does not depend on frames that nobody receives",
           "[radio][medium][NET-15]") {
   channel_config config;
-  config.propagation =
-      GENERATE(propagation(log_distance{}), propagation(unit_disk{10}));
+  config.propagation = GENERATE(propagation(log_distance{}), propagation(unit_disk{10}));
   config.collisions = GENERATE(collision_rule::strict, collision_rule::sinr);
   config.capture = GENERATE(false, true);
   config.sensing = GENERATE(sensing::carrier, sensing::energy, sensing::energy_or_carrier);
@@ -188,4 +200,35 @@ TEST_CASE("what becomes of a lone frame does not depend on frames that nobody re
     CHECK(alone.size() > 1000);
     CHECK(alone == field(config, seed, true).run(400));
   }
+}
+
+TEST_CASE("times of filtered frames are kept for so many senders, and taken out",
+          "[radio][medium]") {
+  filtered_frames x;
+  std::vector<std::shared_ptr<const hearers>> lists;
+  std::vector<std::uint32_t> places(128);
+  for (std::uint32_t i = 0; i < places.size(); ++i) {
+    CHECK_FALSE(x.is_full());
+    lists.push_back(std::make_shared<const hearers>(
+        hearers{hearer{.radio = radio_index{i}}, hearer{.radio = radio_index{i + 1}}}));
+    for (int frames = 0; frames < 2; ++frames)
+      x.add(lists[i], places[i], 1ms, instant(i * 1ms));
+  }
+  CHECK(x.is_full());
+  CHECK(x.received_by(radio_index{0}) == 2ms);
+  CHECK(x.received_by(radio_index{1}) == 4ms);
+  CHECK(x.last_end() == instant(127ms));
+  CHECK(x.last_copy(radio_index{128}) != nullptr);
+  CHECK(x.last_copy(radio_index{1}) == nullptr);
+  std::vector<duration> times(129);
+  x.take_out([&](radio_index radio, duration time) { times[radio.value] += time; });
+  CHECK_FALSE(x.is_full());
+  CHECK(times[0] == 2ms);
+  CHECK(times[1] == 4ms);
+  CHECK(times[128] == 2ms);
+  CHECK(x.received_by(radio_index{1}) == duration{});
+  x.add(lists[5], places[5], 1ms, instant(1s)); // its place is another's now, or nobody's
+  x.add(lists[0], places[0], 1ms, instant(2s));
+  CHECK(x.received_by(radio_index{5}) == 1ms);
+  CHECK(x.received_by(radio_index{0}) == 1ms);
 }
