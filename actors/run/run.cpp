@@ -9,6 +9,7 @@
 #include "actors/run/one_run.hpp"
 #include "actors/run/run_files.hpp"
 #include "core/text/shell_word.hpp"
+#include "io/process/large_pages.hpp"
 #include "report/expectations.hpp"
 #include "report/invariants.hpp"
 
@@ -70,6 +71,15 @@ void judge_run(report::run_report& report, const report::expectations& judge,
   }
 }
 
+/// Of its motes, the actors of the rest are few.
+void expect_memory_of(const config::ecology_description& x) {
+  constexpr std::size_t mote_octets = std::size_t{32} << 10U; // resident, of a mote that has joined
+  std::size_t motes = 0;
+  for (const auto& island : x.islands)
+    motes += island.motes.size();
+  io::expect_memory(motes * mote_octets);
+}
+
 } // namespace
 
 /// Members are in the order in which they need each other.
@@ -79,6 +89,7 @@ public:
       : options_(std::move(options)), description_(overridden(std::move(file), options_)),
         judge_(description_.expectations, description_.length),
         files_(description_, options_, judge_), report_(empty_report(description_)) {
+    expect_memory_of(description_);
     attempt([this] { run_.emplace(description_, options_, files_, judge_, report_); });
     for (auto& island : description_.islands)
       island.motes = std::vector<config::mote_description>(); // the ecology's actor has them

@@ -42,7 +42,7 @@ copy_counters link_counters::link(std::size_t place) const {
     return x;
   x.sent = frames_;
   for (std::size_t i = 0; i < copy_outcomes; ++i)
-    x.ended[i] = (*rows_)[i].empty() ? 0 : (*rows_)[i][place];
+    x.ended[i] = ended(place, i);
   return x;
 }
 

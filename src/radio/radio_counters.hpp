@@ -59,6 +59,7 @@ public:
   void begin(const std::shared_ptr<const hearers>& to) {
     to_ = to;
     frames_ = 0;
+    all_filtered_ = 0;
     rows_ = std::make_unique<std::array<row, copy_outcomes>>();
   }
 
@@ -74,6 +75,15 @@ public:
     ++counts[place];
   }
 
+  /// Counts the frame's copies on all links as filtered, but for those that except() names.
+  void count_all_filtered() { ++all_filtered_; }
+  void except(std::size_t place) {
+    auto& counts = (*rows_)[filtered];
+    if (counts.empty())
+      counts.resize(to_->size());
+    --counts[place]; // below zero, modulo 2^32, until what all have in common is added
+  }
+
   [[nodiscard]] const hearers* to() const { return to_.get(); } ///< nullptr: nothing sent yet
   [[nodiscard]] copy_counters link(std::size_t place) const;
 
@@ -85,15 +95,23 @@ public:
     for (const auto& each : *to_)
       f(each.radio).sent += frames_;
     for (std::size_t i = 0; i < copy_outcomes; ++i)
-      for (std::size_t place = 0; place < (*rows_)[i].size(); ++place)
-        f((*to_)[place].radio).ended[i] += (*rows_)[i][place];
+      if (i == filtered || !(*rows_)[i].empty())
+        for (std::size_t place = 0; place < to_->size(); ++place)
+          f((*to_)[place].radio).ended[i] += ended(place, i);
   }
 
 private:
   using row = std::vector<std::uint32_t>; ///< empty or one count a link
+  static constexpr auto filtered = static_cast<std::size_t>(copy_outcome::filtered);
+
+  [[nodiscard]] std::uint32_t ended(std::size_t place, std::size_t outcome) const {
+    const auto& counts = (*rows_)[outcome];
+    return (counts.empty() ? 0 : counts[place]) + (outcome == filtered ? all_filtered_ : 0);
+  }
 
   std::shared_ptr<const hearers> to_;
   std::uint64_t frames_ = 0;
+  std::uint32_t all_filtered_ = 0; ///< frames, of which the filtered row has the exceptions
   std::unique_ptr<std::array<row, copy_outcomes>> rows_;
 };
 

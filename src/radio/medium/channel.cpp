@@ -66,7 +66,8 @@ radio_index channel::add(const radio_config& config, instant now) {
   const auto& kind = *config.kind;
   const auto transmit_dbm = config.transmit_dbm.value_or(kind.transmit_dbm_max());
   const auto sensitivity_dbm = config_.sensitivity_dbm.value_or(kind.sensitivity_dbm);
-  const bool by_noise = config_.edge == sensitivity_edge::noise && !medium_.is_disk();
+  const bool by_noise = config_.edge == sensitivity_edge::noise &&
+                        !std::holds_alternative<unit_disk>(config_.propagation);
   const auto own_noise =
       by_noise ? to_units(sensitivity_dbm - to_db(sinr_at_sensitivity(config_.curve))) : 0;
   const auto radio =
@@ -99,6 +100,7 @@ radio_index channel::add(const radio_config& config, instant now) {
                      memory_of(config, *rules));
   x.service_time = config_.service_time.value_or(kind.service_time);
   guards_ = guards_ || rules->guard > 0s;
+  sleeps_ = sleeps_ || x.listens != nullptr;
   stations_.push_back(std::move(x));
   begin_listening(radio, now);
   watch_battery(radio, now);

@@ -284,6 +284,7 @@ private:
   void on_frame_end(slot_index slot, instant now, outputs& out);
   void on_battery_low(radio_index radio, instant now, outputs& out);
   [[nodiscard]] bool is_disturbed(radio_index radio);
+  [[nodiscard]] bool filters_most(slot_index slot) const;
   [[nodiscard]] copy_outcome on_ack(radio_index radio, std::uint8_t dsn, instant now, outputs& out);
   [[nodiscard]] copy_outcome on_data(const transmission& sent, const hearer& x, instant now,
                                      outputs& out);
@@ -315,6 +316,7 @@ private:
   medium medium_;
   std::uint64_t noise_seed_ = 0;
   bool guards_ = false; ///< somebody's rules have a guard
+  bool sleeps_ = false; ///< somebody listens at low power
   /// Of radios with parameters of their own; they stay where they are.
   std::vector<std::unique_ptr<const mac_rules>> own_rules_;
   duration longest_own_{}; ///< for which such a radio may repeat a frame

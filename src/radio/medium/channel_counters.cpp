@@ -41,10 +41,9 @@ copy_counters channel::counted_on(radio_index from, radio_index to) const {
   const auto& counters = at(from).copies;
   if (counters.to() == nullptr)
     return {};
-  const auto found = std::ranges::lower_bound(*counters.to(), to, {}, &hearer::radio);
-  if (found == counters.to()->end() || found->radio != to)
-    return {};
-  return counters.link(static_cast<std::size_t>(found - counters.to()->begin()));
+  const auto* const found = link_to(*counters.to(), to);
+  return found != nullptr ? counters.link(static_cast<std::size_t>(found - counters.to()->data()))
+                          : copy_counters{};
 }
 
 bool channel::balanced() const {

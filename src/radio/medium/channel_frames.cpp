@@ -84,6 +84,9 @@ void channel::end_frame(slot_index slot, instant now, outputs& out) {
   const bool is_current = !is_ack && sender.sender.now_in() == mac::state::sending;
   const bool guards = guards_ && frame.content.ack_request;
   book_frame(slot);
+  const bool filters = filters_most(slot);
+  if (filters)
+    sender.copies.count_all_filtered();
   overheard seen;
   if (watched_)
     seen = describe(frame);
@@ -101,22 +104,31 @@ void channel::end_frame(slot_index slot, instant now, outputs& out) {
       return copy_outcome::filtered;
     return is_ack ? on_ack(x.radio, sent.content.dsn, now, out) : on_data(sent, x, now, out);
   };
-  medium_.end(slot, now, rng_,
-              [&](const transmission& sent, std::size_t place, const hearer& x, outcome end) {
-                const auto result = judge(sent, x, end);
-                sender.copies.count(place, result);
-                const bool arrived =
-                    result == copy_outcome::delivered || result == copy_outcome::duplicate;
-                seen.received = seen.received || arrived;
-                if (!is_current || !medium_.addressed(x.radio, sent.content))
-                  return;
-                auto& request = sender.sender.current();
-                request.last = result;
-                request.arrived = request.arrived || arrived;
-                seen.outcome = result;
-              });
+  const auto on_copy = [&](const transmission& sent, std::size_t place, const hearer& x,
+                           outcome end) {
+    const auto result = judge(sent, x, end);
+    if (filters)
+      sender.copies.except(place);
+    sender.copies.count(place, result);
+    const bool arrived = result == copy_outcome::delivered || result == copy_outcome::duplicate;
+    seen.received = seen.received || arrived;
+    if (!is_current || !medium_.addressed(x.radio, sent.content))
+      return;
+    auto& request = sender.sender.current();
+    request.last = result;
+    request.arrived = request.arrived || arrived;
+    seen.outcome = result;
+  };
+  medium_.end(slot, now, rng_, on_copy, filters);
   if (watched_)
     out.emplace_back(std::move(seen));
+}
+
+/// Whether nothing is to be decided about most copies of a frame: they arrive, and are filtered.
+bool channel::filters_most(slot_index slot) const {
+  const auto& content = medium_.content(slot).content;
+  const bool is_for_one = content.type == frame_type::ack || content.destination != broadcast_mote;
+  return is_for_one && medium_.is_lone(slot) && disturbances_.empty() && !guards_ && !sleeps_;
 }
 
 bool channel::is_disturbed(radio_index radio) {

@@ -1,6 +1,7 @@
 // Who receives whom, how strongly, and how often a copy is lost.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -38,6 +39,12 @@ static_assert(sizeof(hearer) == 16);
 
 /// Ascending by radio.
 using hearers = std::vector<hearer>;
+
+/// The link to a radio; nullptr: it is not in reach.
+[[nodiscard]] inline const hearer* link_to(const hearers& all, radio_index radio) {
+  const auto found = std::ranges::lower_bound(all, radio, {}, &hearer::radio);
+  return found != all.end() && found->radio == radio ? &*found : nullptr;
+}
 
 /// Where and how a radio stands.
 struct site {
