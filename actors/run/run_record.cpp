@@ -216,17 +216,17 @@ void add_planned(explain::island_names& named, const config::ecology_description
 
 /// By the names that explanations have.
 void add_labels(explain::header& x, const config::ecology_description& ecology) {
-  using kind = config::label_table::kind;
-  const auto add = [&](kind what, const std::string& name) {
+  using label_kind = config::label_table::kind;
+  const auto add = [&](label_kind what, const std::string& name) {
     if (auto label = ecology.labels.of(what, name); !label.empty())
       x.labels[name] = std::move(label);
   };
   for (const auto& peer : ecology.peers)
-    add(kind::peer, peer.name);
+    add(label_kind::peer, peer.name);
   for (const auto& island : ecology.islands) {
-    add(kind::island, island.name);
+    add(label_kind::island, island.name);
     for (const auto& mote : island.motes)
-      add(kind::mote, island.name + '/' + mote.name);
+      add(label_kind::mote, island.name + '/' + mote.name);
   }
 }
 
