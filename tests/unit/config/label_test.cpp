@@ -43,7 +43,7 @@ apps = [{ app = "proxy_manager" }]
 name = "climate"
 label = "Klima"
 types = [101]
-field = [{ name = "temperature", type = "i16", channel = 1 }]
+field = [{ name = "temperature", encoding = "i16", channel = 1 }]
 )";
 }
 

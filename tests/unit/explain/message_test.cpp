@@ -1,4 +1,5 @@
 #include "explain/outcome.hpp"
+#include "report/print/text_layout.hpp"
 #include "support/catch.hpp"
 #include "unit/explain/fixture.hpp"
 
