@@ -214,6 +214,22 @@ void add_planned(explain::island_names& named, const config::ecology_description
   }
 }
 
+/// By the names that explanations have.
+void add_labels(explain::header& x, const config::ecology_description& ecology) {
+  using label_kind = config::label_table::kind;
+  const auto add = [&](label_kind what, const std::string& name) {
+    if (auto label = ecology.labels.of(what, name); !label.empty())
+      x.labels[name] = std::move(label);
+  };
+  for (const auto& peer : ecology.peers)
+    add(label_kind::peer, peer.name);
+  for (const auto& island : ecology.islands) {
+    add(label_kind::island, island.name);
+    for (const auto& mote : island.motes)
+      add(label_kind::mote, island.name + '/' + mote.name);
+  }
+}
+
 explain::header header_of(const config::ecology_description& ecology, const run_source& source) {
   explain::header x;
   x.ecology = ecology.name;
@@ -238,6 +254,7 @@ explain::header header_of(const config::ecology_description& ecology, const run_
   }
   for (const auto& peer : ecology.peers)
     x.peers[peer.id.value] = peer.name;
+  add_labels(x, ecology);
   return x;
 }
 

@@ -42,14 +42,48 @@ namespace rubicon::cli {
 
 namespace {
 
+/// A warning keeps nothing from working now that the file needs.
+enum class severity : std::uint8_t { ok, warning, fault };
+
 /// What was looked at, and what is wrong with it.
 struct finding {
   std::string what;
   std::string found;
-  std::string advice; ///< empty: nothing is wrong
+  std::string advice = {}; ///< what to do; empty: nothing is wrong
+  severity how_bad = severity::fault;
+
+  [[nodiscard]] severity judged() const { return advice.empty() ? severity::ok : how_bad; }
 };
 
 using findings = std::vector<finding>;
+
+/// What the file needs of this computer; without a file nobody knows.
+struct file_needs {
+  bool file = false;
+  bool hosts = false;                    ///< parts run elsewhere
+  bool network = false;                  ///< anything outside this computer
+  bool multicast = false;                ///< peers with `lan`
+  std::vector<std::string> devices = {}; ///< serial ports
+
+  /// Of a check that the file does not need.
+  [[nodiscard]] severity unless(bool is_needed) const {
+    return !file ? severity::warning : is_needed ? severity::fault : severity::ok;
+  }
+};
+
+file_needs needs_of(const config::ecology_description& x) {
+  file_needs out{.file = true, .hosts = !x.hosts.empty()};
+  for (const auto& peer : x.peers) {
+    out.multicast = out.multicast || peer.lan;
+    out.network = out.network || config::has_real_links(peer);
+  }
+  out.network = out.network || out.hosts;
+  for (const auto& island : x.islands)
+    for (const auto* line : {&island.outside, &island.real.outside})
+      if (!line->device.empty() && !out.hosts) // those of hosts are theirs
+        out.devices.push_back(line->device);
+  return out;
+}
 
 /// Time enough to make another.
 constexpr std::chrono::days certificate_left_least(14);
@@ -64,19 +98,27 @@ std::string address_text(const io::network_interface& x) {
   return text;
 }
 
-finding look_at_network() {
+finding look_at_network(const file_needs& wanted) {
   std::string found;
   for (const auto& each : io::network_interfaces())
     if (!each.loopback)
       found += (found.empty() ? "" : ", ") + each.device + ' ' + address_text(each);
+  const auto how_bad =
+      wanted.unless(wanted.network) == severity::ok ? severity::ok : severity::warning;
   return {"network", found.empty() ? "loopback only" : found,
-          found.empty() ? "connect this computer to the other hosts' network, unless all run here"
-                        : ""};
+          found.empty() && how_bad != severity::ok
+              ? "connect this computer to the other hosts' network, unless all run here"
+              : "",
+          how_bad};
 }
 
 /// Whether an own datagram comes back. It leaves this computer nowhere, and goes to a port that no
 /// PEIS kernel listens to.
-finding look_at_multicast() {
+finding look_at_multicast(const file_needs& wanted) {
+  const auto how_bad = wanted.unless(wanted.multicast);
+  if (how_bad == severity::ok)
+    return {"multicast", "not needed: no peer of the file has `lan`"};
+
   constexpr duration patience = 1s;
   io::loop loop;
   io::udp_group_config config;
@@ -91,23 +133,24 @@ finding look_at_multicast() {
                              "multicast (ip route add 224.0.0.0/4 dev DEVICE), or set links with "
                              "`connect`; links between [[host]]s need no multicast";
   if (const auto* why = std::get_if<std::string>(&joined))
-    return {"multicast", *why, advice};
+    return {"multicast", *why, advice, how_bad};
   auto& group = std::get<io::udp_group>(joined);
   if (const auto why = group.trouble(); !why.empty())
-    return {"multicast", why, advice};
+    return {"multicast", why, advice, how_bad};
   group.send(byte_view(reinterpret_cast<const std::uint8_t*>(mark.data()), mark.size()));
   const auto until = std::chrono::steady_clock::now() + patience;
   while (!received && std::chrono::steady_clock::now() < until)
     loop.wait_until(until);
-  return {"multicast", received ? "works" : "no packet came back", received ? "" : advice};
+  return {"multicast", received ? "works" : "no packet came back", received ? "" : advice, how_bad};
 }
 
-finding look_at_clock() {
+finding look_at_clock(bool matters) {
   const std::chrono::year_month_day today(
       std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now()));
   const auto year = static_cast<int>(today.year());
   return {"clock", std::to_string(year),
-          year < 2025 ? "set it: certificates are not valid yet (timedatectl set-ntp true)" : ""};
+          year < 2025 ? "set it: certificates are not valid yet (timedatectl set-ntp true)" : "",
+          matters ? severity::fault : severity::warning};
 }
 
 finding look_at_descriptors() {
@@ -115,26 +158,39 @@ finding look_at_descriptors() {
   rlimit x{};
   static_cast<void>(::getrlimit(RLIMIT_NOFILE, &x));
   return {"open files", "at most " + std::to_string(x.rlim_cur),
-          x.rlim_cur < wanted ? "raise it: ulimit -n 1024, or LimitNOFILE= of the service" : ""};
+          x.rlim_cur < wanted ? "raise it: ulimit -n 1024, or LimitNOFILE= of the service" : "",
+          severity::warning};
 }
 
 finding look_at_state() {
   const auto path = io::state_file("doctor");
   if (path.empty())
-    return {"state folder", "none", "set HOME or XDG_STATE_HOME to a writable folder"};
-  return {"state folder", std::filesystem::path(path).parent_path().string(), ""};
+    return {"state folder", "none", "set HOME or XDG_STATE_HOME to a writable folder",
+            severity::warning};
+  return {"state folder", std::filesystem::path(path).parent_path().string()};
 }
 
-void look_at_serial(findings& out) {
+/// Ports that this computer has, and those of the file that it lacks.
+void look_at_serial(const file_needs& wanted, findings& out) {
   const auto all = io::serial_devices();
-  if (all.empty())
-    out.push_back({"serial", "no device", ""});
-  for (const auto& each : all)
+  const auto is_used = [&wanted](const std::string& path) {
+    return std::ranges::find(wanted.devices, path) != wanted.devices.end();
+  };
+  if (all.empty() && wanted.devices.empty())
+    out.push_back({"serial", "no device"});
+  for (const auto& each : all) {
+    const auto how_bad = wanted.unless(is_used(each.path));
     out.push_back({"serial", each.path + (each.problem.empty() ? "" : ": " + each.problem),
-                   each.problem.empty()
+                   each.problem.empty() || how_bad == severity::ok
                        ? ""
                        : "join the group that owns it: sudo usermod -aG dialout $USER, then log in "
-                         "again"});
+                         "again",
+                   how_bad});
+  }
+  for (const auto& path : wanted.devices)
+    if (std::error_code ignored; !std::filesystem::exists(path, ignored))
+      out.push_back({"serial", path + ": No such file or directory",
+                     "plug in the mote's programming board, or correct `device`"});
 }
 
 /// Adapters that this computer has. What is wrong with one matters if a peer of the file uses it.
@@ -174,12 +230,12 @@ bool look_at_certificates(const control::tls_files& tls, findings& out) {
   out.push_back(
       {"certificate",
        tls.certificate + " of `" + own.name() + "` until " + io::time_text(own.valid_until()),
-       left < certificate_left_least ? "it expires soon: rubicon certs renew makes a new one"
-                                     : ""});
+       left < certificate_left_least ? "it expires soon: rubicon certs renew makes a new one" : "",
+       severity::warning});
   if (own.use() == io::certificate_use::any)
     out.push_back({"certificate",
                    tls.certificate + " is valid both for a host and for a coordinator",
-                   any_use_advice});
+                   any_use_advice, severity::warning});
   const auto& list = found->revoked();
   out.push_back({"revoked",
                  list ? "list " + std::to_string(list->number()) + " has " +
@@ -194,19 +250,20 @@ void look_at_use(const deploy::host_facts& theirs, const io::tls_keeper& own,
                  const std::string& name, findings& out) {
   const auto ours = own.revoked() ? own.revoked()->number() : 0;
   if (theirs.revocations > ours)
-    out.push_back({name,
-                   "has list " + std::to_string(theirs.revocations) + " of revoked certificates" +
-                       (ours == 0 ? ", this computer has none"
-                                  : ", this computer has " + std::to_string(ours)),
-                   "copy ca.crl from the folder of the authority into the folder of " +
-                       own.files().authority});
+    out.push_back(
+        {name,
+         "has list " + std::to_string(theirs.revocations) + " of revoked certificates" +
+             (ours == 0 ? ", this computer has none"
+                        : ", this computer has " + std::to_string(ours)),
+         "copy ca.crl from the folder of the authority into the folder of " + own.files().authority,
+         severity::warning});
   if (theirs.revocations < ours)
     out.push_back({name,
                    "does not accept list " + std::to_string(ours) + " of revoked certificates",
-                   "see its log"});
+                   "see its log", severity::warning});
   if (theirs.may_deploy)
-    out.push_back(
-        {name, "its certificate is valid both for a host and for a coordinator", any_use_advice});
+    out.push_back({name, "its certificate is valid both for a host and for a coordinator",
+                   any_use_advice, severity::warning});
 }
 
 /// @param why a host does not answer
@@ -267,28 +324,41 @@ void look_at_hosts(const doctor_command& x, const deploy::packed& file, findings
     for (const auto& each : problems)
       out.push_back({name, "cannot run its part", each});
     if (problems.empty())
-      out.push_back({name, "can run its part", ""});
+      out.push_back({name, "can run its part"});
   }
 }
 
+std::string_view word_of(severity x) {
+  return x == severity::ok ? "ok" : x == severity::warning ? "warning" : "fault";
+}
+
+/// A line for each check: `fault    host care  does not answer; start rubicon host there`
 std::string text_of(const findings& all) {
   const auto output = console_of(stdout);
-  report::table table({{"what"}, {"found"}});
+  std::size_t what_width = 0;
   for (const auto& x : all)
-    table.add(
-        {report::printable(x.what),
-         {report::printable(x.found), x.advice.empty() ? report::look::plain : report::look::bad}});
-  auto text = table.render(output.room(), output.colour);
-  for (const auto& x : all)
-    if (!x.advice.empty())
-      text += '\n' + report::printable(x.what) + ": " + report::printable(x.advice) + '\n';
+    what_width = std::max(what_width, report::display_width(report::printable(x.what)));
+  std::string text;
+  for (const auto& x : all) {
+    const auto what = report::printable(x.what);
+    const auto word = word_of(x.judged());
+    const auto how = x.judged() == severity::ok      ? report::look::good
+                     : x.judged() == severity::fault ? report::look::bad
+                                                     : report::look::strong;
+    text += report::painted(word, how, output.colour) + report::blanks(word, 9) + what +
+            report::blanks(what, what_width + 2) + report::printable(x.found) +
+            (x.advice.empty() ? "" : "; " + report::printable(x.advice)) + '\n';
+  }
   return text;
 }
 
 std::string json_of(const findings& all) {
   auto out = nlohmann::ordered_json::array();
   for (const auto& x : all) {
-    nlohmann::ordered_json row{{"what", x.what}, {"found", x.found}, {"good", x.advice.empty()}};
+    nlohmann::ordered_json row{{"what", x.what},
+                               {"found", x.found},
+                               {"good", x.judged() == severity::ok},
+                               {"level", word_of(x.judged())}};
     if (!x.advice.empty())
       row["advice"] = x.advice;
     out.push_back(std::move(row));
@@ -296,33 +366,42 @@ std::string json_of(const findings& all) {
   return out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
 }
 
+/// The file, if one is given and good. @returns whether there is nothing to refuse
+bool take_file(const doctor_command& x, std::optional<deploy::packed>& out) {
+  if (x.file.empty())
+    return true;
+  config::overrides instead;
+  instead.mode = config::run_mode::wall;
+  out.emplace(deploy::pack(x.file, instead, std::nullopt, x.known));
+  complain(out->loaded, x.file);
+  return out->loaded.ecology && out->loaded.problems.empty();
+}
+
 } // namespace
 
 exit_status perform(const doctor_command& x) {
-  findings all{{"rubicon", version, ""}};
-  all.push_back(look_at_network());
-  all.push_back(look_at_multicast());
-  all.push_back(look_at_clock());
+  std::optional<deploy::packed> file;
+  if (!take_file(x, file))
+    return exit_status::refused;
+  const auto* ecology = file ? &*file->loaded.ecology : nullptr;
+  const auto wanted = ecology != nullptr ? needs_of(*ecology) : file_needs();
+  findings all{{"rubicon", version}};
+  all.push_back(look_at_network(wanted));
+  all.push_back(look_at_multicast(wanted));
+  all.push_back(look_at_clock(wanted.hosts || !x.tls.empty()));
   all.push_back(look_at_descriptors());
   all.push_back(look_at_state());
-  look_at_serial(all);
+  look_at_serial(wanted, all);
   const bool can_ask = look_at_certificates(x.tls, all);
-  if (x.file.empty()) {
-    look_at_bluetooth(nullptr, all);
-  } else {
-    config::overrides instead;
-    instead.mode = config::run_mode::wall;
-    const auto file = deploy::pack(x.file, instead, std::nullopt, x.known);
-    complain(file.loaded, x.file);
-    if (!file.loaded.ecology || !file.loaded.problems.empty())
-      return exit_status::refused;
-    look_at_bluetooth(&*file.loaded.ecology, all);
-    for (const auto& each : config::placement_problems(*file.loaded.ecology))
+  look_at_bluetooth(ecology, all);
+  if (ecology != nullptr) {
+    for (const auto& each : config::placement_problems(*ecology))
       all.push_back({"file", x.file, each});
-    if (can_ask)
-      look_at_hosts(x, file, all);
+    if (can_ask && wanted.hosts)
+      look_at_hosts(x, *file, all);
   }
-  const bool good = std::ranges::all_of(all, [](const auto& each) { return each.advice.empty(); });
+  const bool good =
+      std::ranges::none_of(all, [](const auto& each) { return each.judged() == severity::fault; });
   if (!print(stdout, x.json ? json_of(all) : text_of(all)))
     return exit_status::refused;
   return good ? exit_status::good : exit_status::failed;

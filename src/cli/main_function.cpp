@@ -29,6 +29,7 @@
 #include "cli/study/query_command.hpp"
 #include "cli/study/sweep_command.hpp"
 #include "cli/words/exit_status.hpp"
+#include "cli/words/hint.hpp"
 #include "core/text/printable.hpp"
 
 namespace {
@@ -104,7 +105,8 @@ int rubicon::main(int argc, char* argv[], const config::extensions& known) {
     static_cast<void>(cli::print(stderr, "rubicon: out of memory\n"));
     return static_cast<int>(exit_status::failed);
   } catch (const std::exception& error) {
-    static_cast<void>(cli::print(stderr, "rubicon: " + rubicon::printable(error.what()) + '\n'));
+    static_cast<void>(
+        cli::print(stderr, "rubicon: " + rubicon::printable(cli::with_hint(error.what())) + '\n'));
     return static_cast<int>(exit_status::refused);
   }
 }

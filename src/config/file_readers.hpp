@@ -44,6 +44,7 @@ struct surroundings {
   uniqueness<std::int64_t> end_ids;
   uniqueness<std::uint32_t> island_ids;
   uniqueness<std::string> files; ///< that recorders write
+  label_table labels;
 };
 
 /// [[radio.link]], to be checked when the airs are known.
@@ -105,9 +106,11 @@ read_links(table_reader& in, const std::vector<std::string>& own_names, const ch
 
 /// [[proxy]]. Samplers of `islands` compute what a field says that they do.
 /// @param peers complete
+/// @param labels to which those of classes are added
 [[nodiscard]] std::vector<proxy::proxy_class>
 read_proxies(table_reader& root, const proxy::program_registry& programs,
-             std::vector<island_description>& islands, const std::vector<peer_description>& peers);
+             std::vector<island_description>& islands, const std::vector<peer_description>& peers,
+             label_table& labels);
 
 /// Reports classes of tagged objects whose proxies no manager would start.
 void check_object_manager(const table_reader& root, const std::vector<peer_description>& peers,

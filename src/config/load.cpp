@@ -15,6 +15,7 @@
 #include "config/toml/schema.hpp"
 #include "config/toml/written.hpp"
 #include "config/trace_files.hpp"
+#include "core/text/spelling.hpp"
 
 namespace rubicon::config {
 
@@ -85,7 +86,8 @@ ecology_description read_file_tables(table_reader& in, const named_files& files)
   check_links(links, out.radio, out.airs, shared.problems);
   out.peis = read_peis(in);
   out.peers = read_peers(in, with, out.islands);
-  out.proxies = read_proxies(in, files.known.programs, out.islands, out.peers);
+  out.proxies = read_proxies(in, files.known.programs, out.islands, out.peers, with.labels);
+  out.labels = std::move(with.labels);
   out.tags = read_tags(in);
   check_object_manager(in, out.peers, out.proxies);
   out.faults = read_faults(in, with, out.islands);
@@ -103,6 +105,30 @@ ecology_description read_file_tables(table_reader& in, const named_files& files)
 
 std::string reason(int error) {
   return std::generic_category().message(error);
+}
+
+/// Of a file that is not there: the one that is meant, or those of its kind beside it.
+std::string files_beside(const std::string& path) {
+  constexpr std::size_t listed_max = 5;
+  const std::filesystem::path wanted(path);
+  const auto folder = wanted.has_parent_path() ? wanted.parent_path().string() : std::string(".");
+  const auto all = read_folder(folder);
+  if (!all.names)
+    return {};
+  std::vector<std::string> alike;
+  for (const auto& each : *all.names)
+    if (std::filesystem::path(each).extension() == wanted.extension())
+      alike.push_back(each);
+  if (const auto meant = nearest(wanted.filename().string(), alike); !meant.empty())
+    return "; did you mean `" + meant + "`?";
+  std::string text;
+  for (std::size_t i = 0; i < std::min(alike.size(), listed_max); ++i)
+    text += (i == 0 ? "; there is " : ", ") + alike[i];
+  return alike.size() > listed_max ? text + ", ..." : text;
+}
+
+std::string why_unopened(const std::string& path, int error) {
+  return "cannot be opened: " + reason(error) + (error == ENOENT ? files_beside(path) : "");
 }
 
 file_text no_file(const std::string& /*path*/, std::size_t /*octets_max*/) {
@@ -146,7 +172,7 @@ file_text read_file(const std::string& path, std::size_t octets_max) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
                                                              std::fclose);
   if (file == nullptr)
-    return {std::nullopt, "cannot be opened: " + reason(errno)};
+    return {std::nullopt, why_unopened(path, errno)};
   return read_stream(*file, octets_max);
 }
 

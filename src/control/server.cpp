@@ -341,7 +341,8 @@ std::variant<server, std::string> server::open(system& in, io::loop& where,
     return *why;
   made->listener.emplace(std::get<io::tcp_listener>(std::move(opened)));
   if (port != 0 && made->listener->port() != port)
-    return "cannot listen on " + address + ':' + std::to_string(port) + ": the port is taken";
+    return "cannot listen on " + address + ':' + std::to_string(port) +
+           ": the port is taken: choose another";
   return server(std::move(made));
 }
 

@@ -81,6 +81,13 @@ std::string change_words() {
   return text;
 }
 
+/// What the reader of faults says of a kind that is none, with the kinds of changes before `not`.
+std::string unknown_kind(std::string message) {
+  const auto end = std::min(message.rfind(", not "), message.size());
+  message.insert(end, ", or of a change " + change_words());
+  return message;
+}
+
 /// The last of those at 0 s: they are sorted by their times, and otherwise as in the file.
 const config::fault_description* last_of(const std::vector<config::fault_description>& planned,
                                          bool change) {
@@ -126,9 +133,7 @@ std::variant<config::fault, std::string> fault_of(const bundle& x, std::string_v
   const auto loaded = load(with_fault, instead, known);
   for (const auto& each : loaded.problems)
     if (each.line >= lines_before)
-      return each.message + (each.message.starts_with("`kind` must be")
-                                 ? ", or of a change " + change_words()
-                                 : "");
+      return each.message.starts_with("`kind` must be") ? unknown_kind(each.message) : each.message;
   if (!loaded.ecology)
     return std::string("it does not fit the file");
   const auto* last = last_of(loaded.ecology->faults, is_change_sentence(sentence));

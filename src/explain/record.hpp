@@ -99,10 +99,11 @@ struct header {
   std::string digest; ///< of its text
   std::vector<island_names> islands;
   std::map<std::int32_t, std::string> peers; ///< gateways are peers too
+  std::map<std::string, std::string> labels; ///< by names: `kitchen/fan`, `kitchen`, `care-pc`
 
   friend bool operator==(const header&, const header&) = default;
 };
-RUBICON_FIELDS(header, ecology, seed, file, digest, islands, peers);
+RUBICON_FIELDS(header, ecology, seed, file, digest, islands, peers, labels);
 
 /// A line, ending in a newline.
 [[nodiscard]] std::string encode(const header& x);

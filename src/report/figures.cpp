@@ -40,7 +40,8 @@ std::string fixed(double x, int decimals) {
   const auto length = std::snprintf(text.data(), text.size(), "%.*f", decimals, std::fabs(x));
   const std::string_view digits(text.data(), static_cast<std::size_t>(length));
   const auto point = std::min(digits.find('.'), digits.size());
-  return (std::signbit(x) ? "-" : "") +
+  const bool is_zero = digits.find_first_of("123456789") == std::string_view::npos;
+  return (std::signbit(x) && !is_zero ? "-" : "") +
          grouped(digits.substr(0, point)).append(digits.substr(point));
 }
 

@@ -55,7 +55,7 @@ void add_deliveries(report_page& page, const run_report& x) {
   const auto entries = worst_first(x);
   if (entries.empty())
     return;
-  page.heading("Delivery");
+  page.heading("Delivery", "of messages: how many arrived, and by which route");
   const bool many = entries.size() > motes_listed_max;
   table rows({{many && !page.is_full() ? "worst" : "mote"},
               {"messages", align::right},
@@ -67,7 +67,7 @@ void add_deliveries(report_page& page, const run_report& x) {
   const auto shown = many ? page.shown(entries.size(), worst_shown) : entries.size();
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& mote = *entries[i].mote;
-    rows.add({entries[i].island->name + '/' + mote.name, with_thousands(mote.messages.offered),
+    rows.add({page.mote(entries[i].island->name, mote.name), with_thousands(mote.messages.offered),
               share_text(entries[i].delivery), parent_of(entries[i]),
               mote.parent == mote_id{} ? "–" : std::to_string(mote.hops),
               mote.signal_dbm ? std::to_string(*mote.signal_dbm) : "–",
@@ -80,7 +80,7 @@ void add_deliveries(report_page& page, const run_report& x) {
 void add_losses(report_page& page, const run_report& x) {
   if (x.losses.empty())
     return;
-  page.heading("Losses");
+  page.heading("Losses", "where most messages were lost, and why");
   table rows({{"lost", align::right}, {"what"}, {"where"}, {"cause"}});
   const auto shown = page.shown(x.losses.size(), losses_shown);
   for (std::size_t i = 0; i < shown; ++i) {
@@ -95,7 +95,7 @@ void add_losses(report_page& page, const run_report& x) {
 void add_streams(report_page& page, const run_report& x) {
   if (x.streams.empty())
     return;
-  page.heading("Streams");
+  page.heading("Streams", "records between programs, and how many arrived");
   table rows({{"stream", align::right},
               {"from"},
               {"to"},
@@ -119,7 +119,7 @@ void add_expectations(report_page& page, const run_report& x) {
   using verdict = expectation_report::verdict;
   if (x.expectations.empty())
     return;
-  page.heading("Expectations");
+  page.heading("Expectations", "what the file expects, and what was measured");
   table rows({{""}, {"expected"}, {"measured"}});
   for (const auto& each : x.expectations) {
     const auto how = each.outcome == verdict::met     ? look::good

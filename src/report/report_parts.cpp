@@ -113,7 +113,7 @@ std::string share_of(std::uint64_t part, std::uint64_t whole) {
 void add_flows(report_page& page, const run_report& x) {
   if (x.flows.empty())
     return;
-  page.heading("Flows");
+  page.heading("Flows", "traffic that measures the medium access");
   table rows({{"from"},
               {"to"},
               {"sent", align::right},
@@ -143,7 +143,7 @@ void add_flows(report_page& page, const run_report& x) {
 void add_programs(report_page& page, const run_report& x) {
   if (x.programs.empty())
     return;
-  page.heading("Programs");
+  page.heading("Programs", "figures that programs report");
   table rows({{"node"}, {"program"}, {"figures"}});
   const auto shown = page.shown(x.programs.size(), rows_max);
   for (std::size_t i = 0; i < shown; ++i) {

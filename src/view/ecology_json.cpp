@@ -16,8 +16,23 @@ using json = nlohmann::ordered_json;
 
 constexpr std::size_t faults_max = 10'000;
 
+using label_kind = config::label_table::kind;
+
+/// Beside the name, if there is one.
+void add_label(json& to, const std::string& label) {
+  if (!label.empty())
+    to["label"] = label;
+}
+
+/// `mote_labels` of an island: by the names of motes.
+void add_mote_label(json& island, const std::string& mote, const std::string& label) {
+  if (!label.empty())
+    island["mote_labels"][mote] = label;
+}
+
 json island_json(const config::ecology_description& all, const config::island_description& x) {
   json y = {{"id", x.id.value}, {"name", x.name}};
+  add_label(y, all.labels.of(label_kind::island, x.name));
   const auto air = std::ranges::find_if(all.airs, [&x](const config::air_description& each) {
     return std::ranges::find(each.islands, x.id) != each.islands.end();
   });
@@ -34,6 +49,8 @@ json island_json(const config::ecology_description& all, const config::island_de
   for (const auto& each : x.motes)
     motes.push_back(
         json::array({each.id.value, each.name, each.place.x_m, each.place.y_m, each.type_name}));
+  for (const auto& each : x.motes)
+    add_mote_label(y, each.name, all.labels.of(label_kind::mote, x.name + '/' + each.name));
   return y;
 }
 
@@ -58,6 +75,7 @@ json peers_json(const config::ecology_description& x, json& links) {
   const auto add = [&](const std::string& name, std::int32_t id, const char* kind,
                        const std::string& host, const std::vector<std::string>& to) {
     peers.push_back({{"name", name}, {"id", id}, {"kind", kind}, {"host", host}});
+    add_label(peers.back(), x.labels.of(label_kind::peer, name));
     for (const auto& each : to)
       links.push_back(json::array({name, each}));
   };

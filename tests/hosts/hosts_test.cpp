@@ -255,8 +255,9 @@ TEST_CASE("hosts run what is deployed to them, and heal without who has deployed
   const house in;
   in.run("hosts; sleep 1; "
          "start deploy house.toml $me --for 90s --json > first.json 2> first.err & first=$!; "
-         "sleep 7; rubicon status > running; rubicon fault 'kill peer robot for 2s'; "
-         "echo $? > fault; rubicon fault 'crash mote kitchen/nobody' 2> no-fault; "
+         "sleep 7; rubicon status > running; rubicon fault 'kill peer robot for 2s' > "
+         "done; echo $? > fault; rubicon fault 'crsh mote kitchen/stove' 2> typo; "
+         "rubicon hosts --json > network; rubicon fault 'crash mote kitchen/nobody' 2> no-fault; "
          "kill -9 $first; wait $first; kill -9 $kitchen; wait $kitchen; sleep 2; "
          "rubicon status --json > one-gone; host kitchen 4750 & kitchen=$!; sleep 1; "
          "rubicon deploy house.toml $me --attach --json > all.json 2> all.err & all=$!; sleep 8; "
@@ -264,6 +265,12 @@ TEST_CASE("hosts run what is deployed to them, and heal without who has deployed
   CHECK(in.text("first.json").empty());
   CHECK(in.text("running").find("kitchen  127.0.0.1:4750  running") != std::string::npos);
   CHECK(in.text("fault") == "0\n");
+  CHECK(in.text("done").starts_with("done by "));
+  CHECK(in.text("done").find(": kill peer robot for 2s\n") != std::string::npos);
+  const auto typo = in.text("typo"); // once, not once a host
+  CHECK(typo.ends_with("did you mean \"crash\"?\n"));
+  CHECK(typo.find('\n') == typo.size() - 1);
+  CHECK(in.text("network").find("robot") != std::string::npos); // found without its name
   CHECK(in.text("no-fault").find("no mote of island `kitchen` is named `nobody`") !=
         std::string::npos);
   const auto one_gone = json::parse(in.text("one-gone"));
@@ -443,6 +450,10 @@ TEST_CASE("doctor looks at this computer and asks the hosts of a file", "[hosts]
   CHECK(std::any_of(here.begin(), here.end(), [](const auto& x) { return x["what"] == "clock"; }));
   CHECK(in.text("status") == "1\n");
   CHECK(in.text("all").find("can run its part") != std::string::npos);
-  CHECK(in.text("all").find("host care: start rubicon host --name care there") !=
-        std::string::npos);
+  const auto all = in.text("all");
+  const auto care = all.find("host care");
+  REQUIRE(care != std::string::npos);
+  CHECK(all.substr(all.rfind('\n', care) + 1, 5) == "fault");
+  CHECK(all.find("; start rubicon host --name care there", care) < all.find('\n', care));
+  CHECK(all.find("multicast    not needed") != std::string::npos);
 }

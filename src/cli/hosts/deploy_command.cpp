@@ -80,6 +80,8 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
   options.attach = x.attach;
   const auto name = file.loaded.ecology->name;
   const auto length = file.loaded.ecology->length;
+  const auto labels = file.loaded.ecology->labels;
+  const auto network = file.loaded.ecology->network;
   watch_options watch;
   watch.page_file = x.page_file;
   run_watch page(std::move(watch), *file.loaded.ecology);
@@ -111,7 +113,8 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
       shown_at = std::chrono::steady_clock::now() + show_every;
     }
     if (all.has_begun() && !noted) {
-      noted = deployed{all.id(), name, std::filesystem::absolute(x.file).string(), hosts, tls};
+      noted =
+          deployed{all.id(), name, std::filesystem::absolute(x.file).string(), hosts, tls, network};
       if (const auto why = remember(*noted); !why.empty())
         static_cast<void>(print(stderr, printable(why) + '\n'));
     }
@@ -122,7 +125,7 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
     return exit_status::refused;
   auto report = all.whole_report();
   page.finish(report, command_of(x, report), {});
-  const auto status = print_report(report, x.json, x.full);
+  const auto status = print_report(report, {x.json, x.full, x.brief}, labels);
   if (live && !report.interrupted) {
     live->show(report, length);
     live->finish(report);

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "cli/run/running_note.hpp"
 #include "config/plan/placement.hpp"
 #include "io/files/replace_file.hpp"
 #include "io/files/stored_number.hpp"
@@ -18,8 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-constexpr const char* deployed_ending = ".deployed";
 
 std::optional<deployed> read_deployed(const fs::path& path) {
   std::ifstream in(path);
@@ -61,7 +60,7 @@ fs::path newest() {
 std::vector<deployed_host> hosts_of(const config::ecology_description& all) {
   std::vector<deployed_host> out;
   for (const auto& host : config::used_hosts(all))
-    out.push_back({host.name, host.address, host.control_port});
+    out.push_back({host.name, host.address, host.control_port, host.peis_port});
   return out;
 }
 
@@ -69,10 +68,14 @@ std::string remember(const deployed& x) {
   json hosts = json::array();
   for (const auto& host : x.hosts)
     hosts.push_back({{"name", host.name}, {"address", host.address}, {"port", host.port}});
-  const json all{{"id", x.id},       {"ecology", x.ecology},
-                 {"file", x.file},   {"certificate", x.tls.certificate},
-                 {"key", x.tls.key}, {"authority", x.tls.authority},
-                 {"hosts", hosts}};
+  json urls = json::array(); // as in the note of a run
+  for (const auto& host : x.hosts)
+    if (host.peis_port != 0)
+      urls.push_back("tcp://" + host.address + ':' + std::to_string(host.peis_port));
+  const json all{{"id", x.id},           {"ecology", x.ecology},
+                 {"file", x.file},       {"certificate", x.tls.certificate},
+                 {"key", x.tls.key},     {"authority", x.tls.authority},
+                 {"network", x.network}, {"hosts", hosts}};
   const auto path = io::state_file(x.ecology + deployed_ending);
   if (path.empty())
     return "there is no folder to store the deployment's name in";

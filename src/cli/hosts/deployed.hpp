@@ -15,7 +15,8 @@ namespace rubicon::cli {
 struct deployed_host {
   std::string name;
   std::string address;
-  std::uint16_t port = 0;
+  std::uint16_t port = 0;      ///< of `rubicon host`
+  std::uint16_t peis_port = 0; ///< of its PEIS links; written, but not read, too
 
   /// That its certificate must have; empty: any, for it is called by its address.
   [[nodiscard]] std::string certificate_name() const { return is_name(name) ? name : ""; }
@@ -29,7 +30,8 @@ struct deployed {
   std::string ecology; ///< its name
   std::string file;    ///< the TOML file's path
   std::vector<deployed_host> hosts;
-  control::tls_files tls; ///< of the coordinator
+  control::tls_files tls;   ///< of the coordinator
+  std::string network = {}; ///< PEIS network; written, so that commands find it, but not read
 };
 
 /// Replaces what was remembered of the same ecology. @returns empty, or why it is not stored

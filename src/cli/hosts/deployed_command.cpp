@@ -13,6 +13,7 @@
 #include "cli/hosts/ask_hosts.hpp"
 #include "cli/hosts/deployed.hpp"
 #include "cli/print/console.hpp"
+#include "config/summary_parts.hpp"
 #include "control/system.hpp"
 #include "core/overloads.hpp"
 #include "core/text/printable.hpp"
@@ -112,15 +113,25 @@ public:
       return deploy::cause_fault{running_.id, x.sentence};
     });
     const auto status = print_problems(all);
-    if (status == exit_status::good && !somebody_is_concerned(all))
-      return say("no host has what it names");
-    return status;
+    if (status != exit_status::good)
+      return status;
+    const auto who = concerned(all);
+    if (who.empty())
+      return say("rubicon: no host has what it names: `rubicon status` lists the hosts, `rubicon "
+                 "check " +
+                 running_.file + " --list` what runs on them");
+    const bool is_printed = print(stdout, printable("done by " + who + ": " + x.sentence) + '\n');
+    return is_printed ? exit_status::good : exit_status::refused;
   }
 
 private:
-  static bool somebody_is_concerned(const std::vector<received_verdict>& all) {
-    return std::ranges::any_of(
-        all, [](const auto& each) { return std::get<deploy::verdict>(each).concerned; });
+  /// The hosts that have what a fault is about: `kitchen, care`
+  [[nodiscard]] std::string concerned(const std::vector<received_verdict>& all) const {
+    std::string names;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (std::get<deploy::verdict>(all[i]).concerned)
+        names += (names.empty() ? "" : ", ") + running_.hosts[i].name;
+    return names;
   }
 
   static exit_status say(const std::string& text) {
@@ -128,15 +139,25 @@ private:
     return exit_status::refused;
   }
 
-  /// Prints what hosts object.
+  /// Prints each objection once: what all hosts object is a mistake of the command.
   exit_status print_problems(const std::vector<received_verdict>& all) {
     auto status = exit_status::good;
+    std::vector<std::pair<std::string, std::vector<std::string>>> objections; ///< and whose
     for (std::size_t i = 0; i < all.size(); ++i)
       for (const auto& each : problems_of(all[i])) {
-        static_cast<void>(say(running_.hosts[i].name + "  " + each));
+        const auto same = std::ranges::find(objections, each,
+                                            [](const auto& objection) { return objection.first; });
+        auto& who = same != objections.end()
+                        ? same->second
+                        : objections.emplace_back(each, std::vector<std::string>()).second;
+        who.push_back(running_.hosts[i].name);
         status = std::holds_alternative<deploy::verdict>(all[i]) ? exit_status::refused
                                                                  : exit_status::failed;
       }
+    for (const auto& [text, who] : objections)
+      static_cast<void>(say(who.size() > 1 && who.size() == all.size()
+                                ? "rubicon: " + text
+                                : config::joined(who, ", ") + "  " + text));
     return status;
   }
 

@@ -106,6 +106,44 @@ std::set<std::string> names_of(const places& x) {
   return names;
 }
 
+void add(places& to, const network_options& options, const std::vector<running_ecology>& runs) {
+  for (const auto& run : runs) {
+    if (options.network_given && run.network != options.network)
+      continue;
+    to[run.network]; // also if its peers chose their ports
+    for (const auto& url : run.urls)
+      add(to, run.network, url);
+  }
+}
+
+places places_of(const network_options& options, const std::vector<running_ecology>& runs) {
+  places found;
+  add(found, options, runs);
+  return found;
+}
+
+/// At the place that is given; of the networks that this user runs or has deployed, if no name is
+/// given and the default is not that of the peer there.
+std::variant<joined_network, std::string> join_there(io::loop& where, network_options options,
+                                                     const search_area& area) {
+  auto joined = temporary_peer::join(where, options);
+  if (auto* self = std::get_if<std::unique_ptr<temporary_peer>>(&joined))
+    return joined_network{std::move(options), std::move(*self)};
+  auto why = std::get<std::string>(std::move(joined));
+  if (why.ends_with("Connection refused"))
+    return why +
+           "; nobody listens there: a peer accepts links in wall time if its file has tcp = true";
+  if (options.network_given || why.find(other_network) == std::string::npos)
+    return why;
+  places known;
+  add(known, options, running_ecologies());
+  add(known, options, deployed_ecologies());
+  for (const auto& [network, urls] : known)
+    if (auto found = first_of(where, options, network, {options.peer}, area))
+      return *std::move(found);
+  return why;
+}
+
 std::string nobody(const network_options& options, const search_area& area) {
   const auto last = area.first_port + area.ports - 1;
   return "found no running ecology" +
@@ -121,27 +159,19 @@ std::string nobody(const network_options& options, const search_area& area) {
 
 std::variant<joined_network, std::string> join_network(io::loop& where, network_options options,
                                                        search_area area) {
-  if (!options.peer.empty()) {
-    auto joined = temporary_peer::join(where, options);
-    if (auto* why = std::get_if<std::string>(&joined))
-      return std::move(*why);
-    return joined_network{std::move(options),
-                          std::move(std::get<std::unique_ptr<temporary_peer>>(joined))};
-  }
+  if (!options.peer.empty())
+    return join_there(where, std::move(options), area);
   if (options.lan)
     area.group.interfaces.clear();
-  places noted;
-  for (const auto& run : running_ecologies()) {
-    if (options.network_given && run.network != options.network)
-      continue;
-    noted[run.network]; // also if its peers chose their ports
-    for (const auto& url : run.urls)
-      add(noted, run.network, url);
-  }
+  auto noted = places_of(options, running_ecologies());
   if (noted.size() > 1)
     return several(names_of(noted));
-  if (noted.empty())
+  if (noted.empty()) { // notes of deployments may be of earlier ones: what answers counts
+    for (const auto& [network, urls] : places_of(options, deployed_ecologies()))
+      if (auto joined = first_of(where, options, network, urls, area))
+        return *std::move(joined);
     noted[options.network];
+  }
   for (const auto& [network, urls] : noted) {
     if (auto joined = first_of(where, options, network, urls, area))
       return *std::move(joined);

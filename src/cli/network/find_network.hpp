@@ -30,7 +30,8 @@ struct joined_network {
 };
 
 /// Joins the peer given in `options`, or else the network that it finds: of a run of this user on
-/// this computer, at this computer's default ports, or that announces itself, in this order.
+/// this computer or of a deployment of this user, at this computer's default ports, or that
+/// announces itself, in this order.
 /// @returns why that failed, and which option to use
 [[nodiscard]] std::variant<joined_network, std::string>
 join_network(io::loop& where, network_options options, search_area area = {});

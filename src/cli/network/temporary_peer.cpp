@@ -50,9 +50,10 @@ temporary_peer::join(io::loop& where, const network_options& options) {
     return x;
   if (!x->last_failure_.empty())
     return x->last_failure_;
-  return options.peer +
-         (connected() ? " answers, but is not a peer of the network `" + options.network + '`'
-                      : " does not answer");
+  if (!connected())
+    return options.peer + " does not answer";
+  return options.peer + std::string(other_network) + options.network +
+         "`: give the name that its file has as `network` with --network NAME";
 }
 
 temporary_peer::~temporary_peer() {

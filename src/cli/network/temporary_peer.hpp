@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "cli/words/network_command.hpp"
@@ -11,6 +12,9 @@
 #include "peer/standalone.hpp"
 
 namespace rubicon::cli {
+
+/// How what is said of a peer begins that closes our link at once.
+inline constexpr std::string_view other_network = " answers, but is not a peer of the network `";
 
 /// It accepts no links and forwards nothing. It leaves when it is destroyed.
 class temporary_peer {

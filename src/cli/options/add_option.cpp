@@ -47,7 +47,7 @@ std::vector<CLI::Option*> add_overrides(CLI::App& app, config::overrides& x) {
 
 CLI::Option* add_page(CLI::App& app, std::optional<page_place>& x) {
   return add_parsed(
-             app, "--view", "PORT",
+             app, "--view", "[PORT]",
              "Show the run live in a browser: prints the address, and keeps serving until Ctrl-C",
              [&x](const auto& text) {
                x.emplace();

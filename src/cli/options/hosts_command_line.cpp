@@ -8,6 +8,7 @@
 #include "cli/options/add_option.hpp"
 #include "cli/options/option_values.hpp"
 #include "core/text/ipv4_network.hpp"
+#include "core/text/name.hpp"
 
 namespace rubicon::cli {
 
@@ -47,6 +48,10 @@ hosts_command_line::hosts_command_line(CLI::App& app)
 void hosts_command_line::add_host() {
   host_app_.add_option("--name", host_.name, "Its name, as in [[host]] of the files")
       ->required()
+      ->check([](const std::string& x) {
+        return is_name(x) ? std::string()
+                          : "not a name of 1 to 32 letters, digits, - and _: '" + x + '\'';
+      })
       ->type_name("NAME");
   add_parsed(host_app_, "--listen", "ADDRESS:PORT",
              "Address that accepts commands; default: 127.0.0.1:4242",
@@ -105,7 +110,11 @@ void hosts_command_line::add_deploy() {
              [&](const auto& text) { deploy_.seed = parse_seed(text); });
   auto* const json =
       deploy_app_.add_flag("--json", deploy_.json, "Print the report as one JSON object only");
-  deploy_app_.add_flag("--full", deploy_.full, "Print every row of the report")->excludes(json);
+  auto* const full = deploy_app_.add_flag("--full", deploy_.full, "Print every row of the report");
+  full->excludes(json);
+  deploy_app_.add_flag("--brief", deploy_.brief, "Print only the verdict and the expectations")
+      ->excludes(json)
+      ->excludes(full);
   add_path(deploy_app_, "--report", "FILE", deploy_.page_file,
            "Write the report as one self-contained HTML page");
   auto* const view = cli::add_page(deploy_app_, deploy_.view);

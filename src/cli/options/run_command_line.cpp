@@ -89,7 +89,11 @@ void run_command_line::add_clock() {
 void run_command_line::add_report() {
   auto* const json =
       shows(app_.add_flag("--json", run_.json, "Print the report as one JSON object only"));
-  shows(app_.add_flag("--full", run_.full, "Print every row of the report"))->excludes(json);
+  auto* const full = shows(app_.add_flag("--full", run_.full, "Print every row of the report"));
+  full->excludes(json);
+  shows(app_.add_flag("--brief", run_.brief, "Print only the verdict and the expectations"))
+      ->excludes(json)
+      ->excludes(full);
   shows(add_path(app_, "--report", "FILE", run_.watch.page_file,
                  "Write the report as one self-contained HTML page"));
   auto* const csv =

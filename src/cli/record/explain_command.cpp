@@ -68,7 +68,7 @@ exit_status perform(const explain_command& x) {
     return not_found(*why);
   const auto& all = std::get<explain::traces>(found);
   const auto output = console_of(stdout);
-  const explain::text_style style{output.width, output.colour};
+  const explain::text_style style{output.width, output.colour, output.room()};
   if (!x.what.empty())
     return std::visit(answerer{x, all, style}, explain::find(all, x.what));
   return answerer::say(x.json ? list_json(all, x.list) : list_text(all, x.list, style));

@@ -1,14 +1,23 @@
 #include "cli/record/read_record.hpp"
 
+#include <cerrno>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace rubicon::cli {
 
+namespace {
+
+constexpr const char* how_to_record = "; `rubicon run FILE --record RECORD` writes a record";
+
+} // namespace
+
 record_reader::record_reader(std::string path, bool keeps_view)
     : path_(std::move(path)), keeps_view_(keeps_view), file_(path_, std::ios::binary) {
   if (!file_)
-    problem_ = path_ + ": cannot be read";
+    problem_ =
+        path_ + ": cannot be read: " + std::generic_category().message(errno) + how_to_record;
 }
 
 bool record_reader::read_part() {
@@ -56,7 +65,8 @@ void record_reader::finish() {
 }
 
 void record_reader::refuse(const explain::bad_line& x) {
-  problem_ = path_ + ':' + std::to_string(x.line) + ": " + x.message;
+  problem_ =
+      path_ + ':' + std::to_string(x.line) + ": " + x.message + (x.line == 1 ? how_to_record : "");
 }
 
 std::variant<explain::traces, std::string> read_record(const std::string& path) {

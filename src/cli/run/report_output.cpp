@@ -11,10 +11,16 @@ exit_status status_of(const report::run_report& x) {
   return x.complete && x.violations.empty() ? exit_status::good : exit_status::violated;
 }
 
-exit_status print_report(const report::run_report& x, bool json, bool full) {
+exit_status print_report(const report::run_report& x, const report_form& form,
+                         const config::label_table& labels) {
   const auto output = console_of(stdout);
-  const auto text =
-      json ? to_json(x) : to_text(x, {output.width, output.colour, output.cuts, full});
+  const auto text = form.json ? to_json(x, labels)
+                              : to_text(x, {.width = output.width,
+                                            .colour = output.colour,
+                                            .cuts = output.cuts,
+                                            .full = form.full,
+                                            .brief = form.brief,
+                                            .labels = labels});
   return print(stdout, text) ? status_of(x) : exit_status::refused;
 }
 

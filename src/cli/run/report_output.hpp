@@ -2,14 +2,23 @@
 #pragma once
 
 #include "cli/words/exit_status.hpp"
+#include "config/plan/labels.hpp"
 #include "report/report.hpp"
 
 namespace rubicon::cli {
 
 [[nodiscard]] exit_status status_of(const report::run_report& x);
 
-/// @param full every row, as text
+/// How much of a report is printed, and as what.
+struct report_form {
+  bool json = false;
+  bool full = false;  ///< every row, as text
+  bool brief = false; ///< the verdict only, as text
+};
+
+/// @param labels of the file that was run
 /// @returns its status; refused if it cannot be written
-[[nodiscard]] exit_status print_report(const report::run_report& x, bool json, bool full = false);
+[[nodiscard]] exit_status print_report(const report::run_report& x, const report_form& form,
+                                       const config::label_table& labels);
 
 } // namespace rubicon::cli

@@ -37,6 +37,7 @@
 #include "core/hash.hpp"
 #include "core/text/printable.hpp"
 #include "core/text/shell_word.hpp"
+#include "core/text/spelling.hpp"
 #include "deploy/fault_sentence.hpp"
 #include "io/files/line_input.hpp"
 #include "io/files/stored_number.hpp"
@@ -258,10 +259,11 @@ exit_status report_run(const run_command& x, ecology_file file) {
     viewed.emplace(x, file.ecology);
     viewed->attach(options, file.ecology);
   }
+  const auto labels = file.ecology.labels;
   auto report = run_watched(std::move(file.ecology), std::move(options), console_of(stderr),
                             x.log_level != "off");
   watch.finish(report, command_of(x, report.seed), digest);
-  const auto status = print_report(report, x.json, x.full);
+  const auto status = print_report(report, {x.json, x.full, x.brief}, labels);
   if (metrics)
     metrics->show(report); // a page may keep the process
   if (viewed && !report.interrupted)
@@ -300,12 +302,19 @@ exit_status compare_runs(const run_command& x, const config::ecology_description
   return equal ? status_of(first) : exit_status::violated;
 }
 
+std::vector<std::string> host_names(const config::ecology_description& x) {
+  std::vector<std::string> names;
+  for (const auto& host : x.hosts)
+    names.push_back(host.name);
+  return names;
+}
+
 /// Puts the host's part in the place of all. @returns the problems that prevent it
 std::vector<std::string> take_part(config::ecology_description& all, const std::string& host) {
   const auto used = config::used_hosts(all);
   const auto name_of = [](const auto& x) { return x.name; };
   if (config::find_host(all, host) == nullptr)
-    return {"there is no [[host]] named `" + host + '`'};
+    return {"there is no [[host]] named `" + host + '`' + suggestion(host, host_names(all))};
   if (std::ranges::find(used, host, name_of) == used.end())
     return {"nothing is placed on host `" + host + '`'};
   auto problems = config::placement_problems(all);

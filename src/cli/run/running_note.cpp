@@ -54,6 +54,27 @@ std::optional<running_ecology> read_note(const fs::path& path) {
   }
 }
 
+/// By the notes with this ending, without those of processes that are gone.
+std::vector<running_ecology> noted_ecologies(const std::string& ending) {
+  std::vector<running_ecology> all;
+  const auto one = io::state_file("x");
+  if (one.empty())
+    return all;
+  std::error_code error;
+  for (const auto& each : fs::directory_iterator(fs::path(one).parent_path(), error)) {
+    if (each.path().extension() != ending)
+      continue;
+    if (ending == running_ending && !is_alive(each.path())) {
+      static_cast<void>(std::remove(each.path().c_str())); // its process was killed
+      continue;
+    }
+    if (auto found = read_note(each.path()); found && all.size() < running_max)
+      all.push_back(*std::move(found));
+  }
+  std::ranges::sort(all, [](const auto& a, const auto& b) { return a.name < b.name; });
+  return all;
+}
+
 } // namespace
 
 running_note::running_note(const config::ecology_description& x) {
@@ -81,23 +102,11 @@ running_note::~running_note() {
 }
 
 std::vector<running_ecology> running_ecologies() {
-  std::vector<running_ecology> all;
-  const auto one = io::state_file("x");
-  if (one.empty())
-    return all;
-  std::error_code error;
-  for (const auto& each : fs::directory_iterator(fs::path(one).parent_path(), error)) {
-    if (each.path().extension() != running_ending)
-      continue;
-    if (!is_alive(each.path())) {
-      static_cast<void>(std::remove(each.path().c_str())); // its process was killed
-      continue;
-    }
-    if (auto found = read_note(each.path()); found && all.size() < running_max)
-      all.push_back(*std::move(found));
-  }
-  std::ranges::sort(all, [](const auto& a, const auto& b) { return a.name < b.name; });
-  return all;
+  return noted_ecologies(running_ending);
+}
+
+std::vector<running_ecology> deployed_ecologies() {
+  return noted_ecologies(deployed_ending);
 }
 
 } // namespace rubicon::cli

@@ -34,4 +34,10 @@ private:
 [[nodiscard]] std::vector<running_ecology> running_ecologies();
 inline constexpr std::size_t running_max = 64;
 
+/// How the name of the note of a deployment ends, which is followed or was left by its coordinator.
+inline constexpr const char* deployed_ending = ".deployed";
+
+/// The deployments of this user, likewise; `urls` are those of their hosts.
+[[nodiscard]] std::vector<running_ecology> deployed_ecologies();
+
 } // namespace rubicon::cli

@@ -31,6 +31,7 @@ struct run_command {
   config::extensions known;
   bool json = false;
   bool full = false;      ///< every row, as text
+  bool brief = false;     ///< the verdict only, as text
   bool is_strict = false; ///< a warning of the file is an error
   watch_options watch;
   bool reloads = false;           ///< on SIGHUP, in wall time (ACT-10)
@@ -89,6 +90,7 @@ struct deploy_command {
   bool attach = false;  ///< follows what runs already
   bool json = false;
   bool full = false;              ///< every row, as text
+  bool brief = false;             ///< the verdict only, as text
   std::string page_file;          ///< HTML goes here; empty: nowhere
   std::optional<page_place> view; ///< serves the live page
   bool control = false;           ///< which lets faults happen

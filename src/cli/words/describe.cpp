@@ -56,6 +56,8 @@ void take_value(std::string text, option_description& x) {
       x.range.replace(dash, 3, " to ");
     text.resize(at);
   }
+  if (text.starts_with('[') && text.ends_with(']')) // it may be left out
+    text = text.substr(1, text.size() - 2);
   x.value = text;
 }
 

@@ -6,6 +6,7 @@
 
 #include "config/checks/connectivity.hpp"
 #include "config/checks/slot_check.hpp"
+#include "config/island/label_keys.hpp"
 #include "config/island/layouts.hpp"
 #include "config/island/model_readers.hpp"
 #include "config/island/mote_keys.hpp"
@@ -177,8 +178,10 @@ void island_motes::read_mote(table_reader& in) {
   out.id = id;
   out.name = default_mote_name(out.type_name, out.id);
   in.all(out, mote_name_keys());
+  with_.labels.add(label_table::kind::mote, island_.name + '/' + out.name, read_label(in));
   if (in.is_good("name") && is_sink_name(out.name))
-    in.problems().add(in.at("name"), "`" + out.name + "` stands for the sink of an island");
+    in.problems().add(in.at("name"),
+                      "`" + out.name + "` stands for the sink of an island: choose another name");
   const bool may_lack_place = !positions_matter_ || in.has("path") || island_.outside.has_sink();
   in.all(out, mote_place_keys(!may_lack_place));
   const bool has_place = in.is_good("position_m");
@@ -320,9 +323,11 @@ void island_motes::check_connectivity(complaints& problems) const {
     const auto& mote = island_.motes[motes[i]];
     const auto at = placed_at_.find(mote.id);
     if (mote.path.empty() && at != placed_at_.end() && reported.insert(at->second).second)
-      problems.add(at->second, "mote `" + mote.name +
-                                   "` is unreachable: no chain of motes at most " +
-                                   metres_text(*range_m_) + " apart leads to its sink");
+      problems.add(at->second,
+                   "mote `" + mote.name + "` is unreachable: no chain of motes at most " +
+                       metres_text(*range_m_) +
+                       " apart leads to its sink; place it nearer, add motes between, or "
+                       "raise `range` in [radio]");
   }
 }
 

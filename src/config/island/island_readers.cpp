@@ -7,6 +7,7 @@
 #include "config/file_readers.hpp"
 #include "config/island/application_readers.hpp"
 #include "config/island/island_motes.hpp"
+#include "config/island/label_keys.hpp"
 #include "config/island/outside_readers.hpp"
 #include "mote/duty_keys.hpp"
 #include "radio/medium/tossim_files.hpp"
@@ -326,6 +327,7 @@ void add_island_id(const table_reader& in, surroundings& with, const island_desc
 island_description read_island(table_reader& in, surroundings& with, name_uniqueness& names) {
   island_description out;
   in.all(out, island_keys());
+  with.labels.add(label_table::kind::island, out.name, read_label(in));
   const bool name_is_free =
       in.is_good("name") && names.add(out.name, "island name", in.at("name"), in.problems());
   if (in.is_good("id"))

@@ -3,6 +3,7 @@
 
 #include "config/file_readers.hpp"
 #include "config/island/application_readers.hpp"
+#include "config/island/label_keys.hpp"
 #include "config/island/size_check.hpp"
 #include "config/peer/component_readers.hpp"
 #include "config/peer/peer_keys.hpp"
@@ -222,6 +223,9 @@ void read_peer(table_reader& in, surroundings& with, peer_surroundings& apps,
   peer_table peers;
   read_identity(in, with, peers);
   auto& like = peers.like;
+  const auto label = read_label(in);
+  for (std::uint32_t i = 0; i < peers.count; ++i)
+    with.labels.add(label_table::kind::peer, peers.name(i), label);
   in.all(like, peer_host_keys());
   read_connections(in, with, peers, apps, like);
   read_adapters(in, with.mode, apps.places, like);

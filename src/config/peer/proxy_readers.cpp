@@ -8,6 +8,7 @@
 
 #include "config/file_readers.hpp"
 #include "config/island/application_readers.hpp"
+#include "config/island/label_keys.hpp"
 #include "config/peer/proxy_keys.hpp"
 #include "config/peer/proxy_part_readers.hpp"
 #include "proxy/classes/class_keys.hpp"
@@ -279,7 +280,8 @@ void note(const table_reader& in, const proxy::proxy_class& x) {
 std::vector<proxy::proxy_class> read_proxies(table_reader& root,
                                              const proxy::program_registry& programs,
                                              std::vector<island_description>& islands,
-                                             const std::vector<peer_description>& peers) {
+                                             const std::vector<peer_description>& peers,
+                                             label_table& labels) {
   std::vector<proxy::proxy_class> out;
   std::vector<placed_range> ranges;
   name_uniqueness classes;
@@ -291,6 +293,7 @@ std::vector<proxy::proxy_class> read_proxies(table_reader& root,
                 proxy::proxy_class found;
                 tuple_names names;
                 in.all(found, class_name_keys());
+                labels.add(label_table::kind::proxy, found.name, read_label(in));
                 if (in.is_good("name"))
                   classes.add(found.name, "proxy name", in.at("name"), in.problems());
                 auto scope = read_scope(in);

@@ -17,6 +17,7 @@
 #include "config/plan/change.hpp"
 #include "config/plan/expectation.hpp"
 #include "config/plan/island.hpp"
+#include "config/plan/labels.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/text/ipv4_network.hpp"
@@ -348,6 +349,7 @@ struct ecology_description {
   std::vector<host_description> hosts;
   std::optional<part_description> part; ///< unset: all of the ecology is here
   std::optional<floor_plan> plan;
+  label_table labels;
 };
 
 /// Calls f with each island, those of other hosts included.

@@ -28,9 +28,12 @@ std::vector<std::string> keys_of(const Names& names) {
   return out;
 }
 
+/// @param header of the table that describes one; empty: none does alone
 std::nullopt_t unknown(const node& x, const asker& who, const std::string& what,
-                       std::string_view name, const std::vector<std::string>& known) {
-  who.complain(x, "no " + what + " is named `" + std::string(name) + '`' + suggestion(name, known));
+                       std::string_view name, const std::vector<std::string>& known,
+                       const std::string& header = {}) {
+  who.complain(x, "no " + what + " is named `" + std::string(name) + '`' + suggestion(name, known) +
+                      (known.empty() && !header.empty() ? "; describe it under " + header : ""));
   return std::nullopt;
 }
 
@@ -191,7 +194,8 @@ std::optional<std::string> mote_type_name::read(const node& x, const asker& who)
   if (name == nullptr)
     return who.refuse(x, "the name of a mote type");
   if (!who.in.names->mote_types.contains(*name))
-    return unknown(x, who, "mote type", *name, keys_of(who.in.names->mote_types));
+    return unknown(x, who, "mote type", *name, keys_of(who.in.names->mote_types),
+                   "[mote_type." + *name + ']');
   return *name;
 }
 
@@ -255,7 +259,7 @@ std::optional<std::string> host_name::read(const node& x, const asker& who) cons
   if (name == nullptr)
     return who.refuse(x, "the name of a host");
   if (!who.in.names->hosts.contains(*name))
-    return unknown(x, who, "host", *name, keys_of(who.in.names->hosts));
+    return unknown(x, who, "host", *name, keys_of(who.in.names->hosts), "[[host]]");
   return *name;
 }
 

@@ -98,6 +98,22 @@ std::optional<std::pair<mark, std::string_view>> bare_text(std::string_view text
   return std::pair(mark{at_line, static_cast<unsigned>(first) + 1}, value);
 }
 
+/// Whether a value begins or ends with a quote that a word processor has made.
+bool has_typographic_quotes(std::string_view value) {
+  constexpr std::array<std::string_view, 6> quotes{"“", "”", "„", "‘", "’", "«"};
+  return std::ranges::any_of(quotes, [value](std::string_view each) {
+    return value.starts_with(each) || value.ends_with(each);
+  });
+}
+
+/// What the parser says of a syntax error, in words that name the cure where it is a usual one.
+std::string cause_of(std::string_view description) {
+  const bool is_unclosed = description.starts_with("Error while parsing string") &&
+                           description.find("unescaped control characters") != description.npos;
+  return is_unclosed ? "the text is not closed: the quote at its end is missing"
+                     : std::string(description);
+}
+
 struct describer {
   std::string operator()(const node_table&) const { return "a table"; }
   std::string operator()(const node_array& x) const {
@@ -157,9 +173,12 @@ std::variant<node, problem> parse(std::string_view text, const std::string& file
   complaints found;
   const auto at = to_mark(parsed.error().source());
   if (const auto bare = bare_text(text, at.line))
-    found.add(bare->first, "a text needs quotes: " + in_quotes(bare->second));
+    found.add(bare->first, has_typographic_quotes(bare->second)
+                               ? "a text needs straight quotes (\"), not typographic ones: " +
+                                     std::string(bare->second)
+                               : "a text needs quotes: " + in_quotes(bare->second));
   else
-    found.add(at, std::string(parsed.error().description()));
+    found.add(at, cause_of(parsed.error().description()));
   return found.of_file(file).front();
 }
 

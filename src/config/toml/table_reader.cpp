@@ -58,7 +58,8 @@ bool table_reader::table(std::string_view key, const std::string& title, const a
   if (x == nullptr)
     return walks();
   if (x->as<node_table>() == nullptr) {
-    asker{key, shared_}.refuse(*x, "a table");
+    const bool has_header = x->as<node_array>() != nullptr && title.starts_with('[');
+    asker{key, shared_}.refuse(*x, "a table", has_header ? "; its header is " + title : "");
     return false;
   }
   read_part(*x, title, read);

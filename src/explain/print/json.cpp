@@ -167,6 +167,12 @@ ordered_json audience_json(const traces& all, const tuple_value& x) {
   return out;
 }
 
+/// What people call motes, islands and peers, by their names; nothing without any.
+void add_labels(ordered_json& out, const traces& all) {
+  for (const auto& [name, label] : all.about.labels)
+    out["labels"][name] = label;
+}
+
 std::string text_of(const ordered_json& x) {
   return printable_json(x.dump(2, ' ', false, ordered_json::error_handler_t::replace)) + '\n';
 }
@@ -178,6 +184,7 @@ std::string message_json(const traces& all, std::size_t index) {
   const auto root = all.messages[index].root;
   out["caused_by"] = path_to(all, root);
   out["path"] = step_of(all, root, 0);
+  add_labels(out, all);
   return text_of(out);
 }
 
@@ -190,6 +197,7 @@ std::string tuple_json(const traces& all, std::size_t index) {
   out["heard_by"] = audience_json(all, x);
   out["caused_by"] = path_to(all, x.root);
   out["path"] = step_of(all, x.root, 0);
+  add_labels(out, all);
   return text_of(out);
 }
 
@@ -220,6 +228,7 @@ std::string list_json(const traces& all, const listing& asked) {
   auto& list = out["messages"] = ordered_json::array();
   for (const auto i : selected(all, asked))
     list.push_back(summary_of(all, i));
+  add_labels(out, all);
   return text_of(out);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/text/name.hpp"
 #include "core/text/printable.hpp"
 #include "explain/outcome.hpp"
 #include "explain/print/words.hpp"
@@ -162,6 +163,26 @@ std::string cut_note(const traces& all) {
   return all.cut_off ? "The record ends in the middle of a line: the run was killed.\n" : "";
 }
 
+/// Whether `name` occurs in `text` as a whole word.
+bool mentions(const std::string& text, const std::string& name) {
+  const auto is_part = [](char c) { return is_name_character(c) || c == '/'; };
+  for (auto at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
+    const auto end = at + name.size();
+    if ((at == 0 || !is_part(text[at - 1])) && (end == text.size() || !is_part(text[end])))
+      return true;
+  }
+  return false;
+}
+
+/// The answer, and what people call those that it names: `kitchen/fan is Lüfter / Küche`
+std::string with_labels(const traces& all, std::string text) {
+  std::string labels;
+  for (const auto& [name, label] : all.about.labels)
+    if (mentions(text, name))
+      labels += "  " + printable(name) + " is " + printable(label) + '\n';
+  return text + (labels.empty() ? "" : '\n' + labels);
+}
+
 /// The name by which a value can be asked for: with its owner if others have such a tuple.
 std::string full_key(const traces& all, const tuple_value& x) {
   return x.key + '@' + all.known.of(x.owner);
@@ -200,7 +221,7 @@ std::string message_text(const traces& all, std::size_t index, const text_style&
   text += conclusion(all, x, style);
   if (!x.delivered)
     text += around(all, all.nodes[x.root].begin, end_of(all, x), style);
-  return text + cut_note(all);
+  return with_labels(all, std::move(text)) + cut_note(all);
 }
 
 std::string tuple_text(const traces& all, std::size_t index, const text_style& style) {
@@ -226,7 +247,7 @@ std::string tuple_text(const traces& all, std::size_t index, const text_style& s
                             span(*x.set - begun + *who.after)
                       : "\n" + report::painted(printable(who.who) + " did not receive it",
                                                look::bad, style.colour);
-  return text + '\n' + cut_note(all);
+  return with_labels(all, text + '\n') + cut_note(all);
 }
 
 std::string values_text(const traces& all, const std::vector<std::size_t>& indices,
@@ -246,7 +267,7 @@ std::string values_text(const traces& all, const std::vector<std::size_t>& indic
   auto text = title(printable(key) + ", " + report::counted(indices.size(), "value") +
                         (first > 0 ? ", the newest " + std::to_string(limit) : ""),
                     style);
-  return text + rows.render(never_cut, style.colour) + cut_note(all);
+  return with_labels(all, text + rows.render(style.room, style.colour)) + cut_note(all);
 }
 
 // ----------------------------------------------------------------------------------------- listing
@@ -303,7 +324,7 @@ std::string histogram(const traces& all, const listing& asked, const text_style&
   }
   if (causes.size() > rows_max)
     rows.add_note("… and " + std::to_string(causes.size() - rows_max) + " causes more");
-  return rows.render(never_cut, style.colour) + '\n';
+  return rows.render(style.room, style.colour) + '\n';
 }
 
 } // namespace
@@ -348,11 +369,11 @@ std::string list_text(const traces& all, const listing& asked, const text_style&
                 std::to_string(of(message_status::lost) + of(message_status::refused)) + " lost, " +
                 std::to_string(of(message_status::in_flight)) + " in flight",
             style);
-  text += histogram(all, asked, style) + rows.render(never_cut, style.colour);
+  text += histogram(all, asked, style) + rows.render(style.room, style.colour);
   if (fits > shown.size())
     text += "  … and " + std::to_string(fits - shown.size()) + " before (--limit 0 shows all)\n";
   if (asked.lost_only || !asked.from.empty())
-    return text + cut_note(all);
+    return with_labels(all, std::move(text)) + cut_note(all);
   std::map<std::pair<std::string, peer_id>, std::pair<std::size_t, std::size_t>> keys;
   for (std::size_t i = 0; i < all.tuples.size(); ++i) {
     auto& entry = keys[{all.tuples[i].key, all.tuples[i].owner}]; // how many, and the newest
@@ -371,7 +392,8 @@ std::string list_text(const traces& all, const listing& asked, const text_style&
                 x.is_deletion ? "deleted" : value_text(x.value, x.is_text),
                 report::run_time(all.nodes[x.root].begin)});
   }
-  return text + '\n' + tuples.render(never_cut, style.colour) + cut_note(all);
+  text += '\n' + tuples.render(style.room, style.colour);
+  return with_labels(all, std::move(text)) + cut_note(all);
 }
 
 // ------------------------------------------------------------------------------------------- names

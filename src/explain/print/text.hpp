@@ -22,8 +22,9 @@ struct listing {
 
 /// How text is laid out.
 struct text_style {
-  std::size_t width = 100;
+  std::size_t width = 100; ///< at which paths are wrapped
   bool colour = false;
+  std::size_t room = 10'000; ///< of a line in a list, where the rest is cut
 };
 
 /// The messages of a listing, oldest first.

@@ -143,10 +143,19 @@ json to_json(const gateway_report& x) {
   return object;
 }
 
-json to_json(const island_report& x) {
+/// What people call it, behind its name.
+void add_label(json& object, const std::string& label) {
+  if (!label.empty())
+    object["label"] = label;
+}
+
+json to_json(const island_report& x, const config::label_table& labels) {
+  using kind = config::label_table::kind;
   json motes = json::array();
-  for (const auto& mote : x.motes)
+  for (const auto& mote : x.motes) {
     motes.push_back(membership(mote));
+    add_label(motes.back(), labels.of(kind::mote, x.name + '/' + mote.name));
+  }
   json gateways = json::array();
   for (const auto& each : x.gateways)
     gateways.push_back(to_json(each));
@@ -166,14 +175,16 @@ json to_json(const island_report& x) {
   }
   if (!x.gateways.empty())
     all["gateways"] = std::move(gateways);
+  add_label(all, labels.of(kind::island, x.name));
   return all;
 }
 
-json to_json(const peer_report& x) {
+json to_json(const peer_report& x, const config::label_table& labels) {
   auto object = to_json(x, "id", "peer");
   object.erase("peis");
   object["packages"] = x.peis.packages;
   object["lost"] = value_of(x.peis.lost);
+  add_label(object, labels.of(config::label_table::kind::peer, x.name));
   return object;
 }
 
@@ -187,17 +198,19 @@ json to_json(const actuation_report& x) {
           {"failed", value_of(x.failed)}};
 }
 
-json to_json(const proxy_report& x) {
+json to_json(const proxy_report& x, const config::label_table& labels) {
   json values = json::object();
   for (const auto& [name, value] : x.values)
     values[name] = value;
-  return {{"proxy", x.name},
-          {"class", x.proxy_class},
-          {"status", x.status},
-          {"values", std::move(values)},
-          {"latency_s", x.latency > 0s ? json(seconds(x.latency)) : json()},
-          {"late", x.late},
-          {"actuations", to_json(x.actuations)}};
+  json object = {{"proxy", x.name},
+                 {"class", x.proxy_class},
+                 {"status", x.status},
+                 {"values", std::move(values)},
+                 {"latency_s", x.latency > 0s ? json(seconds(x.latency)) : json()},
+                 {"late", x.late},
+                 {"actuations", to_json(x.actuations)}};
+  add_label(object, labels.of(config::label_table::kind::proxy, x.proxy_class));
+  return object;
 }
 
 json to_json(const program_report& x) {
@@ -225,9 +238,21 @@ json array_of(const std::vector<T>& elements) {
   return array;
 }
 
+template <class T>
+json array_of(const std::vector<T>& elements, const config::label_table& labels) {
+  json array = json::array();
+  for (const auto& x : elements)
+    array.push_back(to_json(x, labels));
+  return array;
+}
+
 } // namespace
 
 std::string to_json(const run_report& x) {
+  return to_json(x, {});
+}
+
+std::string to_json(const run_report& x, const config::label_table& labels) {
   const json object{
       {"ecology", x.ecology},
       {"seed", x.seed},
@@ -258,9 +283,9 @@ std::string to_json(const run_report& x) {
         {"restarted", x.actors.restarted},
         {"failures", x.actors.failures},
         {"changes_refused", x.actors.changes_refused}}},
-      {"islands", array_of(x.islands)},
-      {"peers", array_of(x.peers)},
-      {"proxies", array_of(x.proxies)},
+      {"islands", array_of(x.islands, labels)},
+      {"peers", array_of(x.peers, labels)},
+      {"proxies", array_of(x.proxies, labels)},
       {"flows", array_of(x.flows)},
       {"programs", array_of(x.programs)},
       {"modules", array_of(x.modules)},

@@ -15,8 +15,21 @@ class report_page {
 public:
   explicit report_page(const text_options& options);
 
-  /// `── Event log ─────────` over the whole width, after a blank line.
-  void heading(std::string_view title);
+  /// `── Event log ───────── what happened ──` over the whole width, after a blank line.
+  /// @param purpose what the part is for; on a line of its own if the width is too small
+  void heading(std::string_view title, std::string_view purpose);
+
+  /// `name (label)`
+  [[nodiscard]] std::string named(config::label_table::kind what, const std::string& name) const {
+    return labels_.with_name(what, name);
+  }
+  [[nodiscard]] std::string mote(const std::string& island, const std::string& name) const {
+    return named(config::label_table::kind::mote, island + '/' + name);
+  }
+  /// The label of its class, or that of the mote whose name its prefix is.
+  [[nodiscard]] std::string proxy(const proxy_report& x) const;
+  /// Who is in the event log.
+  [[nodiscard]] std::string anybody(const std::string& who) const;
 
   void line(std::string_view text, look how = look::plain);
 
@@ -41,6 +54,7 @@ private:
   std::size_t room_; ///< of a line; more than the width in a file, where nothing is cut
   bool colour_;
   bool full_;
+  config::label_table labels_;
 };
 
 } // namespace rubicon::report

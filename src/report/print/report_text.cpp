@@ -70,12 +70,12 @@ std::vector<logged_event> brief_log(const std::vector<logged_event>& log) {
 void add_event_log(report_page& page, const run_report& x) {
   if (x.event_log.empty())
     return;
-  page.heading("Event log");
+  page.heading("Event log", "what happened, and when");
   table rows({{"time", align::right}, {"who"}, {"what"}});
   auto log = page.is_full() ? x.event_log : brief_log(x.event_log);
   const auto thinned = page.is_full() ? 0 : thin(log, log_lines_max);
   for (const auto& line : log)
-    rows.add({{run_time(line.at), look::faint}, line.who, line.what});
+    rows.add({{run_time(line.at), look::faint}, page.anybody(line.who), line.what});
   if (thinned > 0)
     rows.add_note("… " + counted(thinned, "line") +
                   " omitted where most events happened; --full shows all");
@@ -173,7 +173,7 @@ void add_island_row(table& rows, const std::string& name, const run_report& part
 void add_islands(report_page& page, const run_report& x) {
   if (x.islands.empty())
     return;
-  page.heading("Islands");
+  page.heading("Islands", "what became of messages and radio frames");
   table rows({{"island"},
               {"id", align::right},
               {"motes", align::right},
@@ -189,7 +189,8 @@ void add_islands(report_page& page, const run_report& x) {
   for (std::size_t i = 0; i < shown; ++i) {
     run_report alone;
     alone.islands.push_back(x.islands[i]);
-    add_island_row(rows, x.islands[i].name, alone, to_string(x.islands[i].id));
+    add_island_row(rows, page.named(config::label_table::kind::island, x.islands[i].name), alone,
+                   to_string(x.islands[i].id));
     add_membership_notes(rows, x.islands[i]);
     add_silence_note(rows, x.islands[i]);
     add_measuring_note(rows, alone);
@@ -214,7 +215,7 @@ void add_groups(report_page& page, const run_report& x) {
       all.push_back(&island);
   if (all.empty())
     return;
-  page.heading("Groups");
+  page.heading("Groups", "members of SMEPP groups and their events");
   table rows({{"island"},
               {"members", align::right},
               {"frames", align::right},
@@ -266,7 +267,7 @@ void add_network(report_page& page, const run_report& x) {
   const auto has_network = [](const island_report& island) { return island.network.beacons > 0; };
   if (std::ranges::none_of(x.islands, has_network))
     return;
-  page.heading("Network");
+  page.heading("Network", "how packets reach the sink, and how exact clocks are");
   table rows({{"island"},
               {"hops", align::right},
               {"packets", align::right},
@@ -325,12 +326,12 @@ int decimals_for(double largest_mah) {
   return largest_mah < 10 ? 3 : largest_mah < 100 ? 2 : 1;
 }
 
-void add_energy_row(table& rows, const energy_entry& entry, int decimals) {
+void add_energy_row(const report_page& page, table& rows, const energy_entry& entry, int decimals) {
   const auto& mote = *entry.mote;
   const auto& x = mote.energy;
   const auto radio_on = x.radio_listen + x.radio_receive + x.radio_transmit;
   const auto radio_all = seconds(radio_on + x.radio_off);
-  rows.add({entry.island->name + '/' + mote.name,
+  rows.add({page.mote(entry.island->name, mote.name),
             fixed(x.used_mah, decimals),
             percent(left_of(mote), 1),
             {projected_life(mote), mote.alive ? look::plain : look::bad},
@@ -343,7 +344,7 @@ void add_energy(report_page& page, const run_report& x) {
   const auto entries = least_left_first(x);
   if (entries.empty())
     return;
-  page.heading("Energy");
+  page.heading("Energy", "charge used, and how long batteries last");
   std::vector<double> used;
   for (const auto& entry : entries)
     used.push_back(entry.mote->energy.used_mah);
@@ -364,7 +365,7 @@ void add_energy(report_page& page, const run_report& x) {
               {"CPU", align::right}});
   const auto shown = many ? page.shown(entries.size(), least_left_shown) : entries.size();
   for (std::size_t i = 0; i < shown; ++i)
-    add_energy_row(rows, entries[i], decimals);
+    add_energy_row(page, rows, entries[i], decimals);
   page.add_rest(rows, entries.size(), shown);
   page.add(rows);
 }
@@ -381,12 +382,12 @@ std::pair<std::string, std::string> number_and_unit(const std::string& value) {
 void add_proxies(report_page& page, const run_report& x) {
   if (x.proxies.empty())
     return;
-  page.heading("Proxy values");
+  page.heading("Proxy values", "what motes last reported, with units");
   table rows({{"proxy"}, {"name"}, {"value", align::point}, {"unit"}, {"status"}});
   std::size_t row_count = 0;
   std::size_t rows_shown = 0;
   for (const auto& proxy : x.proxies) {
-    cell name = proxy.name;
+    cell name = page.proxy(proxy);
     cell status{proxy.status, proxy.status == "active" ? look::good : look::bad};
     auto values = proxy.values;
     if (values.empty())
@@ -416,7 +417,7 @@ void add_actuations(report_page& page, const run_report& x) {
     all += proxy.actuations;
   if (all.requested == 0)
     return;
-  page.heading("Actuations");
+  page.heading("Actuations", "which motes acknowledged, and how soon");
   table rows({{"proxy"},
               {"requested", align::right},
               {"acknowledged", align::right},
@@ -434,7 +435,7 @@ void add_actuations(report_page& page, const run_report& x) {
     if (page.shown(row_count, rows_max) < row_count)
       continue;
     ++rows_shown;
-    rows.add({proxy.name,
+    rows.add({page.proxy(proxy),
               with_thousands(actuations.requested),
               acknowledged_text(actuations),
               real_time(latency_s(actuations, 0.5)),
@@ -458,7 +459,7 @@ void add_actuations(report_page& page, const run_report& x) {
 void add_peers(report_page& page, const run_report& x) {
   if (x.peers.empty())
     return;
-  page.heading("PEIS network");
+  page.heading("PEIS network", "links and tuples of each peer");
   table rows({{"peer"},
               {"id", align::right},
               {"links", align::right},
@@ -469,10 +470,10 @@ void add_peers(report_page& page, const run_report& x) {
   const auto shown = page.shown(x.peers.size(), rows_max);
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& peer = x.peers[i];
-    rows.add({peer.alive ? peer.name : peer.name + " (ended)", to_string(peer.id),
-              with_thousands(peer.links), with_thousands(peer.hosts_known),
-              with_thousands(peer.tuples), with_thousands(peer.peis.packages),
-              causes(peer.peis.lost)});
+    const auto name = page.named(config::label_table::kind::peer, peer.name);
+    rows.add({peer.alive ? name : name + " (ended)", to_string(peer.id), with_thousands(peer.links),
+              with_thousands(peer.hosts_known), with_thousands(peer.tuples),
+              with_thousands(peer.peis.packages), causes(peer.peis.lost)});
   }
   page.add_rest(rows, x.peers.size(), shown);
   page.add(rows);
@@ -485,7 +486,7 @@ void add_peers(report_page& page, const run_report& x) {
 }
 
 void add_verdict(report_page& page, const run_report& x) {
-  page.heading("Verdict");
+  page.heading("Verdict", "whether the run was sound");
   page.flow({counted(x.actors.spawned, "actor"), with_thousands(x.actors.restarted) + " restarted",
              octet_size(x.serial().octets) + " over serial lines",
              with_thousands(x.radio().transmissions) + " radio transmissions"});
@@ -523,6 +524,11 @@ std::string to_text(const run_report& x, std::size_t width, bool colour) {
 std::string to_text(const run_report& x, const text_options& options) {
   report_page page(options);
   add_title(page, x);
+  if (options.brief) {
+    add_expectations(page, x);
+    add_verdict(page, x);
+    return page.finish();
+  }
   add_event_log(page, x);
   add_islands(page, x);
   add_network(page, x);

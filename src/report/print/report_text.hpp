@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 
+#include "config/plan/labels.hpp"
 #include "report/report.hpp"
 
 namespace rubicon::report {
@@ -13,9 +14,11 @@ struct text_options {
   bool colour = false;     ///< ANSI escapes
   bool cuts = true;        ///< no line is wider; false: tables and texts are as wide as they are
   bool full = false;       ///< every row, and every line of the event log
+  bool brief = false;      ///< only the verdict, with what the file expects
+  config::label_table labels = {}; ///< shown beside names
 };
 
-/// The report a person reads. Whatever it leaves out it says so.
+/// The report a person reads. Whatever it leaves out it says so, unless it is brief.
 [[nodiscard]] std::string to_text(const run_report& x, const text_options& options);
 
 } // namespace rubicon::report

@@ -20,6 +20,7 @@ function plain(text, most = 1000) {
   return cut.replace(/[\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/g, "\ufffd");
 }
 
+const labelled = (name, label) => (label ? `${name} (${plain(label, 100)})` : name); // what people call it
 const plainLines = text => String(text ?? "").split("\n").map(line => plain(line, 1e5)).join("\n");
 
 function assign(element, attributes) {
@@ -287,7 +288,7 @@ function takeMotes(x) {
   for (const name of ["x", "y", "wx", "wy"]) model[name] = new Float64Array(model.count);
   Object.assign(model, { names: [], types: [], byAddress: new Map(), byName: new Map(), sinks: new Map(), islands: [] });
   islands.forEach((each, at) => {
-    const island = { id: each.id, name: each.name, air: each.air ?? at, sink: each.sink, gateways: each.gateways || [],
+    const island = { id: each.id, name: each.name, label: each.label, labels: new Map(Object.entries(each.mote_labels || {})), air: each.air ?? at, sink: each.sink, gateways: each.gateways || [],
       first: model.names.length, count: each.motes.length, byId: new Map(), counts: STATES.map(() => 0) };
     model.islands.push(island);
     for (const name of [each.name + "/sink", `${each.id}/${each.sink?.id}`]) model.sinks.set(name, at);
@@ -2441,7 +2442,7 @@ function faultButton(text, kind, who) {
 async function moteParts(i) {
   const address = addressOf(i);
   const [answer, sent] = await Promise.all([ask({ ask: "mote", address, at_s: shown.at_s }, "mote"), messagesOf(address)]);
-  return [make("h2", fullName(i)), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at_s)}`),
+  return [make("h2", labelled(fullName(i), islandOf(i).labels.get(model.names[i]))), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at_s)}`),
     faultButton("crash this mote…", "crash mote", fullName(i)), ...proposalParts(i), factList(answer?.facts || []),
     ...energyDetails(answer), ...neighbourDetails(answer?.neighbours || [], islandOf(i)), ...sent].filter(Boolean);
 }
@@ -2482,7 +2483,7 @@ async function peerParts(index) {
     $("tuple-filter").value = peer.name;
     showTab("tuples");
   };
-  return [make("h2", peer.name), make("p.soft.small", `${peer.gateway ? "gateway" : "PEIS peer"} ${peer.id}${peer.host ? " on " + peer.host : ""}`),
+  return [make("h2", labelled(peer.name, peer.label)), make("p.soft.small", `${peer.gateway ? "gateway" : "PEIS peer"} ${peer.id}${peer.host ? " on " + peer.host : ""}`),
     make("div.row", button("its tuples", seeTuples, { id: "peer-tuples" }), faultButton("kill this peer…", "kill peer", peer.name)),
     factList(answer?.facts || []), make("h3", `Configured links (${peer.links.length})`), chips("peer", peer.links),
     make("h3", "Open links, packages waiting"), factList(answer?.links || []),
@@ -2495,7 +2496,7 @@ function islandParts(index) {
   const island = model.islands[index];
   const gateways = [...model.peers.keys()].filter(i => island.gateways.includes(model.peers[i].name));
   const motes = range(min(island.count, 200)).map(k => island.first + k);
-  return [make("h2", island.name), make("p.soft.small", `island ${island.id}, ${countText(island.count)} motes, at ${timeText(shown.at_s)}`),
+  return [make("h2", labelled(island.name, island.label)), make("p.soft.small", `island ${island.id}, ${countText(island.count)} motes, at ${timeText(shown.at_s)}`),
     factList(STATES.map(([, text], code) => [text, countText(island.counts[code])])), make("h3", "Gateways"), chips("peer", gateways),
     make("h3", island.count > 200 ? "Motes, the first 200" : "Motes"), make("div.chips", ...motes.map(i => button(plain(model.names[i], 60), () => choose({ kind: "mote", index: i }))))];
 }

@@ -78,6 +78,10 @@ public:
     std::filesystem::create_directories(folder_.path / "rubicon");
     std::ofstream(folder_.path / "rubicon" / (process + ".running")) << text;
   }
+  void write_deployed(const std::string& ecology, const std::string& text) const {
+    std::filesystem::create_directories(folder_.path / "rubicon");
+    std::ofstream(folder_.path / "rubicon" / (ecology + deployed_ending)) << text;
+  }
   [[nodiscard]] bool has(const std::string& process) const {
     return std::filesystem::exists(folder_.path / "rubicon" / (process + ".running"));
   }
@@ -133,6 +137,32 @@ TEST_CASE("notes of the dead are removed, and nonsense is passed over", "[cli]")
   CHECK(!notes.has("x1"));
   notes.write(std::to_string(::getpid()), R"({"ecology": "c", "network": "c", "urls": "no"})");
   CHECK(running_ecologies().empty());
+}
+
+TEST_CASE("the network of a deployment is found by the note of who has deployed it",
+          "[cli][SVC-08]") {
+  const own_notes notes;
+  const some_peer peer("attic", false);
+  notes.write_deployed("attic", R"({"ecology": "house", "network": "attic", "urls": [")" +
+                                    peer.url() + R"("]})");
+  notes.write_deployed("old", R"({"ecology": "old", "hosts": []})"); // of an earlier version
+  CHECK(running_ecologies().empty());
+  REQUIRE(deployed_ecologies().size() == 1);
+  io::loop loop;
+  network_options options;
+  options.timeout = 20s;
+  const auto found = join_network(loop, options, no_area());
+  REQUIRE(std::holds_alternative<joined_network>(found));
+  CHECK(std::get<joined_network>(found).with.network == "attic");
+  options.peer = peer.url(); // with an address, but without the name
+  const auto there = join_network(loop, options, no_area());
+  REQUIRE(std::holds_alternative<joined_network>(there));
+  CHECK(std::get<joined_network>(there).with.network == "attic");
+  options.network = "cellar";
+  options.network_given = true;
+  const auto other = join_network(loop, options, no_area());
+  REQUIRE(std::holds_alternative<std::string>(other));
+  CHECK(std::get<std::string>(other).find("--network NAME") != std::string::npos);
 }
 
 TEST_CASE("a running ecology is joined without its place or its network's name", "[cli][SVC-08]") {

@@ -5,6 +5,7 @@
 
 #include "cli/options/parse_command_line.hpp"
 #include "cli/words/condition.hpp"
+#include "cli/words/hint.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -114,6 +115,31 @@ TEST_CASE("a page has further names, in lower case", "[cli]") {
   for (const auto* wrong : {"house.example:80", "http://house", "*", "a b"})
     CHECK(contains(refusal({"run", "a.toml", "--view", "0", "--view-host", wrong}),
                    "not the name of a host"));
+}
+
+TEST_CASE("a brief report is text, and not a full one", "[cli]") {
+  CHECK(parse_run({"--brief"}).brief);
+  CHECK_FALSE(parse_run({}).brief);
+  CHECK(parse_run({"--brief"}).deciding.empty());
+  CHECK(contains(refusal({"run", "a.toml", "--brief", "--full"}), "excludes"));
+  CHECK(contains(refusal({"run", "a.toml", "--json", "--brief"}), "excludes"));
+}
+
+TEST_CASE("help shows that the port of a page may be left out", "[cli]") {
+  const auto x = parse({"run", "--help"});
+  REQUIRE(std::holds_alternative<show_command>(x));
+  CHECK(contains(std::get<show_command>(x).text, "--view [PORT] "));
+}
+
+TEST_CASE("the name of a host is a name", "[cli]") {
+  CHECK(contains(refusal({"host", "--name", "a b"}), "1 to 32 letters, digits, - and _"));
+}
+
+TEST_CASE("a failure of the operating system is followed by a cure", "[cli]") {
+  CHECK(
+      with_hint("cannot write a/b: No such file or directory") ==
+      "cannot write a/b: No such file or directory; correct the path, or create its folder first");
+  CHECK(with_hint("it does not fit") == "it does not fit");
 }
 
 TEST_CASE("check takes the files that run takes", "[cli]") {

@@ -53,15 +53,15 @@ width = "0m"
 #   "25m", not "0m"
 
 nick = "x"
-#< unknown key `nick` in [[peer]]: there is id, name, count, host, links, connect, tcp, lan, udp,
-#   leaf, ...
+#< unknown key `nick` in [[peer]]: there is id, name, count, label, host, links, connect, tcp, lan,
+#   udp, ...
 
 [island]
 #< `island` must be tables under headers [[island]], not a table
 id = 1
 
 [[radio]]
-#< `radio` must be a table, not an array of 1
+#< `radio` must be a table, not an array of 1; its header is [radio]
 loss = 0
 
 [[peer]]

@@ -178,7 +178,8 @@ TEST_CASE("a mote to which no chain of motes leads from its sink is told", "[con
 id = 2
 type = "c"
 position_m = [30, 1]
-#            ^ mote `c-2` is unreachable: no chain of motes at most 30 m apart leads to its sink
+#            ^ mote `c-2` is unreachable: no chain of motes at most 30 m apart leads to its sink;
+#   place it nearer, add motes between, or raise `range` in [radio]
 
 [[island.mote]]
 id = 2
@@ -189,7 +190,8 @@ position_m = [30, 0]
 id = 2
 type = "c"
 position_m = [0, 30, 5]
-#            ^ mote `c-2` is unreachable: no chain of motes at most 30 m apart leads to its sink
+#            ^ mote `c-2` is unreachable: no chain of motes at most 30 m apart leads to its sink;
+#   place it nearer, add motes between, or raise `range` in [radio]
 
 [[island.mote]]
 id = 2
@@ -204,7 +206,8 @@ position_m = [28, 0]
 id = 2
 type = "c"
 position_m = [59, 0]
-#            ^ mote `c-2` is unreachable: no chain of motes at most 30 m apart leads to its sink
+#            ^ mote `c-2` is unreachable: no chain of motes at most 30 m apart leads to its sink;
+#   place it nearer, add motes between, or raise `range` in [radio]
 [[island.mote]]
 id = 3
 type = "c"
@@ -364,7 +367,7 @@ transducers.light = { model = "constant", value = 1 }
 TEST_CASE("hosts are known by name", "[config][GEN-06]") {
   check_mistakes(island_head, R"(
 host = "h1"
-#      ^ no host is named `h1`: there is none
+#      ^ no host is named `h1`: there is none; describe it under [[host]]
 
 host = "h2"
 #      ^ no host is named `h2`: did you mean `h1`?

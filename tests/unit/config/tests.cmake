@@ -1,5 +1,5 @@
 rubicon_unit_test(unit.config SOURCES
-  unit/config/units_test.cpp unit/config/file_test.cpp
+  unit/config/units_test.cpp unit/config/file_test.cpp unit/config/label_test.cpp
   unit/config/values_test.cpp unit/config/problems_test.cpp unit/config/key_list_test.cpp unit/config/references_test.cpp
   unit/config/description_test.cpp unit/config/examples_test.cpp unit/config/summary_test.cpp
   unit/config/docs_test.cpp unit/config/island/access_test.cpp unit/config/island/radio_test.cpp unit/config/island/group_test.cpp

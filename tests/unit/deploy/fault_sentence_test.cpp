@@ -110,6 +110,7 @@ of = ["gateway"]
         "ends of a stream or flow have agreed on");
   CHECK(refusal("seed value 7").starts_with("`seed` cannot change while an ecology runs"));
   CHECK(refusal("explode peer robot").find("or of a change \"debug\"") != std::string::npos);
+  CHECK(refusal("crsh mote kitchen/stove for 10s").ends_with("; did you mean \"crash\"?"));
   CHECK(table_of("link from kitchen/stove to kitchen/sink loss 20%", "3s") ==
         "\n[[change]]\nat = \"3s\"\nkind = \"link\"\nfrom = \"kitchen/stove\"\n"
         "to = \"kitchen/sink\"\nloss = \"20%\"\n");

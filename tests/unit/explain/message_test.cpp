@@ -1,4 +1,5 @@
 #include "explain/outcome.hpp"
+#include "report/print/text_layout.hpp"
 #include "support/catch.hpp"
 #include "unit/explain/fixture.hpp"
 
@@ -139,6 +140,23 @@ TEST_CASE("a message that no frame brings to the sink is lost there", "[explain]
   listing asked;
   asked.lost_only = true;
   CHECK(contains(list_text(all, asked, wide), "kitchen/far#1"));
+  for (const auto& line : lines_of(list_text(all, asked, {100, false, 80})))
+    CHECK(report::display_width(line) <= 80);
+}
+
+TEST_CASE("labels of those that an answer names are below it", "[explain]") {
+  explain_fixture world;
+  world.x.about.labels = {{"kitchen/far", "Küche / Fenster\nlinks"}, {"robot", "Putzhilfe"}};
+  world.program_sends(far_mote, reading, true);
+  const auto all = follow(world.x);
+  const auto text = message_text(all, 0, wide);
+  CHECK(contains(text, "\n  kitchen/far is Küche / Fenster\\nlinks\n"));
+  CHECK(!contains(text, "Putzhilfe"));
+  CHECK(contains(list_text(all, {}, wide), "  kitchen/far is ") == false); // nothing is lost
+  CHECK(contains(message_json(all, 0), "\"kitchen/far\": \"Küche / Fenster"));
+  const auto again = read(encode(world.x.about));
+  CHECK(!again.problem);
+  CHECK(again.content.about == world.x.about);
 }
 
 TEST_CASE("an unplugged serial line is where a message ends", "[explain][GW-16]") {

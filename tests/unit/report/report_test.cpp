@@ -318,7 +318,7 @@ TEST_CASE("of many islands with groups some are shown, and all if asked for", "[
     island.smepp.programs = 1;
   const auto part_of = [](const std::string& text) {
     const auto begin = text.find("Groups ");
-    return text.substr(begin, text.find("── ", begin) - begin);
+    return text.substr(begin, text.find("\n── ", begin) - begin);
   };
   const auto some = part_of(to_text(x));
   CHECK(contains(some, "house-20 "));
@@ -444,4 +444,69 @@ TEST_CASE("a median is not above the slowest", "[report]") {
     x += one;
   }
   CHECK(latency_s(x, 0.99) <= seconds(x.slowest));
+}
+
+TEST_CASE("each part of the text says what it is for", "[report]") {
+  const auto text = to_text(sample_report(), 100);
+  CHECK(contains(text, "── Islands ─"));
+  CHECK(contains(text, "─ what became of messages and radio frames ──\n"));
+  for (const std::size_t width : {60U, 100U})
+    for (const auto& line : lines_of(to_text(sample_report(), width)))
+      CHECK(display_width(line) <= width);
+  auto x = sample_report();
+  x.islands[0].network.beacons = 1; // else it has no part of its own
+  const auto narrow = to_text(x, 60);
+  CHECK(contains(narrow, "─\n  how packets reach the sink, and how exact clocks are\n"));
+}
+
+TEST_CASE("a brief text has the title, the expectations and the verdict", "[report]") {
+  auto x = with_violation();
+  expectation_report unmet;
+  unmet.text = "delivery >= 90%";
+  unmet.outcome = expectation_report::verdict::unmet;
+  unmet.command = "rubicon run home.toml --record run.rec && rubicon explain run.rec --lost";
+  x.expectations = {unmet};
+  const auto text = to_text(x, {.brief = true});
+  CHECK(contains(text, "── Expectations "));
+  CHECK(contains(text, "── Verdict "));
+  CHECK(contains(text, "rubicon explain run.rec --lost"));
+  CHECK(contains(text, "radio copies balance"));
+  CHECK(!contains(text, "── Islands "));
+  CHECK(!contains(text, "── Event log "));
+  CHECK(lines_of(text).size() < 20);
+}
+
+TEST_CASE("labels are shown beside names, and are in the JSON", "[report]") {
+  using kind = rubicon::config::label_table::kind;
+  const auto x = sample_report();
+  REQUIRE(!x.islands.empty());
+  REQUIRE(!x.islands[0].motes.empty());
+  REQUIRE(!x.peers.empty());
+  REQUIRE(!x.proxies.empty());
+  const auto mote = x.islands[0].name + '/' + x.islands[0].motes[0].name;
+  rubicon::config::label_table labels;
+  labels.add(kind::island, x.islands[0].name, "Küche");
+  labels.add(kind::mote, mote, "Küche / Fenster links");
+  labels.add(kind::peer, x.peers[0].name, "PC im Flur");
+  labels.add(kind::proxy, x.proxies[0].proxy_class, "Klima\x1b[2J");
+  const auto text = to_text(x, {.width = 200, .labels = labels});
+  CHECK(contains(text, x.islands[0].name + " (Küche)"));
+  CHECK(contains(text, mote + " (Küche / Fenster links)"));
+  CHECK(contains(text, x.peers[0].name + " (PC im Flur)"));
+  CHECK(contains(text, x.proxies[0].name + " (Klima\\x1b[2J)"));
+  const auto all = json::parse(to_json(x, labels));
+  CHECK(all["islands"][0]["label"] == "Küche");
+  CHECK(all["islands"][0]["motes"][0]["label"] == "Küche / Fenster links");
+  CHECK(all["peers"][0]["label"] == "PC im Flur");
+  CHECK(all["proxies"][0]["label"] == "Klima\x1b[2J");
+  CHECK(to_json(x).find("\"label\"") == std::string::npos); // without any there is no key
+}
+
+TEST_CASE("a battery that is exactly flat has nothing left", "[report][NRG-05]") {
+  auto x = sample_report();
+  auto& energy = x.islands[0].motes[0].energy;
+  energy.battery_mah = 2000;
+  energy.used_mah = 2000.0000001; // sums are not exact
+  CHECK(!contains(to_text(x), "-0.0%"));
+  CHECK(contains(to_text(x), " 0.0% "));
 }

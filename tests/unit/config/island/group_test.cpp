@@ -155,10 +155,10 @@ sink.power = "1dBm"
 TEST_CASE("no mote is called as references call the sink", "[config][GEN-06]") {
   check_mistakes(mote_head, R"(
 name = "sink"
-#      ^ `sink` stands for the sink of an island
+#      ^ `sink` stands for the sink of an island: choose another name
 
 name = "Sink"
-#      ^ `Sink` stands for the sink of an island
+#      ^ `Sink` stands for the sink of an island: choose another name
 
 name = "sink2"
 )");
@@ -405,7 +405,9 @@ TEST_CASE("a group with the whole stack may be a chain of hops, and is told once
   CHECK(problem_after(island_head, line("10m")) == "none");
   CHECK(problem_after(island_head, line("30m")) == "none");
   CHECK(problem_after(island_head, line("31m")) == "18:10: mote `mote-3` is unreachable: no chain "
-                                                   "of motes at most 30 m apart leads to its sink");
+                                                   "of motes at most 30 m apart leads to its sink; "
+                                                   "place it nearer, add motes between, or raise "
+                                                   "`range` in [radio]");
 }
 
 TEST_CASE("all groups of a file have a limit together", "[config][GEN-06]") {
