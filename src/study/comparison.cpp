@@ -43,7 +43,12 @@ bool is_more_important(const difference& x, const difference& y) {
 
 void figure_pairs::add(side where, const std::string& variant, std::uint64_t seed,
                        const std::map<std::string, double>& figures) {
-  auto& run = runs_[{variant, seed}];
+  const std::pair which(variant, seed);
+  if (runs_.size() >= runs_max && !runs_.contains(which)) {
+    ++left_out_;
+    return;
+  }
+  auto& run = runs_[which];
   (where == side::a ? run.a : run.b) = figures;
 }
 

@@ -26,7 +26,10 @@ class figure_pairs {
 public:
   enum class side : std::uint8_t { a, b };
 
-  /// The figures of one run. A later one of the same variant, seed and side replaces it.
+  static constexpr std::size_t runs_max = 20'000; ///< of different variant and seed
+
+  /// The figures of one run. A later one of the same variant, seed and side replaces it; beyond
+  /// runs_max it is left out.
   void add(side where, const std::string& variant, std::uint64_t seed,
            const std::map<std::string, double>& figures);
 
@@ -35,6 +38,8 @@ public:
 
   /// Variant and seed of which there are runs on both sides.
   [[nodiscard]] std::size_t pairs() const;
+  /// Runs that were left out.
+  [[nodiscard]] std::size_t left_out() const { return left_out_; }
   /// Runs on one side only.
   [[nodiscard]] std::size_t single() const { return runs_.size() - pairs(); }
 
@@ -45,6 +50,7 @@ private:
   };
 
   std::map<std::pair<std::string, std::uint64_t>, both> runs_;
+  std::size_t left_out_ = 0;
 };
 
 /// A figure that is not equal in all pairs.

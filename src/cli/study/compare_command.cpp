@@ -20,6 +20,7 @@
 #include "cli/study/compare_text.hpp"
 #include "cli/study/result_runs.hpp"
 #include "cli/swarm.hpp"
+#include "report/figures.hpp"
 #include "study/comparison.hpp"
 #include "study/store.hpp"
 
@@ -29,7 +30,7 @@ namespace {
 
 using side = study::figure_pairs::side;
 
-constexpr std::uint64_t seeds_max = 100'000;
+constexpr std::uint64_t seeds_max = study::figure_pairs::runs_max;
 
 enum class subject : std::uint8_t { nothing, file, binary, study, record };
 
@@ -119,6 +120,9 @@ exit_status show(const compare_command& x, const study::figure_pairs& pairs) {
   if (pairs.pairs() == 0)
     return cli::refuse("there are no two runs of one variant and seed to compare");
   const shown_comparison all{x.a, x.b, pairs.pairs(), pairs.single(), study::compare(pairs.all())};
+  if (pairs.left_out() > 0)
+    say(report::counted(pairs.left_out(), "run") + " left out: the first " +
+        std::to_string(study::figure_pairs::runs_max) + " are compared");
   const auto out = console_of(stdout);
   if (!print(stdout, x.csv ? comparison_csv(all.found)
                            : comparison_text(all, x.full, out.room(), out.colour)))

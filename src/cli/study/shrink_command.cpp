@@ -23,6 +23,7 @@
 #include "io/files/replace_file.hpp"
 #include "report/expectations.hpp"
 #include "report/figures.hpp"
+#include "study/outline.hpp"
 #include "study/shrink.hpp"
 
 namespace rubicon::cli {
@@ -79,6 +80,14 @@ public:
 
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
+  /// What a report says of a version, of `file` instead.
+  [[nodiscard]] std::string named(std::string text, const std::string& file) const {
+    for (auto at = text.find(file_.path()); at != std::string::npos;
+         at = text.find(file_.path(), at + file.size()))
+      text.replace(at, file_.path().size(), file);
+    return text;
+  }
+
 private:
   std::optional<seed_outcome> finish(const std::vector<std::string>& words) {
     runs_.start(0, words);
@@ -125,7 +134,10 @@ std::string record_beside(const std::string& file) {
 std::string summary_of(const shrink_command& x, const study::shrinker& found,
                        const report::violation& what, const std::string& file) {
   const auto text = found.smallest();
-  const swarm_words words{.file = file, .settings = x.settings};
+  const auto entries = study::outline_of(text);
+  const bool from_wall =
+      std::ranges::find(entries, "ecology.mode", &study::piece::path) != entries.end();
+  const swarm_words words{.file = file, .from_wall = from_wall, .settings = x.settings};
   return "violation: " + printable(what.invariant) + ": " + printable(what.detail) + '\n' +
          printable(file) + ": " +
          report::counted(static_cast<std::uint64_t>(std::ranges::count(text, '\n')), "line") +
@@ -193,6 +205,7 @@ exit_status perform(const shrink_command& x) {
   const auto out = out_of(x);
   if (const auto why = io::replace_file(out, smaller.smallest()); !why.empty())
     return refuse(why);
+  what->detail = runs.named(std::move(what->detail), out);
   if (!interrupted)
     runs.record(out, record_beside(out));
   if (!print(stdout, summary_of(x, smaller, *what, out)))

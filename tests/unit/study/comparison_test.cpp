@@ -157,3 +157,13 @@ TEST_CASE("pairs are runs of one variant and seed", "[study]") {
   CHECK(all[0].a == std::vector<double>{10, 20});
   CHECK(all[0].b == std::vector<double>{11, 22});
 }
+
+TEST_CASE("pairs of very many runs are bounded", "[study]") {
+  using side = figure_pairs::side;
+  figure_pairs x;
+  for (std::uint64_t seed = 0; seed < figure_pairs::runs_max + 3; ++seed)
+    x.add(side::a, "", seed, {});
+  x.add(side::b, "", 7, {});
+  CHECK(x.left_out() == 3);
+  CHECK(x.pairs() == 1);
+}
