@@ -53,6 +53,24 @@ double student_t(double confidence, std::size_t freedom) {
          math::sine_of_turns(low + 0.25);
 }
 
+double student_tail(double t, std::size_t freedom) {
+  assert(freedom >= 1);
+  const double size = std::abs(t);
+  const auto n = static_cast<double>(freedom);
+  constexpr std::size_t few = 1000;
+  if (freedom > few) // Abramowitz and Stegun 26.7.8
+    return math::erfc(size * (1 - 1 / (4 * n)) / std::sqrt((1 + size * size / (2 * n)) * 2));
+  double low = 0;
+  double high = 0.25;
+  for (int i = 0; i < 60; ++i) { // the angle whose tangent is t over the root of the freedom
+    const double middle = (low + high) / 2;
+    const bool is_below =
+        std::sqrt(n) * math::sine_of_turns(middle) < size * math::sine_of_turns(middle + 0.25);
+    (is_below ? low : high) = middle;
+  }
+  return std::clamp(1 - within(low, freedom), 0.0, 1.0);
+}
+
 estimate mean_of(std::span<const double> values, double confidence) {
   estimate out{values.size(), 0, std::nullopt};
   double squares = 0; // of the distances from the mean, updated value by value
@@ -98,6 +116,16 @@ double quantile(std::span<const double> values, double q) {
   return quantile_of_sorted(sorted, q);
 }
 
+namespace {
+
+interval middle_of(std::vector<double>& found, double confidence) {
+  std::ranges::sort(found);
+  return {quantile_of_sorted(found, (1 - confidence) / 2),
+          quantile_of_sorted(found, (1 + confidence) / 2)};
+}
+
+} // namespace
+
 interval bootstrap_quantile(std::span<const double> values, double q, random_stream& random,
                             std::size_t samples, double confidence) {
   assert(!values.empty() && samples > 0);
@@ -109,16 +137,25 @@ interval bootstrap_quantile(std::span<const double> values, double q, random_str
       each = values[random.below(values.size())];
     found.push_back(quantile(sample, q));
   }
-  std::ranges::sort(found);
-  return {quantile_of_sorted(found, (1 - confidence) / 2),
-          quantile_of_sorted(found, (1 + confidence) / 2)};
+  return middle_of(found, confidence);
 }
 
-bool is_enough(const estimate& x, const precision& wanted) {
-  if (x.runs >= wanted.runs_max)
-    return true;
-  return x.runs >= std::max<std::size_t>(wanted.runs_min, 2) && x.half_width &&
-         *x.half_width <= wanted.of_mean * std::abs(x.mean);
+interval bootstrap_difference(std::span<const double> a, std::span<const double> b, double q,
+                              random_stream& random, std::size_t samples, double confidence) {
+  assert(!a.empty() && a.size() == b.size() && samples > 0);
+  std::vector<double> found;
+  found.reserve(samples);
+  std::vector<double> of_a(a.size());
+  std::vector<double> of_b(b.size());
+  for (std::size_t i = 0; i < samples; ++i) {
+    for (std::size_t j = 0; j < a.size(); ++j) {
+      const auto pair = random.below(a.size());
+      of_a[j] = a[pair];
+      of_b[j] = b[pair];
+    }
+    found.push_back(quantile(of_b, q) - quantile(of_a, q));
+  }
+  return middle_of(found, confidence);
 }
 
 } // namespace rubicon::study

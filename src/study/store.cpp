@@ -13,7 +13,10 @@ namespace {
 constexpr int application_id = 0x52756269; ///< of our databases, in their headers
 constexpr int patience_ms = 10'000;        ///< while another process writes
 
+/// With a write-ahead log a run costs no wait for the disk.
 constexpr const char* tables = R"(
+PRAGMA journal_mode = WAL;
+PRAGMA synchronous = NORMAL;
 BEGIN IMMEDIATE;
 CREATE TABLE IF NOT EXISTS run(
   id INTEGER PRIMARY KEY, key TEXT NOT NULL UNIQUE, file TEXT NOT NULL, seed INTEGER NOT NULL,
@@ -24,6 +27,9 @@ CREATE TABLE IF NOT EXISTS parameter(
 CREATE TABLE IF NOT EXISTS scalar(
   run INTEGER NOT NULL REFERENCES run(id), name TEXT NOT NULL, value REAL NOT NULL,
   PRIMARY KEY(run, name)) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS series(
+  run INTEGER NOT NULL REFERENCES run(id), name TEXT NOT NULL, at_s REAL NOT NULL,
+  value REAL NOT NULL, PRIMARY KEY(run, name, at_s)) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS expectation(
   run INTEGER NOT NULL REFERENCES run(id), expect TEXT NOT NULL, met INTEGER,
   measured TEXT NOT NULL);
@@ -84,6 +90,13 @@ public:
   }
 
   [[nodiscard]] double number(int column) { return sqlite3_column_double(statement_, column); }
+  [[nodiscard]] std::string text(int column) {
+    const auto* found = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
+    return found == nullptr
+               ? std::string()
+               : std::string(found,
+                             static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)));
+  }
   [[nodiscard]] std::int64_t whole(int column) { return sqlite3_column_int64(statement_, column); }
 
 private:
@@ -131,6 +144,23 @@ void insert_parameters(sqlite3* database, std::int64_t run, const run_parameters
   statement insert(database, "INSERT OR IGNORE INTO parameter VALUES(?, ?, ?)");
   for (const auto& [name, value] : all)
     insert.bind(run).bind(name).bind(value).run();
+}
+
+void insert_results(sqlite3* database, std::int64_t run, const run_result& x) {
+  insert_parameters(database, run, x.parameters);
+  statement scalar(database, "INSERT INTO scalar VALUES(?, ?, ?)");
+  for (const auto& [name, value] : x.scalars)
+    if (std::isfinite(value))
+      scalar.bind(run).bind(name).bind(value).run();
+  statement series(database, "INSERT OR IGNORE INTO series VALUES(?, ?, ?, ?)");
+  for (const auto& each : x.series)
+    series.bind(run).bind(each.name).bind(each.at_s).bind(each.value).run();
+  statement expectation(database, "INSERT INTO expectation VALUES(?, ?, ?, ?)");
+  for (const auto& each : x.expectations)
+    expectation.bind(run).bind(each.expect).bind(each.met).bind(each.measured).run();
+  statement violation(database, "INSERT INTO violation VALUES(?, ?, ?, ?)");
+  for (const auto& each : x.violations)
+    violation.bind(run).bind(each.at_s).bind(each.invariant).bind(each.detail).run();
 }
 
 /// Whether it is empty, or ours.
@@ -182,18 +212,7 @@ void store::add(const run_result& x) {
         .bind(static_cast<std::int64_t>(x.seed))
         .bind(x.real_s)
         .run();
-    const std::int64_t run = sqlite3_last_insert_rowid(database);
-    insert_parameters(database, run, x.parameters);
-    statement scalar(database, "INSERT INTO scalar VALUES(?, ?, ?)");
-    for (const auto& [name, value] : x.scalars)
-      if (std::isfinite(value))
-        scalar.bind(run).bind(name).bind(value).run();
-    statement expectation(database, "INSERT INTO expectation VALUES(?, ?, ?, ?)");
-    for (const auto& each : x.expectations)
-      expectation.bind(run).bind(each.expect).bind(each.met).bind(each.measured).run();
-    statement violation(database, "INSERT INTO violation VALUES(?, ?, ?, ?)");
-    for (const auto& each : x.violations)
-      violation.bind(run).bind(each.at_s).bind(each.invariant).bind(each.detail).run();
+    insert_results(database, sqlite3_last_insert_rowid(database), x);
   }
   all.commit();
 }
@@ -219,6 +238,26 @@ std::vector<std::optional<double>> store::values(const std::vector<std::string>&
       out.back() = found.number(0);
   }
   return out;
+}
+
+void store::for_each_run(const std::function<void(const run_result&)>& take) {
+  auto* const database = database_.get();
+  statement runs(database, "SELECT id, seed, key FROM run ORDER BY id");
+  statement parameters(database, "SELECT name, value FROM parameter WHERE run = ?");
+  statement scalars(database, "SELECT name, value FROM scalar WHERE run = ?");
+  while (runs.step()) {
+    const auto run = runs.whole(0);
+    run_result x;
+    x.seed = static_cast<std::uint64_t>(runs.whole(1));
+    x.key = runs.text(2);
+    parameters.bind(run);
+    while (parameters.step())
+      x.parameters.emplace_back(parameters.text(0), parameters.text(1));
+    scalars.bind(run);
+    while (scalars.step())
+      x.scalars.emplace(scalars.text(0), scalars.number(1));
+    take(x);
+  }
 }
 
 std::variant<answer, std::string> store::query(const std::string& sql) {

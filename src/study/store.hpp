@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -10,6 +11,8 @@
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "study/series.hpp"
 
 struct sqlite3;
 
@@ -40,6 +43,7 @@ struct run_result {
   std::map<std::string, double> scalars; ///< numbers of its report, by their path there
   std::vector<expectation_result> expectations;
   std::vector<violation_result> violations;
+  std::vector<series_point> series; ///< each name has a time once
 };
 
 /// What a query answers.
@@ -52,7 +56,7 @@ struct answer {
 };
 
 /// Each run is one transaction: whatever ends the process, a run is in the database as a whole or
-/// not at all. Several processes may use one.
+/// not at all; what ends the machine may take the newest with it. Several processes may use one.
 ///
 /// @throws std::runtime_error from add() and so on if the database cannot be read or written
 class store {
@@ -75,6 +79,10 @@ public:
   /// The values of one scalar of the runs with these keys; unset for one that has none.
   [[nodiscard]] std::vector<std::optional<double>> values(const std::vector<std::string>& keys,
                                                           const std::string& scalar);
+
+  /// Calls `take` with the key, seed, parameters and scalars of each run, in the order in which
+  /// they were added.
+  void for_each_run(const std::function<void(const run_result&)>& take);
 
   /// One statement that changes nothing. @returns the reason if it is refused
   [[nodiscard]] std::variant<answer, std::string> query(const std::string& sql);

@@ -1,7 +1,12 @@
 // `rubicon sweep` and `rubicon query` as a user meets them.
+#include <chrono>
+#include <cstddef>
 #include <fstream>
+#include <iterator>
 #include <string>
+#include <vector>
 
+#include "core/numbers/random.hpp"
 #include "support/catch.hpp"
 #include "support/scratch_folder.hpp"
 #include "support/shell.hpp"
@@ -94,4 +99,120 @@ TEST_CASE("an interrupted sweep keeps the runs that have ended", "[cli]") {
   CHECK(x.status == 130);
   const auto kept = here.answer("SELECT count(DISTINCT run) AS n FROM scalar");
   CHECK(here.answer("SELECT count(*) AS n FROM run") == kept);
+}
+
+TEST_CASE("a sweep that is killed at any moment goes on to the same table", "[cli]") {
+  const study_folder here;
+  const auto sweep = [&](const std::string& database, const std::string& before = "") {
+    return shell("cd '" + here.path.string() + "' && " + before + "'" + binary +
+                 "' sweep room.toml --vary loss=0,0.5 --seeds 1..12 --for 20s --csv --out " +
+                 database + " 2>/dev/null");
+  };
+  const auto begun = std::chrono::steady_clock::now();
+  const auto whole = sweep("whole.db");
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+  REQUIRE(whole.status == 0);
+  rubicon::random_stream random(1);
+  for (int i = 0; i < 10; ++i)
+    static_cast<void>(sweep(
+        "study.db", "timeout -s KILL " + std::to_string(0.3 * random.unit() * took.count()) + ' '));
+  const auto resumed = sweep("study.db");
+  CHECK(resumed.status == 0);
+  CHECK(resumed.out == whole.out);
+  CHECK(here.answer("SELECT count(*) AS n FROM run") == "n\n24\n");
+}
+
+TEST_CASE("a sweep until a figure is precise ends at a look", "[cli]") {
+  const study_folder here;
+  const std::string words = "sweep room.toml --vary loss=0 --seeds 1..40 --for 20s --out study.db "
+                            "--csv --of motes.joined --until ";
+  const auto precise = here.rubicon(words + "'motes.joined ci < 1%'");
+  INFO(precise.out);
+  CHECK(precise.status == 0);
+  CHECK(contains(precise.out, "1 variant of at most 40 runs; a variant ends after 8, 16, 32, 40 "
+                              "runs: each interval has 98.75 %"));
+  CHECK(contains(precise.out, "\n0,motes.joined,8,1,1,1,"));
+  CHECK(here.answer("SELECT count(*) AS n FROM run") == "n\n8\n");
+  CHECK(contains(here.rubicon(words + "'nothing ci < 1%'").out, "\n0,motes.joined,40,"));
+}
+
+TEST_CASE("a comparison finds what differs, and nothing in equal runs", "[cli]") {
+  const study_folder here;
+  const auto same = here.rubicon("compare '" + binary + "' '" + binary +
+                                 "' --file room.toml --seeds 1..4 --for 20s");
+  INFO(same.out);
+  CHECK(same.status == 0);
+  CHECK(contains(same.out, "4 pairs of runs, "));
+  CHECK(contains(same.out, "all are equal in all pairs"));
+  CHECK(here.rubicon("sweep room.toml --vary loss=0 --seeds 1..10 --out a.db").status == 0);
+  CHECK(here.rubicon("sweep room.toml --vary loss=0 --set radio.loss=0.6 --seeds 1..10 --out b.db")
+            .status == 0);
+  const auto studies = here.rubicon("compare a.db b.db");
+  INFO(studies.out);
+  CHECK(studies.status == 1);
+  CHECK(contains(studies.out, "10 pairs of runs"));
+  CHECK(contains(studies.out, "radio.transmissions"));
+  CHECK(here.rubicon("compare room.toml a.db").status == 2);
+  CHECK(here.rubicon("compare '" + binary + "' '" + binary + "'").status == 2);
+  CHECK(here.rubicon("compare room.toml missing.toml").status == 2);
+}
+
+TEST_CASE("two records of one seed part where their runs do", "[cli]") {
+  const study_folder here;
+  CHECK(here.rubicon("run room.toml --record a.rec").status == 0);
+  CHECK(here.rubicon("run room.toml --record b.rec --set loss=0.6").status == 0);
+  CHECK(contains(here.rubicon("compare a.rec a.rec").out, " records are equal."));
+  const auto x = here.rubicon("compare a.rec b.rec");
+  INFO(x.out);
+  CHECK(x.status == 1);
+  CHECK(contains(x.out, "They part after "));
+}
+
+TEST_CASE("a file is shrunk to what its violation needs", "[cli]") {
+  const study_folder here;
+  struct placed {
+    const char* name;
+    const char* position;
+  };
+  std::string yard = "[ecology]\nname = \"yard\"\nduration = \"10min\"\n[radio]\nrange = \"24m\"\n"
+                     "[[island]]\nid = 1\nname = \"yard\"\n";
+  int id = 2;
+  for (const auto& each : std::vector<placed>{{"gate", "1, 3"},
+                                              {"barn", "15, 5"}, // the only route from the well
+                                              {"well", "30, 7"},
+                                              {"shed", "4, 0"},
+                                              {"roof", "0, 5"}})
+    yard += "[[island.mote]]\nid = " + std::to_string(id++) + "\nname = \"" + each.name +
+            "\"\ntype = 101\nposition_m = [" + each.position + "]\n";
+  for (const auto* each : {"gate", "shed", "roof"})
+    yard +=
+        "[[fault]]\nat = \"2min\"\nkind = \"crash\"\nmote = \"yard/" + std::string(each) + "\"\n";
+  yard += "[[fault]]\nat = \"5min\"\nkind = \"battery_end\"\nmote = \"yard/barn\"\n";
+  std::ofstream(here.file("yard.toml")) << yard << "[[peer]]\nid = 50\nname = \"tablet\"\n";
+  const auto x = here.rubicon("shrink yard.toml --seed 3");
+  INFO(x.out);
+  REQUIRE(x.status == 0);
+  CHECK(contains(x.out, "violation: every mote is joined: yard/well: left: silence\n"));
+  CHECK(contains(x.out, "1 of 4 faults and changes, 2 of 5 motes"));
+  CHECK(contains(x.out, "0 of 1 peers"));
+  CHECK(contains(x.out, "\nrubicon run yard.small.toml --seed 3"));
+  CHECK(contains(here.rubicon("run yard.small.toml --seed 3").out, "yard/well: left: silence"));
+  CHECK(here.rubicon("explain yard.small.rec").status == 0);
+  CHECK(here.rubicon("shrink room.toml --seed 1").status == 2); // which has no violation
+  CHECK(!contains(shell("ls -a '" + here.path.string() + "'").out, ".shrink-"));
+}
+
+TEST_CASE("a sweep writes a page and keeps series", "[cli]") {
+  const study_folder here;
+  const auto x = here.rubicon("sweep room.toml --vary loss=0,0.5 --seeds 1..2 --out study.db "
+                              "--report study.html --series 20s");
+  INFO(x.out);
+  REQUIRE(x.status == 0);
+  CHECK(here.answer("SELECT count(DISTINCT run) AS runs, count(*) AS n FROM series WHERE name = "
+                    "'energy.used_mah'") == "runs,n\n4,12\n");
+  std::ifstream in(here.file("study.html"));
+  const std::string page{std::istreambuf_iterator<char>(in), {}};
+  CHECK(contains(page, "messages.delivery"));
+  CHECK(contains(page, "2 variants · 4 runs"));
+  CHECK(contains(page, "rubicon run room.toml --set loss=0"));
 }

@@ -16,8 +16,10 @@ const std::string report = R"({"interrupted": false, "seed": 7, "events": 12, "c
   "violations": [{"at_s": 1.5, "invariant": "rule", "detail": "broken"}]})";
 
 study_summary two_variants() {
-  return {
-      {"loss"}, {{"0"}, {"0.5"}}, {{"messages.delivery", {{10, 20, 30}, {9, 19, std::nullopt}}}}};
+  return {{"loss"},
+          {{"0"}, {"0.5"}},
+          {{"messages.delivery", {{10, 20, 30}, {9, 19, std::nullopt}}}},
+          std::nullopt};
 }
 
 } // namespace
@@ -64,4 +66,21 @@ TEST_CASE("a variant without results has empty fields", "[cli]") {
   auto x = two_variants();
   x.scalars[0].of_variants[1] = {std::nullopt, std::nullopt, std::nullopt};
   CHECK(summary_csv(x).ends_with("\n0.5,messages.delivery,0,,,,,,\n"));
+}
+
+TEST_CASE("a summary of a quantile has its bootstrap interval", "[cli]") {
+  auto x = two_variants();
+  x.quantile = 0.5;
+  const auto text = summary_text(x, 120, false);
+  CAPTURE(text);
+  CHECK(text.find("50 % quantile") != std::string::npos);
+  CHECK(text.find("10.000 to 30.000") != std::string::npos);
+  CHECK(text.find("-1.0000         -1.0000 to -1.0000") != std::string::npos);
+  CHECK(summary_csv(x).starts_with("loss,scalar,runs,quantile,low,high,"));
+}
+
+TEST_CASE("a summary has the confidence of its intervals", "[cli]") {
+  auto x = two_variants();
+  x.confidence = 0.9875;
+  CHECK(summary_text(x, 120, false).find("98.75 % interval") != std::string::npos);
 }

@@ -4,12 +4,11 @@
 
 #include <poll.h>
 
-#include "cli/own_binary.hpp"
-
 namespace rubicon::cli {
 
-void child_runs::start(std::uint64_t id, const std::vector<std::string>& words) {
-  runs_.push_back({id, steady::now(), child_process(own_binary, words)});
+void child_runs::start(std::uint64_t id, const std::vector<std::string>& words,
+                       const std::string& program) {
+  runs_.push_back({id, steady::now(), child_process(program, words)});
 }
 
 int child_runs::patience_ms(duration longest) const {

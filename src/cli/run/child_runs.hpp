@@ -1,4 +1,5 @@
-// Runs of this binary as child processes, some at a time, each with a limit of real time.
+// Runs of this binary, or another, as child processes, some at a time, each with a limit of real
+// time.
 #pragma once
 
 #include <chrono>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "cli/child_process.hpp"
+#include "cli/own_binary.hpp"
 #include "cli/signal_descriptor.hpp"
 #include "core/time.hpp"
 
@@ -27,7 +29,9 @@ public:
   /// @param limit real time that a run may take
   explicit child_runs(duration limit) : limit_(limit) {}
 
-  void start(std::uint64_t id, const std::vector<std::string>& words);
+  /// @param program its path
+  void start(std::uint64_t id, const std::vector<std::string>& words,
+             const std::string& program = own_binary);
   [[nodiscard]] std::size_t size() const { return runs_.size(); }
 
   /// Until something happened, a run has had its time, or so long.

@@ -1,11 +1,15 @@
 #include "cli/study/sweep_command.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
-#include <thread>
+#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -13,13 +17,19 @@
 #include "cli/ecology_file.hpp"
 #include "cli/own_binary.hpp"
 #include "cli/print/console.hpp"
-#include "cli/run/child_runs.hpp"
+#include "cli/study/figure_text.hpp"
+#include "cli/study/result_runs.hpp"
+#include "cli/study/sweep_page.hpp"
 #include "cli/study/sweep_text.hpp"
 #include "cli/swarm.hpp"
 #include "config/toml/units.hpp"
 #include "core/hash.hpp"
 #include "deploy/bundle.hpp"
+#include "io/files/temporary_folder.hpp"
 #include "report/figures.hpp"
+#include "study/series.hpp"
+#include "study/statistics.hpp"
+#include "study/stopping.hpp"
 #include "study/store.hpp"
 
 namespace rubicon::cli {
@@ -34,6 +44,7 @@ struct planned_variant {
   study::run_parameters parameters;
   std::string label; ///< `loss=0.1 range=15m`
   std::vector<std::string> keys;
+  bool from_wall = false; ///< the file says wall: a replay must say virtual
 };
 
 std::string hash_of_binary() {
@@ -46,7 +57,7 @@ std::string hash_of_binary() {
 }
 
 planned_variant variant_of(const sweep_command& x, const study::variant_values& values) {
-  planned_variant out{x.settings, {}, {}, {}};
+  planned_variant out{x.settings, {}, {}, {}, false};
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto& path = x.variations[i].path;
     out.settings.push_back(path + '=' + values[i]);
@@ -72,6 +83,7 @@ plan_of(const sweep_command& x, const std::vector<study::variant_values>& varian
       complain(packed.loaded, x.file);
       return std::nullopt;
     }
+    planned.from_wall = packed.loaded.ecology->mode == config::run_mode::wall;
     const auto text = binary + '-' + deploy::hash_of(packed.what) + '-' + x.length + '-';
     for (auto seed = x.seeds.first;; ++seed) {
       planned.keys.push_back(text + std::to_string(seed));
@@ -83,93 +95,153 @@ plan_of(const sweep_command& x, const std::vector<study::variant_values>& varian
   return out;
 }
 
-/// The runs in progress.
-class sweep_runs {
+std::string label_of(const planned_variant& x, std::uint64_t seed) {
+  return (x.label.empty() ? "" : x.label + ", ") + "seed " + std::to_string(seed);
+}
+
+std::string text_in(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return std::move(text).str();
+}
+
+/// Of the tables in a folder (docs/data.md).
+std::vector<study::series_point> series_in(const std::filesystem::path& folder) {
+  const auto energy = text_in(folder / "energy.csv");
+  auto all = study::summed_series(energy, "used_mah", "energy.used_mah");
+  std::ranges::move(study::summed_series(energy, "alive", "motes.alive"), std::back_inserter(all));
+  std::ranges::move(
+      study::summed_series(text_in(folder / "losses.csv"), "lost", "losses", {"layer", "cause"}),
+      std::back_inserter(all));
+  return all;
+}
+
+/// Which runs are made: those that the database lacks, of each variant at first as many as the
+/// first look needs, or all.
+class sweep_plan : public result_plan {
 public:
-  sweep_runs(const sweep_command& x, const std::vector<planned_variant>& plan, study::store& store)
-      : command_(x), plan_(plan), store_(store),
-        jobs_(std::max<std::uint64_t>(1, x.jobs.value_or(std::thread::hardware_concurrency()))),
-        runs_(x.timeout) {
-    for (std::size_t i = 0; i < plan.size(); ++i)
-      for (std::size_t j = 0; j < plan[i].keys.size(); ++j) {
-        if (store.has(plan[i].keys[j]))
-          store.add_parameters(plan[i].keys[j], plan[i].parameters);
-        else
-          missing_.emplace_back(i, j);
-      }
+  sweep_plan(const sweep_command& x, const std::vector<planned_variant>& variants,
+             study::store& store)
+      : command_(x), variants_(variants), store_(store), states_(variants.size()) {
+    if (x.until)
+      looks_.emplace(*x.until, variants.front().keys.size());
+    if (!x.series_every.empty())
+      tables_.emplace("rubicon-sweep");
+    for (std::size_t i = 0; i < variants.size(); ++i)
+      look(i);
   }
 
-  [[nodiscard]] std::size_t missing() const { return missing_.size(); }
-
-  exit_status run_all() {
-    for (start_some(); runs_.size() > 0 && !runs_.interrupted(); start_some())
-      for (const auto& each : runs_.wait(500ms))
-        collect(each);
-    runs_.kill_all();
-    return runs_.interrupted() ? exit_status::interrupted
-           : failed_           ? exit_status::failed
-                               : exit_status::good;
+  [[nodiscard]] std::optional<result_job> next() override {
+    if (next_ == missing_.size())
+      return std::nullopt;
+    const auto [variant, number] = missing_[next_++];
+    const auto seed = command_.seeds.first + number;
+    auto words = run_words(command_.file, seed, command_.length, variants_[variant].settings);
+    if (tables_)
+      words.insert(words.end(),
+                   {"--csv", folder_of(next_ - 1).string(), "--csv-every", command_.series_every});
+    return result_job{label_of(variants_[variant], seed), seed, std::move(words)};
   }
+
+  void take(std::size_t n, std::optional<study::run_result> x) override {
+    const auto [variant, number] = missing_[n];
+    if (x) {
+      x->key = variants_[variant].keys[number];
+      x->file = command_.file;
+      x->parameters = variants_[variant].parameters;
+      if (tables_)
+        x->series = series_in(folder_of(n));
+      store_.add(*x);
+    }
+    std::error_code ignored;
+    if (tables_)
+      std::filesystem::remove_all(folder_of(n), ignored);
+    if (--states_[variant].in_progress == 0)
+      look(variant);
+  }
+
+  [[nodiscard]] std::size_t expected() const override { return missing_.size(); }
+
+  /// Keys of the runs that a variant was given.
+  [[nodiscard]] std::vector<std::string> keys_of(std::size_t variant) const {
+    const auto& keys = variants_[variant].keys;
+    const auto runs = static_cast<std::ptrdiff_t>(states_[variant].runs);
+    return {keys.begin(), keys.begin() + runs};
+  }
+
+  /// What is shown of the looks; nothing without `--until`.
+  [[nodiscard]] const std::optional<study::stopping>& looks() const { return looks_; }
 
 private:
-  [[nodiscard]] std::uint64_t seed_of(std::size_t number) const {
-    return command_.seeds.first + number;
+  struct state {
+    std::size_t runs = 0; ///< that it has been given
+    std::size_t in_progress = 0;
+  };
+
+  /// Where the run that next() gave as the n-th writes its tables. @pre tables_
+  [[nodiscard]] std::filesystem::path folder_of(std::size_t n) const {
+    return tables_->path() / std::to_string(n);
   }
 
-  void start_some() {
-    for (; runs_.size() < jobs_ && next_ < missing_.size(); ++next_) {
-      const auto [variant, number] = missing_[next_];
-      runs_.start(next_, run_words(command_.file, seed_of(number), command_.length,
-                                   plan_[variant].settings));
-    }
+  [[nodiscard]] std::size_t needed(std::size_t variant) {
+    const auto keys = keys_of(variant);
+    return looks_ ? looks_->needed(store_.values(keys, command_.until->figure))
+                  : variants_[variant].keys.size();
   }
 
-  void collect(const child_runs::ended_run& x) {
-    if (runs_.interrupted())
-      return;
-    const auto [variant, number] = missing_[x.id];
-    const auto seed = seed_of(number);
-    const auto judged = judge(seed, x.how, x.real, x.overran);
-    auto result = result_of(x.how.out);
-    if (!judged) {
-      runs_.interrupt(); // the same Ctrl-C that comes to us
-    } else if (!result || x.overran || x.how.signal != 0 || x.how.overlong) {
-      failed_ = true;
-      for (const auto& each : judged->violations)
-        say(plan_[variant].label + ", seed " + std::to_string(seed) + ": " + each.detail);
-    } else {
-      result->key = plan_[variant].keys[number];
-      result->file = command_.file;
-      result->seed = seed;
-      result->real_s = seconds(x.real);
-      result->parameters = plan_[variant].parameters;
-      store_.add(*result);
+  /// Gives a variant more runs until it has enough, or waits for some.
+  void look(std::size_t variant) {
+    auto& x = states_[variant];
+    for (auto runs = needed(variant); runs > x.runs && x.in_progress == 0; runs = needed(variant)) {
+      for (; x.runs < runs; ++x.runs) {
+        const auto& key = variants_[variant].keys[x.runs];
+        if (store_.has(key)) {
+          store_.add_parameters(key, variants_[variant].parameters);
+        } else {
+          missing_.emplace_back(variant, x.runs);
+          ++x.in_progress;
+        }
+      }
     }
   }
 
   const sweep_command& command_;
-  const std::vector<planned_variant>& plan_;
+  const std::vector<planned_variant>& variants_;
   study::store& store_;
-  const std::uint64_t jobs_;
+  std::optional<study::stopping> looks_;
+  std::optional<io::temporary_folder> tables_; ///< with `--series`
+  std::vector<state> states_;
   std::vector<std::pair<std::size_t, std::size_t>> missing_; ///< variant and number of the seed
   std::size_t next_ = 0;
-  bool failed_ = false;
-  child_runs runs_;
 };
 
 study_summary summary_of(const sweep_command& x, std::vector<study::variant_values> variants,
-                         const std::vector<planned_variant>& plan, study::store& store) {
+                         const sweep_plan& plan, study::store& store) {
   study_summary out;
   for (const auto& each : x.variations)
     out.paths.push_back(each.path);
   out.variants = std::move(variants);
+  out.quantile = x.quantile;
+  if (plan.looks())
+    out.confidence = plan.looks()->confidence();
   for (const auto& name : x.scalars.empty() ? usual_scalars() : x.scalars) {
     scalar_values all{name, {}};
-    for (const auto& each : plan)
-      all.of_variants.push_back(store.values(each.keys, name));
+    for (std::size_t i = 0; i < out.variants.size(); ++i)
+      all.of_variants.push_back(store.values(plan.keys_of(i), name));
     out.scalars.push_back(std::move(all));
   }
   return out;
+}
+
+/// What is to be known of intervals that are looked at more than once.
+std::string text_of(const study::stopping& x) {
+  std::string looks;
+  for (const auto each : x.looks())
+    looks += (looks.empty() ? "" : ", ") + std::to_string(each);
+  return "a variant ends after " + looks + " runs: each interval has " +
+         percent_text(x.confidence()) + ", so that all looks together have " +
+         percent_text(study::usual_confidence);
 }
 
 } // namespace
@@ -179,23 +251,31 @@ exit_status perform(const sweep_command& x) {
   const auto seeds_less_one = x.seeds.last - x.seeds.first;
   if (seeds_less_one >= runs_max || (seeds_less_one + 1) * variants.size() > runs_max)
     return refuse("the sweep has more than " + std::to_string(runs_max) + " runs");
-  const auto plan = plan_of(x, variants);
-  if (!plan)
+  const auto planned = plan_of(x, variants);
+  if (!planned)
     return exit_status::refused;
   auto opened = study::store::open(x.database, study::store::access::write);
   if (const auto* why = std::get_if<std::string>(&opened))
     return refuse(x.database + ' ' + *why);
   auto& store = std::get<study::store>(opened);
-  sweep_runs runs(x, *plan, store);
-  const auto all = plan->size() * plan->front().keys.size();
-  say(report::counted(plan->size(), "variant") + ", " + report::counted(all, "run") +
-      ", of which " + std::to_string(all - runs.missing()) + " in " + x.database);
-  const auto status = runs.run_all();
-  const auto summary = summary_of(x, std::move(variants), *plan, store);
+  sweep_plan plan(x, *planned, store);
+  const auto all = planned->size() * planned->front().keys.size();
+  if (plan.looks())
+    say(report::counted(planned->size(), "variant") + " of at most " +
+        report::counted(planned->front().keys.size(), "run") + "; " + text_of(*plan.looks()));
+  else
+    say(report::counted(planned->size(), "variant") + ", " + report::counted(all, "run") +
+        ", of which " + std::to_string(all - plan.expected()) + " in " + x.database);
+  const auto status = result_runs(x.jobs, x.timeout).run_all(plan);
+  const auto summary = summary_of(x, std::move(variants), plan, store);
   const auto out = console_of(stdout);
   if (!print(stdout, x.csv ? summary_csv(summary) : summary_text(summary, out.room(), out.colour)))
     return exit_status::refused;
-  return status;
+  if (x.page_file.empty())
+    return status;
+  std::ofstream page(x.page_file, std::ios::binary | std::ios::trunc);
+  page << sweep_page(x, summary, planned->front().from_wall);
+  return page.flush() ? status : refuse(x.page_file + " cannot be written");
 }
 
 } // namespace rubicon::cli

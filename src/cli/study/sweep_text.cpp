@@ -1,11 +1,11 @@
 #include "cli/study/sweep_text.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "cli/study/figure_text.hpp"
+#include "core/numbers/random.hpp"
 #include "core/text/decimal.hpp"
 #include "report/print/csv.hpp"
 #include "report/print/text_layout.hpp"
@@ -27,51 +27,61 @@ void add_numbers(const json& x, const std::string& path, std::map<std::string, d
   }
 }
 
-/// Five digits that count.
-std::string number_text(double x) {
-  constexpr int digits = 5;
-  constexpr int decimals_max = 6;
-  int decimals = decimals_max;
-  if (x != 0)
-    decimals = digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(x))));
-  return decimal_text(x, std::clamp(decimals, 0, decimals_max));
+shown_figure shown(const study::estimate& x) {
+  shown_figure out{x.runs, x.mean, std::nullopt};
+  if (x.half_width)
+    out.around = study::interval{x.mean - *x.half_width, x.mean + *x.half_width};
+  return out;
 }
 
-struct row_values {
-  study::estimate mean;
-  study::estimate difference; ///< from the first variant; without runs for the first itself
-};
+constexpr std::size_t bootstrap_samples = 1000;
 
-row_values values_of(const scalar_values& x, std::size_t variant) {
-  std::vector<double> all;
-  std::vector<double> first;
-  std::vector<double> paired;
-  const auto& own = x.of_variants[variant];
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    if (!own[i])
-      continue;
-    all.push_back(*own[i]);
-    if (const auto& other = x.of_variants.front()[i]; variant > 0 && other) {
-      first.push_back(*other);
-      paired.push_back(*own[i]);
-    }
-  }
-  return {study::mean_of(all), study::paired_difference(first, paired)};
+/// Of a quantile, by the bootstrap with the same samples each time.
+variant_figures quantiles_of(const study_summary& x, const std::vector<double>& all,
+                             const std::vector<double>& first, const std::vector<double>& paired) {
+  const double q = *x.quantile;
+  random_stream random(1);
+  variant_figures out;
+  if (!all.empty())
+    out.own = {all.size(), study::quantile(all, q), std::nullopt};
+  if (all.size() > 1)
+    out.own.around = study::bootstrap_quantile(all, q, random, bootstrap_samples, x.confidence);
+  if (!paired.empty())
+    out.difference = {paired.size(), study::quantile(paired, q) - study::quantile(first, q),
+                      std::nullopt};
+  if (paired.size() > 1)
+    out.difference.around =
+        study::bootstrap_difference(first, paired, q, random, bootstrap_samples, x.confidence);
+  return out;
 }
 
-std::string interval_text(const study::estimate& x) {
-  return x.half_width
-             ? number_text(x.mean - *x.half_width) + " to " + number_text(x.mean + *x.half_width)
-             : std::string();
+std::string text_of(const shown_figure& x) {
+  return x.runs == 0 ? std::string() : number_text(x.value);
 }
 
-std::string csv_of(const study::estimate& x) {
+std::string around(const shown_figure& x) {
+  return x.around ? interval_text(*x.around) : std::string();
+}
+
+std::string csv_of(const shown_figure& x) {
   const auto text = [](double y) { return shortest_decimal(y); };
   if (x.runs == 0)
     return ",,,";
-  return ',' + text(x.mean) +
-         (x.half_width ? ',' + text(x.mean - *x.half_width) + ',' + text(x.mean + *x.half_width)
-                       : std::string(",,"));
+  return ',' + text(x.value) +
+         (x.around ? ',' + text(x.around->low) + ',' + text(x.around->high) : std::string(",,"));
+}
+
+report::table empty_table(const study_summary& x) {
+  const auto confidence = percent_text(x.confidence);
+  std::vector<report::table::column> columns;
+  for (const auto& path : x.paths)
+    columns.push_back({report::printable(path), report::align::point});
+  columns.push_back({"runs", report::align::right});
+  columns.push_back({figure_name(x), report::align::point});
+  columns.push_back({confidence + " interval"});
+  columns.push_back({"from the first", report::align::point});
+  columns.push_back({confidence + " interval of that"});
+  return report::table(std::move(columns));
 }
 
 } // namespace
@@ -105,28 +115,46 @@ const std::vector<std::string>& usual_scalars() {
   return names;
 }
 
+variant_figures figures_of(const study_summary& x, const scalar_values& scalar,
+                           std::size_t variant) {
+  std::vector<double> all;
+  std::vector<double> first;
+  std::vector<double> paired;
+  const auto& own = scalar.of_variants[variant];
+  const auto& others = scalar.of_variants.front();
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if (!own[i])
+      continue;
+    all.push_back(*own[i]);
+    if (variant > 0 && i < others.size() && others[i]) {
+      first.push_back(*others[i]);
+      paired.push_back(*own[i]);
+    }
+  }
+  if (x.quantile)
+    return quantiles_of(x, all, first, paired);
+  return {shown(study::mean_of(all, x.confidence)),
+          shown(study::paired_difference(first, paired, x.confidence))};
+}
+
+std::string figure_name(const study_summary& x) {
+  return x.quantile ? percent_text(*x.quantile) + " quantile" : "mean";
+}
+
 std::string summary_text(const study_summary& x, std::size_t width, bool colour) {
   std::string text;
   for (const auto& scalar : x.scalars) {
-    std::vector<report::table::column> columns;
-    for (const auto& path : x.paths)
-      columns.push_back({report::printable(path), report::align::point});
-    columns.push_back({"runs", report::align::right});
-    columns.push_back({"mean", report::align::point});
-    columns.push_back({"95 % interval"});
-    columns.push_back({"from the first", report::align::point});
-    columns.push_back({"95 % interval of that"});
-    report::table table(std::move(columns));
+    auto table = empty_table(x);
     for (std::size_t i = 0; i < x.variants.size(); ++i) {
       std::vector<report::cell> cells;
       for (const auto& value : x.variants[i])
         cells.emplace_back(report::printable(value));
-      const auto [mean, difference] = values_of(scalar, i);
-      cells.emplace_back(std::to_string(mean.runs));
-      cells.emplace_back(mean.runs == 0 ? std::string() : number_text(mean.mean));
-      cells.emplace_back(interval_text(mean));
-      cells.emplace_back(difference.runs == 0 ? std::string() : number_text(difference.mean));
-      cells.emplace_back(interval_text(difference));
+      const auto [own, difference] = figures_of(x, scalar, i);
+      cells.emplace_back(std::to_string(own.runs));
+      cells.emplace_back(text_of(own));
+      cells.emplace_back(around(own));
+      cells.emplace_back(text_of(difference));
+      cells.emplace_back(around(difference));
       table.add(std::move(cells));
     }
     text += (text.empty() ? "" : "\n") + report::printable(scalar.name) + '\n' +
@@ -139,13 +167,15 @@ std::string summary_csv(const study_summary& x) {
   std::string text;
   for (const auto& path : x.paths)
     text += report::csv_field(path) + ',';
-  text += "scalar,runs,mean,low,high,difference,difference_low,difference_high\n";
+  text += "scalar,runs,";
+  text += x.quantile ? "quantile" : "mean";
+  text += ",low,high,difference,difference_low,difference_high\n";
   for (const auto& scalar : x.scalars)
     for (std::size_t i = 0; i < x.variants.size(); ++i) {
       for (const auto& value : x.variants[i])
         text += report::csv_field(value) + ',';
-      const auto [mean, difference] = values_of(scalar, i);
-      text += report::csv_field(scalar.name) + ',' + std::to_string(mean.runs) + csv_of(mean) +
+      const auto [own, difference] = figures_of(x, scalar, i);
+      text += report::csv_field(scalar.name) + ',' + std::to_string(own.runs) + csv_of(own) +
               csv_of(difference) + '\n';
     }
   return text;

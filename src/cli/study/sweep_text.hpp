@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "study/grid.hpp"
+#include "study/statistics.hpp"
 #include "study/store.hpp"
 
 namespace rubicon::cli {
@@ -29,10 +30,31 @@ struct study_summary {
   std::vector<std::string> paths; ///< that vary
   std::vector<study::variant_values> variants;
   std::vector<scalar_values> scalars;
+  std::optional<double> quantile; ///< shown in the place of the mean
+  double confidence = study::usual_confidence;
 };
 
-/// A table for each scalar: mean and interval of each variant, and its difference from the first
-/// variant, seed by seed.
+/// A mean or quantile and its interval.
+struct shown_figure {
+  std::size_t runs = 0;
+  double value = 0;
+  std::optional<study::interval> around;
+};
+
+struct variant_figures {
+  shown_figure own;
+  shown_figure difference; ///< from the first variant; without runs for the first itself
+};
+
+/// Of one of the summary's scalars.
+[[nodiscard]] variant_figures figures_of(const study_summary& x, const scalar_values& scalar,
+                                         std::size_t variant);
+
+/// `mean`, `90 % quantile`
+[[nodiscard]] std::string figure_name(const study_summary& x);
+
+/// A table for each scalar: mean or quantile of each variant with its interval, and its difference
+/// from the first variant, seed by seed.
 [[nodiscard]] std::string summary_text(const study_summary& x, std::size_t width, bool colour);
 
 /// A line for each scalar and variant.

@@ -19,6 +19,7 @@
 #include "explain/print/text.hpp"
 #include "io/tls/certificates.hpp"
 #include "study/grid.hpp"
+#include "study/stopping.hpp"
 
 namespace rubicon::cli {
 
@@ -166,8 +167,38 @@ struct sweep_command {
   std::string length;                ///< the same
   duration timeout = 5min;           ///< the same
   std::string database;
-  std::vector<std::string> scalars; ///< that the summary shows; none: the usual ones
+  std::vector<std::string> scalars;      ///< that the summary shows; none: the usual ones
+  std::optional<study::stop_rule> until; ///< unset: all seeds
+  std::optional<double> quantile;        ///< shown in the place of the mean, 0 to 1
+  std::string page_file;                 ///< HTML goes here; empty: nowhere
+  std::string series_every;              ///< time between points of series; empty: none are kept
   bool csv = false;
+};
+
+/// `rubicon compare A B`
+struct compare_command {
+  std::string a;    ///< file, binary, database of a sweep, or record
+  std::string b;    ///< the same kind
+  std::string file; ///< that two binaries run
+  config::extensions known;
+  config::settings settings;
+  seed_range seeds{1, 20};
+  std::optional<std::uint64_t> jobs; ///< as of swarm
+  std::string length;                ///< the same
+  duration timeout = 5min;           ///< the same
+  std::vector<std::string> scalars;  ///< that are compared; none: all but real time
+  bool full = false;                 ///< also all that differ without being sure
+  bool csv = false;
+};
+
+/// `rubicon shrink FILE`
+struct shrink_command {
+  std::string file;
+  config::extensions known;
+  config::settings settings;
+  std::uint64_t seed = 1;
+  duration timeout = 5min; ///< as of swarm
+  std::string out;         ///< the smallest file; empty: NAME.small.toml beside FILE
 };
 
 /// `rubicon query DATABASE SQL`
@@ -223,8 +254,8 @@ struct refused_command {
 using command =
     std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
                  check_command, explain_key_command, new_command, schema_command,
-                 completion_command, pages_command, swarm_command, sweep_command, query_command,
-                 explain_command, view_command, certs_command, network_command, serial_command,
-                 show_command, refused_command>;
+                 completion_command, pages_command, swarm_command, sweep_command, compare_command,
+                 shrink_command, query_command, explain_command, view_command, certs_command,
+                 network_command, serial_command, show_command, refused_command>;
 
 } // namespace rubicon::cli

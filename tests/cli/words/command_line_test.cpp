@@ -515,3 +515,44 @@ TEST_CASE("a sweep has variations, seeds and a database", "[cli]") {
                  "not from standard input"));
   CHECK(contains(refusal({"sweep", "a.toml", "--vary", "loss=1", "--out", "d"}), "--seeds"));
 }
+
+TEST_CASE("a sweep until a figure is precise has a rule", "[cli]") {
+  const std::vector<const char*> words{"sweep",   "a.toml",         "--vary",     "loss=0,0.1",
+                                       "--seeds", "1..30",          "--out",      "d.db",
+                                       "--until", "events ci < 1%", "--quantile", "0.9"};
+  const auto x = parse(words);
+  REQUIRE(std::holds_alternative<sweep_command>(x));
+  REQUIRE(std::get<sweep_command>(x).until.has_value());
+  CHECK(std::get<sweep_command>(x).until->figure == "events");
+  CHECK(std::get<sweep_command>(x).quantile == 0.9);
+  CHECK(contains(refusal({"sweep", "a.toml", "--vary", "loss=0", "--seeds", "1", "--out", "d",
+                          "--until", "events"}),
+                 "'events' needs a figure"));
+  CHECK(contains(refusal({"sweep", "a.toml", "--vary", "loss=0", "--seeds", "1", "--out", "d",
+                          "--quantile", "90"}),
+                 "'90' is no number from 0 to 1"));
+}
+
+TEST_CASE("two things are compared over seeds", "[cli]") {
+  const auto x = parse({"compare", "a.toml", "b.toml"});
+  REQUIRE(std::holds_alternative<compare_command>(x));
+  CHECK(std::get<compare_command>(x).a == "a.toml");
+  CHECK(std::get<compare_command>(x).b == "b.toml");
+  CHECK(std::get<compare_command>(x).seeds.first == 1);
+  CHECK(std::get<compare_command>(x).seeds.last == 20);
+  const auto y = parse(
+      {"compare", "old", "new", "--file", "a.toml", "--seeds", "3..4", "--of", "events", "--full"});
+  REQUIRE(std::holds_alternative<compare_command>(y));
+  CHECK(std::get<compare_command>(y).file == "a.toml");
+  CHECK(std::get<compare_command>(y).scalars == std::vector<std::string>{"events"});
+  CHECK(contains(refusal({"compare", "a.toml"}), "B is required"));
+}
+
+TEST_CASE("a file is shrunk under one seed", "[cli]") {
+  const auto x = parse({"shrink", "a.toml", "--seed", "7", "--set", "radio.queue=3"});
+  REQUIRE(std::holds_alternative<shrink_command>(x));
+  CHECK(std::get<shrink_command>(x).seed == 7);
+  CHECK(std::get<shrink_command>(x).out.empty());
+  CHECK(contains(refusal({"shrink", "a.toml"}), "--seed"));
+  CHECK(contains(refusal({"shrink", "-", "--seed", "1"}), "not from standard input"));
+}

@@ -31,6 +31,19 @@ TEST_CASE("quantiles of Student's t are those of printed tables", "[study]") {
   CHECK(student_t(0.95, 100'000'000) == Approx(1.959964).epsilon(1e-6));
 }
 
+TEST_CASE("the tail of Student's t is what is outside of its quantile", "[study]") {
+  for (const std::size_t freedom : {1U, 2U, 3U, 10U, 29U, 999U, 1000U, 1001U, 100'000U})
+    for (const double confidence : {0.5, 0.9, 0.95, 0.999}) {
+      CAPTURE(freedom, confidence);
+      CHECK(student_tail(student_t(confidence, freedom), freedom) ==
+            Approx(1 - confidence).margin(freedom > 1000 ? 1e-4 : 1e-9));
+      CHECK(student_tail(-student_t(confidence, freedom), freedom) ==
+            Approx(1 - confidence).margin(1e-4));
+    }
+  CHECK(student_tail(0, 5) == Approx(1));
+  CHECK(student_tail(1e9, 5) < 1e-15);
+}
+
 TEST_CASE("a mean has the interval of Student's t", "[study]") {
   const std::vector<double> values{2, 4, 4, 4, 5, 5, 7, 9}; // deviation 2.13809
   const auto x = mean_of(values);
@@ -77,15 +90,4 @@ TEST_CASE("a bootstrap has the same interval for the same seed, around the quant
   const auto y = bootstrap_quantile(values, 0.5, again);
   CHECK(x.low == y.low);
   CHECK(x.high == y.high);
-}
-
-TEST_CASE("a study ends when the mean is precise, or the runs are used up", "[study]") {
-  const precision wanted{.of_mean = 0.1, .runs_min = 5, .runs_max = 20};
-  CHECK(!is_enough({4, 10, 0.1}, wanted));
-  CHECK(is_enough({5, 10, 1.0}, wanted));
-  CHECK(is_enough({5, -10, 1.0}, wanted));
-  CHECK(!is_enough({5, 10, 1.1}, wanted));
-  CHECK(!is_enough({19, 0, 1.0}, wanted));
-  CHECK(is_enough({20, 0, 1.0}, wanted));
-  CHECK(!is_enough({1, 10, std::nullopt}, {.of_mean = 1, .runs_min = 1, .runs_max = 2}));
 }

@@ -27,7 +27,8 @@ run_result result(const std::string& key, std::uint64_t seed, double delivery) {
           {{"loss", "0.1"}},
           {{"messages.delivery", delivery}, {"events", 12}},
           {{"delivery >= 99%", true, "100%"}, {"tuple a", std::nullopt, ""}},
-          {{2.5, "every mote is joined", "kitchen/shelf: never joined"}}};
+          {{2.5, "every mote is joined", "kitchen/shelf: never joined"}},
+          {{"energy.used_mah", 20, 0.5}, {"energy.used_mah", 40, 1}}};
 }
 
 std::string text_of(store& from, const std::string& sql) {
@@ -117,4 +118,28 @@ TEST_CASE("what is no database of a study is left alone", "[study]") {
         "cannot be used: file is not a database");
   static_cast<void>(opened(folder.file("study.db")));
   CHECK(why(folder.file("study.db"), store::access::read) == "opened");
+}
+
+TEST_CASE("all runs are read in the order in which they were added", "[study]") {
+  const test::scratch_folder folder;
+  auto all = opened(folder.file("study.db"));
+  all.add(result("a", 7, 0.5));
+  all.add(result("b", 3, 0.75));
+  all.add_parameters("b", {{"range", "15m"}});
+  std::vector<run_result> found;
+  all.for_each_run([&](const run_result& x) { found.push_back(x); });
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].key == "a");
+  CHECK(found[0].seed == 7);
+  CHECK(found[1].parameters == run_parameters{{"loss", "0.1"}, {"range", "15m"}});
+  CHECK(found[1].scalars ==
+        std::map<std::string, double>{{"messages.delivery", 0.75}, {"events", 12}});
+}
+
+TEST_CASE("a run keeps its series", "[study]") {
+  const test::scratch_folder folder;
+  auto all = opened(folder.file("study.db"));
+  all.add(result("a", 7, 0.5));
+  CHECK(text_of(all, "SELECT run, name, at_s, value FROM series") ==
+        "1|energy.used_mah|20.0|0.5\n1|energy.used_mah|40.0|1.0\n");
 }
