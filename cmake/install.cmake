@@ -53,7 +53,12 @@ endforeach()
 install(FILES ${parted}/completion/rubicon DESTINATION share/bash-completion/completions COMPONENT binary)
 install(FILES ${parted}/completion/_rubicon DESTINATION share/zsh/site-functions COMPONENT binary)
 install(FILES ${parted}/completion/rubicon.fish DESTINATION share/fish/vendor_completions.d COMPONENT binary)
-install(DIRECTORY share/templates DESTINATION share/rubicon COMPONENT binary FILES_MATCHING PATTERN *.toml)
+install(DIRECTORY share/templates DESTINATION share/rubicon COMPONENT binary FILES_MATCHING PATTERN *.toml
+        PATTERN firmware EXCLUDE)
+# Firmware of motes in C includes <rubicon_mote.h>.
+install(FILES src/firmware/rubicon_mote.h DESTINATION include COMPONENT binary)
+install(PROGRAMS tools/firmware/contiki-ng DESTINATION share/rubicon/firmware COMPONENT binary)
+install(FILES tools/firmware/contiki_ng.c DESTINATION share/rubicon/firmware COMPONENT binary)
 # It names the binary by where this is installed, which `cmake --install` may be told last.
 install(CODE "set(RUBICON_BINARY_FOLDER \"\${CMAKE_INSTALL_PREFIX}/bin\")
   configure_file(\"${PROJECT_SOURCE_DIR}/packaging/rubicon-host@.service.in\" \"${parted}/rubicon-host@.service\" @ONLY)"
@@ -71,7 +76,7 @@ target_link_libraries(rubicon_all INTERFACE rubicon_cli)
 install(TARGETS rubicon_all ${libraries} EXPORT rubicon ARCHIVE DESTINATION lib/rubicon COMPONENT library)
 install(EXPORT rubicon NAMESPACE rubicon:: FILE rubicon-targets.cmake DESTINATION ${package_folder} COMPONENT library)
 install(DIRECTORY src/ DESTINATION include/rubicon COMPONENT library
-        FILES_MATCHING PATTERN *.hpp PATTERN testkit EXCLUDE REGEX view/page$ EXCLUDE)
+        FILES_MATCHING PATTERN *.hpp PATTERN rubicon_mote.h PATTERN testkit EXCLUDE REGEX view/page$ EXCLUDE)
 install(DIRECTORY actors DESTINATION include/rubicon COMPONENT library FILES_MATCHING PATTERN *.hpp)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/rubicon-config-version.cmake
                                  COMPATIBILITY SameMinorVersion)

@@ -199,6 +199,10 @@ air_actor::behavior_type air(air_pointer self, radio::channel channel,
       [self](const carry_away& x) { on_carry_away(self, x); },
       [self](const bring_radio& x) { on_bring(self, x); },
       [self](status_request) { send_status(self); },
+      [self](const radio_send_raw& x) {
+        radio::request what{.token = x.token, .payload = x.octets, .is_raw = true};
+        perform(self, self->state.channel.send(x.radio, std::move(what), now(self)));
+      },
   };
 }
 

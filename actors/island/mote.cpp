@@ -7,6 +7,7 @@
 
 #include "actors/base/failure.hpp"
 #include "actors/base/log.hpp"
+#include "actors/island/mote_firmware.hpp"
 #include "actors/island/mote_groups.hpp"
 #include "actors/island/mote_report.hpp"
 #include "actors/island/mote_shell.hpp"
@@ -115,6 +116,7 @@ void fetch_ahead(const mote::node& x) {
 void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
   if (self->state.node)
     fetch_ahead(*self->state.node);
+  mote_firmware(self).on_frame(psdu, rssi_dbm);
   const auto frame = radio::decode(psdu);
   if (!frame || !is_for(*frame, self->state.arguments->address))
     return;
@@ -134,6 +136,8 @@ void on_frame(mote_pointer self, byte_view psdu, int rssi_dbm) {
 void on_done(mote_pointer self, const radio_done& x) {
   if (self->state.plain && self->state.plain->on_done(x))
     return;
+  if (mote_firmware(self).on_done(x))
+    return;
   if (const auto id = smepp_id_of(x)) {
     mote_groups(self).on_sent(*id, x);
     return;
@@ -152,6 +156,7 @@ void move_to(mote_pointer self, position place) {
     state.node->devices().move(place);
   if (state.plain)
     state.plain->move(place);
+  mote_firmware(self).move(place);
   self->send(state.arguments->air, move_radio{state.arguments->radio, place});
 }
 
@@ -172,6 +177,7 @@ void on_timer(mote_pointer self, const timer_expired& x) {
   state.flows.on_timer(self, x);
   if (state.plain && !state.flat)
     state.plain->on_timer(self, x);
+  mote_firmware(self).on_timer(x);
   if (state.wake.accepts(x) && !state.flat) {
     perform(self, state.node->on_time(own_time(self)));
     perform(self, state.programs.on_time(*state.node, own_time(self)));
@@ -227,6 +233,7 @@ void die(mote_pointer self) {
   self->state.flows.stop(self);
   if (self->state.plain)
     self->state.plain->stop();
+  mote_firmware(self).stop();
 }
 
 void on_battery_low(mote_pointer self) {
@@ -357,6 +364,7 @@ void start(mote_pointer self) {
   state.flows.start(self, arguments.apps, arguments.address, arguments.radio, arguments.air,
                     random_stream(arguments.seed, life + "/flows"));
   mote_groups(self).start(life);
+  mote_firmware(self).start(life);
   // Who has groups and no other use for its radio leaves it to them.
   if (state.groups && !state.node && !state.flows.is_used()) {
     auto demand = state.radio;

@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "actors/base/timer.hpp"
-#include "actors/island/flow_host.hpp"
-#include "actors/island/plain_host.hpp"
+#include "actors/hosts/firmware_shell.hpp"
+#include "actors/hosts/flow_host.hpp"
+#include "actors/hosts/plain_host.hpp"
 #include "actors/island/program_host.hpp"
 #include "actors/island/separate_programs.hpp"
 #include "actors/island/smepp_shell.hpp"
@@ -48,6 +49,7 @@ struct mote_arguments {
   bool stays_when_flat = false;       ///< its walk ends with its battery
   std::uint64_t seed = 0;             ///< of the ecology
   radio::radio_index radio;
+  std::uint8_t channel = radio::default_channel; ///< of its radio
   air_actor air;
   backbone_actor backbone; ///< of a further sink; empty: it is none
   ecology_actor ecology;
@@ -64,8 +66,9 @@ struct mote_state {
   mote::nonvolatile store;        ///< as it was before this life
   std::optional<mote::node> node; ///< full stack only
   flow_host flows;
-  std::unique_ptr<plain_host> plain;   ///< nullptr: no plain programs of TinyOS
-  std::unique_ptr<smepp_shell> groups; ///< nullptr: none, as in most motes; it is large
+  std::unique_ptr<plain_host> plain;        ///< nullptr: no plain programs of TinyOS
+  std::unique_ptr<firmware_shell> firmware; ///< nullptr: none
+  std::unique_ptr<smepp_shell> groups;      ///< nullptr: none, as in most motes; it is large
   radio_demand radio;
   /// How it moves.
   struct moving {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "actors/base/statuses.hpp"
+#include "actors/island/mote_firmware.hpp"
 #include "actors/messages/supervision.hpp"
 #include "communication/program_port.hpp"
 
@@ -15,6 +16,8 @@ void mote_report::send(life_state life) const {
   state.flows.report(self_, arguments.ecology);
   if (state.plain)
     send_modules(self_, arguments.ecology, arguments.name, state.plain->counted());
+  if (state.firmware)
+    send_modules(self_, arguments.ecology, arguments.name, mote_firmware(self_).counted());
   if (state.groups)
     self_->send(arguments.ecology, status_of(arguments.address.island, state.groups->node, life));
   if (!state.node)

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "actors/base/timer.hpp"
-#include "actors/island/flow_host.hpp"
+#include "actors/hosts/flow_host.hpp"
 #include "actors/messages/air.hpp"
 #include "actors/messages/programs.hpp"
 #include "actors/messages/serial.hpp"

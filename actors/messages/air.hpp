@@ -62,6 +62,14 @@ struct radio_send {
 };
 RUBICON_FIELDS(radio_send, radio, token, destination, am_type, octets, ack, age_at, in_slot);
 
+/// A frame of whatever layout, without its FCS: radio::request::is_raw.
+struct radio_send_raw {
+  radio::radio_index radio;
+  std::uint64_t token = 0;
+  payload octets;
+};
+RUBICON_FIELDS(radio_send_raw, radio, token, octets);
+
 struct radio_power {
   radio::radio_index radio;
   radio::power state = radio::power::off;
@@ -127,7 +135,7 @@ RUBICON_FIELDS(change_link, from, to, loss, gain_db);
 /// The radio medium of one place.
 struct air_interface
     : takes<attach_radio, radio_send, radio_power, computation, move_radio, make_noise, lose_frames,
-            carry_away, bring_radio, change_link, timer_expired, status_request> {};
+            carry_away, bring_radio, change_link, timer_expired, status_request, radio_send_raw> {};
 using air_actor = ref<air_interface>;
 
 } // namespace rubicon

@@ -17,6 +17,7 @@
 #include "network/am.hpp"
 #include "peis/link/link.hpp"
 #include "peis/wire/package.hpp"
+#include "radio/raw_frame.hpp"
 #include "view/ecology_json.hpp"
 #include "view/sample_json.hpp"
 
@@ -41,6 +42,21 @@ bool fill(record& r, const radio_send& x) {
   r.octets = to_bytes(x.octets.view());
   r.yes = x.ack;
   return !is_beacon(x.am_type);
+}
+
+/// What firmware sends is like any other frame, if it has the layout.
+bool fill(record& r, const radio_send_raw& x) {
+  const auto psdu = radio::with_fcs(x.octets.view());
+  const auto frame = radio::decode(psdu);
+  if (!frame)
+    return false;
+  r.what = kind::radio_send;
+  r.id = x.token;
+  r.mote.mote = frame->destination;
+  r.channel = frame->am_type;
+  r.octets = to_bytes(frame->payload);
+  r.yes = frame->ack_request;
+  return !is_beacon(frame->am_type);
 }
 
 bool fill(record& r, const radio_done& x) {
@@ -306,7 +322,7 @@ void run_record::write(const scheduler::delivery& x) {
       take_any<radio_send, radio_done, frame_received, set_tuple, tuple_event, serial_write,
                serial_octets, watch_tuples, set_remote_tuple, set_meta_tuple, send_peis_message,
                delete_tuple, peis_outcome, link_opened, plug_serial, backbone_write,
-               backbone_received, notable_event>(x, r);
+               backbone_received, notable_event, radio_send_raw>(x, r);
   const auto cause = recorded_cause(x.cause);
   if (!worth) {
     if (cause != 0)

@@ -190,6 +190,7 @@ mote_arguments arguments_of(ecology_pointer self, const config::island_descripti
   x.node.type = mote.type;
   x.node.keep_alive = keep_alive_of(island, mote);
   x.stack = island.stack;
+  x.channel = channel_of(island, mote);
   x.path = mote.path;
   x.step = mote.step;
   x.stays_when_flat = mote.stays_when_flat;

@@ -1,6 +1,7 @@
 #include "deploy/host_access.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <variant>
 
 namespace rubicon::deploy {
@@ -70,6 +71,12 @@ void judge_island(const config::island_description& x, const host_access& access
     to.push_back("island `" + x.name + "`: " + how_to_allow(pty));
 }
 
+bool has_firmware(const config::mote_description& x) {
+  return std::ranges::any_of(x.apps, [](const auto& app) {
+    return std::holds_alternative<firmware::program_config>(app);
+  });
+}
+
 } // namespace
 
 bool is_inside(std::string_view path) {
@@ -123,7 +130,19 @@ std::vector<std::string> refusals(const config::ecology_description& part,
   if (has_commands && !access.commands)
     out.emplace_back("the file starts commands here, which this host does not allow: start "
                      "`rubicon host` with --allow-commands if you trust the coordinators");
+  if (auto why = firmware_refusal(part, access); !why.empty())
+    out.push_back(std::move(why));
   return out;
+}
+
+std::string firmware_refusal(const config::ecology_description& part, const host_access& access) {
+  const bool has_some = std::ranges::any_of(part.islands, [](const auto& island) {
+    return std::ranges::any_of(island.motes, [](const auto& mote) { return has_firmware(mote); });
+  });
+  if (access.firmware || !has_some)
+    return {};
+  return "motes of the file have firmware, which would run here as you and which this host does "
+         "not allow: start `rubicon host` with --allow-firmware if you trust the coordinators";
 }
 
 } // namespace rubicon::deploy

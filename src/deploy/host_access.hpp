@@ -13,6 +13,7 @@ struct host_access {
   bool commands = false; ///< components may be started as programs
   /// Patterns of paths and of Bluetooth adapters, as a shell has them; `*` is any text.
   std::vector<std::string> devices;
+  bool firmware = false; ///< shared libraries that were sent may run in motes
 };
 
 /// Relative, and not above or beside where it starts: `readings/kitchen.csv`.
@@ -27,5 +28,10 @@ struct host_access {
 /// What a part asks for and is not allowed, in words.
 [[nodiscard]] std::vector<std::string> refusals(const config::ecology_description& part,
                                                 const host_access& access);
+
+/// The same of firmware alone, which also runs where nothing else of a file has effect: in virtual
+/// time. Empty: nothing.
+[[nodiscard]] std::string firmware_refusal(const config::ecology_description& part,
+                                           const host_access& access);
 
 } // namespace rubicon::deploy

@@ -126,3 +126,16 @@ TEST_CASE("what a run does with another file is shown beforehand", "[cli][ACT-10
   CHECK(refused.status == 2);
   CHECK(contains(refused.out, "was removed from the file"));
 }
+
+TEST_CASE("firmware to begin with is built by make and floods over five hops", "[cli]") {
+  const scratch_folder folder;
+  const auto made = rubicon_in(folder, "new --firmware \"my motes\"");
+  CHECK(made.status == 0);
+  CHECK(made.out == "wrote flood.c, Makefile, flood.toml and rubicon_mote.h in my motes\n"
+                    "Next: make -C 'my motes' && rubicon run 'my motes/flood.toml'\n");
+  CHECK(contains(rubicon_in(folder, "check 'my motes/flood.toml'").out, "flood.so"));
+  REQUIRE(shell("make -s -C '" + folder.path.string() + "/my motes' 2>&1").status == 0);
+  CHECK(rubicon_in(folder, "run --strict 'my motes/flood.toml'").status == 0);
+  CHECK(rubicon_in(folder, "new --firmware 'my motes'").status != 0); // the files exist
+  CHECK(rubicon_in(folder, "new --force --firmware 'my motes'").status == 0);
+}

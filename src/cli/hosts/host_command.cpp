@@ -160,6 +160,9 @@ exit_status perform(const host_command& x) {
   if (x.tls.empty() && x.access.commands)
     return refuse("--allow-commands without certificates would let every user of this computer "
                   "start programs as you: give --tls-cert, --tls-key and --tls-ca");
+  if (x.tls.empty() && x.access.firmware)
+    return refuse("--allow-firmware without certificates would let every user of this computer "
+                  "run code as you: give --tls-cert, --tls-key and --tls-ca");
   if (x.tls.empty() && !x.access.devices.empty())
     return refuse("--allow-devices without certificates would let every user of this computer "
                   "open devices as you: give --tls-cert, --tls-key and --tls-ca");

@@ -36,8 +36,12 @@ deploy::verdict hosted_seeds::offer(const deploy::offer_seeds& x) {
   deploy::verdict out;
   config::overrides instead;
   instead.mode = config::run_mode::virtual_time;
-  for (const auto& each : deploy::load(x.what, instead, with_.known).problems)
+  const auto loaded = deploy::load(x.what, instead, with_.known);
+  for (const auto& each : loaded.problems)
     out.problems.push_back(to_string(each));
+  if (loaded.ecology)
+    if (auto why = deploy::firmware_refusal(*loaded.ecology, with_.access); !why.empty())
+      out.problems.push_back(std::move(why));
   if (!out.problems.empty())
     return out;
   experiment_.reset(); // the file is read by its runs

@@ -56,25 +56,16 @@ void local_hosts::start(local_host& x) {
   const auto tls = certificate_of(x.place.name);
   io::spawn_request what;
   what.program = own_binary;
-  what.words = {"rubicon",
-                "host",
-                "--name",
-                x.place.name,
-                "--listen",
-                x.place.address + ':' + std::to_string(x.place.port),
-                "--state",
-                folder_.path().string(),
-                "--tls-cert",
-                tls.certificate,
-                "--tls-key",
-                tls.key,
-                "--tls-ca",
-                tls.authority,
-                "--allow-commands",
-                "--allow-devices",
-                "*",
-                "--files",
-                std::filesystem::current_path().string()};
+  what.words = {"rubicon",          "host",
+                "--name",           x.place.name,
+                "--listen",         x.place.address + ':' + std::to_string(x.place.port),
+                "--state",          folder_.path().string(),
+                "--tls-cert",       tls.certificate,
+                "--tls-key",        tls.key,
+                "--tls-ca",         tls.authority,
+                "--allow-commands", "--allow-firmware",
+                "--allow-devices",  "*",
+                "--files",          std::filesystem::current_path().string()};
   // What a host says is said by its deployment as well; what keeps it from beginning, by it alone.
   auto begun = io::process::start(loop_, std::move(what),
                                   {[](io::process::output, byte_view) {},

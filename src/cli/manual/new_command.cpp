@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -58,9 +59,29 @@ std::string write(const std::string& path, std::string_view text, bool replaces)
   return {};
 }
 
+/// Firmware in C with all that it needs but a compiler.
+exit_status write_firmware(const new_command& x) {
+  const std::filesystem::path folder = x.firmware;
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    return refuse(x.firmware + ": " + error.message());
+  for (const auto& each : firmware_project())
+    if (const auto why = write((folder / each.name).string(), each.text, x.is_forced); !why.empty())
+      return refuse(why);
+  const auto toml = (folder / "flood.toml").string();
+  return print(stdout, "wrote flood.c, Makefile, flood.toml and rubicon_mote.h in " + x.firmware +
+                           "\nNext: make -C " + shell_word(x.firmware) + " && rubicon run " +
+                           shell_word(toml) + '\n')
+             ? exit_status::good
+             : exit_status::refused;
+}
+
 } // namespace
 
 exit_status perform(const new_command& x) {
+  if (!x.firmware.empty())
+    return write_firmware(x);
   if (x.name.empty())
     return print(stdout, list_of_templates()) ? exit_status::good : exit_status::refused;
   const auto* const found = find_template(x.name);

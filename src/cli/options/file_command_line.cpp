@@ -19,13 +19,19 @@ file_command_line::file_command_line(CLI::App& app)
 }
 
 void file_command_line::add_new() {
-  new_app_.add_option("TEMPLATE", new_.name, "Its name; default: the templates are listed")
-      ->type_name("");
+  auto* const name =
+      new_app_.add_option("TEMPLATE", new_.name, "Its name; default: the templates are listed")
+          ->type_name("");
   new_app_
       .add_option("FILE", new_.file,
                   "The file to write; - is standard output; default: TEMPLATE.toml")
       ->type_name("");
   new_app_.add_flag("--force", new_.is_forced, "Overwrite a file that exists");
+  new_app_
+      .add_option("--firmware", new_.firmware,
+                  "Write firmware of motes in C instead, and an ecology for it, into this folder")
+      ->type_name("DIR")
+      ->excludes(name);
 }
 
 void file_command_line::add_check() {

@@ -59,6 +59,8 @@ void hosts_command_line::add_host() {
   add_tls(host_app_, host_.tls);
   host_app_.add_flag("--allow-commands", host_.access.commands,
                      "Let files start programs here, as commands of an init");
+  host_app_.add_flag("--allow-firmware", host_.access.firmware,
+                     "Let motes of files run firmware here: shared libraries that were sent");
   host_app_
       .add_option("--allow-devices", host_.access.devices,
                   "Serial ports, pseudo-terminals and Bluetooth adapters that files may open here: "

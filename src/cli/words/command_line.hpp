@@ -67,6 +67,7 @@ struct new_command {
   std::string name;       ///< of the template; empty: list them
   std::string file;       ///< empty: NAME.toml
   bool is_forced = false; ///< overwrites a file
+  std::string firmware;   ///< folder for firmware in C instead; empty: none is written
 };
 
 /// `rubicon completion SHELL`

@@ -92,6 +92,9 @@ mote_profile island_motes::read_profile_of(table_reader& in) {
 
 /// Complains about what a mote of the island's stack does not have.
 void island_motes::check_stack(const table_reader& in, const mote_profile& profile) const {
+  for (const auto& each : profile.apps)
+    if (const auto* firmware = std::get_if<firmware::program_config>(&each.app))
+      check_firmware(in, *firmware, each.channel_at);
   if (island_.stack == stack::mac)
     return check_mac_profile(in, profile);
   for (const auto& each : profile.apps) {
@@ -99,7 +102,7 @@ void island_motes::check_stack(const table_reader& in, const mote_profile& profi
     if (is_plain && joins() && !island_.outside.has_sink())
       in.problems().add(each.channel_at, "a plain program of TinyOS needs an island whose sink has "
                                          "role = \"base_station\"");
-    if (!joins() && !is_plain && !is_flow_app(each.app))
+    if (!joins() && !is_plain && !is_flow_app(each.app) && !is_firmware(each.app))
       in.problems().add(each.channel_at, "a mote around a base station has no other apps than "
                                          "oscilloscope, blink, count, sender, relay and receiver");
   }
@@ -107,6 +110,20 @@ void island_motes::check_stack(const table_reader& in, const mote_profile& profi
     in.problems().add(
         in.has("actuators") ? in.at("actuators") : in.at("type"),
         "a mote around a base station has no actuators: they could not be controlled");
+}
+
+/// Complains about firmware where no mote could run it.
+void island_motes::check_firmware(const table_reader& in, const firmware::program_config& x,
+                                  mark at) const {
+  if (island_.outside.has_sink())
+    in.problems().add(at, "`firmware` has no effect in an island with a real sink: none of its "
+                          "motes is simulated");
+  else if (joins())
+    in.problems().add(at, "`firmware` needs an island with stack = \"mac\", or one whose sink has "
+                          "role = \"base_station\": its motes do not join");
+  if (with_.mode == run_mode::wall && x.code && !x.code->facts.runs_in_wall_time())
+    in.problems().add(at, "the firmware runs in virtual time only: it does not have the flag "
+                          "RUBICON_MOTE_WALL_TIME");
 }
 
 void island_motes::check_mac_profile(const table_reader& in, const mote_profile& profile) const {

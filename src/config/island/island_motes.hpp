@@ -48,6 +48,7 @@ private:
   mote_profile read_profile_of(table_reader& in);
   void check_stack(const table_reader& in, const mote_profile& profile) const;
   void read_backbone(table_reader& in, mote_description& out);
+  void check_firmware(const table_reader& in, const firmware::program_config& x, mark at) const;
   void check_mac_profile(const table_reader& in, const mote_profile& profile) const;
   void read_layout_of(table_reader& in, std::uint32_t first, std::vector<mote_description>& motes);
   void add_group(table_reader& in, std::uint32_t first, std::uint32_t count,

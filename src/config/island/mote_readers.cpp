@@ -30,6 +30,9 @@ struct takes_place_of {
   bool operator()(const tinyos::program_config& a, const tinyos::program_config& b) const {
     return a.kind == b.kind;
   }
+  bool operator()(const firmware::program_config&, const firmware::program_config&) const {
+    return true;
+  }
   bool operator()(const traffic::relay_config&, const traffic::relay_config&) const { return true; }
   bool operator()(const traffic::receiver_config&, const traffic::receiver_config&) const {
     return true;
@@ -104,6 +107,13 @@ struct app_check {
     if (x.transducer)
       check_transducers({*x.transducer});
     claim_single(std::string(to_string(x.kind)));
+  }
+
+  void operator()(const firmware::program_config&) const {
+    if (!std::ranges::all_of(
+            on.apps, [](const placed_app& x) { return is_flow_app(x.app) || is_firmware(x.app); }))
+      problems.add(app.channel_at, "a mote with `firmware` has no other apps than sender, relay "
+                                   "and receiver: it is its firmware that runs on it");
   }
 
   void operator()(const traffic::sender_config&) const {}
@@ -186,6 +196,7 @@ void read_profile(table_reader& in, mote_profile& out) {
   read_transducers(in, out.like.transducers.edit());
   read_actuators(in, out.like.actuators.edit());
   merge(out.apps, read_mote_apps(in));
+  merge(out.apps, read_firmware(in));
 }
 
 void check_profile(const mote_profile& x, reading& shared) {
@@ -268,7 +279,11 @@ void settle_flows(std::vector<placed_app>& apps, island_id island, mote_id sink,
 }
 
 bool uses_radio_alone(const mote_app& x) {
-  return is_flow_app(x) || std::holds_alternative<member_app>(x);
+  return is_flow_app(x) || is_firmware(x) || std::holds_alternative<member_app>(x);
+}
+
+bool is_firmware(const mote_app& x) {
+  return std::holds_alternative<firmware::program_config>(x);
 }
 
 bool is_plain_app(const mote_app& x) {

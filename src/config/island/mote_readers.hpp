@@ -76,7 +76,10 @@ void settle_flows(std::vector<placed_app>& apps, island_id island, mote_id sink,
 /// Whether the app is a plain program of TinyOS.
 [[nodiscard]] bool is_plain_app(const mote_app& x);
 
-/// Whether the app needs nothing of a mote but its radio: one of these, or a member.
+/// Whether it is the firmware of the mote.
+[[nodiscard]] bool is_firmware(const mote_app& x);
+
+/// Whether the app needs nothing of a mote but its radio: a flow app, a member, or firmware.
 [[nodiscard]] bool uses_radio_alone(const mote_app& x);
 
 /// [mote_type.NAME]
@@ -96,6 +99,9 @@ void read_actuators(table_reader& in, std::vector<device::actuator_config>& out)
 
 /// app = "member" of a mote.
 [[nodiscard]] placed_app read_member(table_reader& in);
+
+/// firmware = "./blink.so" of a mote: one app, or none.
+[[nodiscard]] std::vector<placed_app> read_firmware(table_reader& in);
 
 /// apps = [{ app = ... }] of a mote.
 [[nodiscard]] std::vector<placed_app> read_mote_apps(table_reader& in);

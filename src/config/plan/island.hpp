@@ -16,6 +16,7 @@
 #include "core/tuples/wire_form.hpp"
 #include "device/transducer_config.hpp"
 #include "device/waypoint.hpp"
+#include "firmware/program_config.hpp"
 #include "gateway/plain/plain_rule.hpp"
 #include "mote/duty_config.hpp"
 #include "radio/parameters.hpp"
@@ -41,7 +42,7 @@ struct separate_app {
 using mote_app =
     std::variant<sampler_app, actuator_app, messenger_app, listener_app, apps::app_config,
                  traffic::sender_config, traffic::relay_config, traffic::receiver_config,
-                 separate_app, member_app, tinyos::program_config>;
+                 separate_app, member_app, tinyos::program_config, firmware::program_config>;
 
 /// In between it moves in a straight line, after the last it stays.
 using device::waypoint;

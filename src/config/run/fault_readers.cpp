@@ -303,6 +303,8 @@ private:
     if (has_separate_app(before.apps) || has_separate_app(x.apps))
       refuse("a mote with programs that are actors of their own keeps its type; leave `separate` "
              "out");
+    if (std::ranges::any_of(x.apps, is_firmware))
+      refuse("a mote of that type has firmware, and joins no island");
     if (std::ranges::any_of(x.apps, is_flow_app))
       refuse("a mote of that type would be an end of flows, which cannot change");
     static_cast<void>(settle_traces(x.transducers, x.id, in.at("type"), in.shared()));

@@ -7,6 +7,7 @@
 #include "core/account/message_ledger.hpp"
 #include "radio/medium/power.hpp"
 #include "radio/medium/reception.hpp"
+#include "radio/raw_frame.hpp"
 
 namespace rubicon::radio {
 
@@ -30,12 +31,20 @@ constexpr duration battery_check = 10ms;
 /// Below every signal.
 constexpr double no_limit_dbm = -160;
 
-outgoing pack(std::uint64_t token, const frame& header) {
+outgoing encoded(std::uint64_t token, const frame& header) {
   outgoing x;
   x.token = token;
   x.content = header;
   x.psdu = encode(header);
   x.content.payload = x.psdu.view().subspan(header_size, header.payload.size());
+  return x;
+}
+
+outgoing pack_raw(std::uint64_t token, byte_view octets, std::uint16_t pan) {
+  outgoing x;
+  x.token = token;
+  x.content = read_header(octets, pan);
+  x.psdu = with_fcs(octets);
   return x;
 }
 
@@ -181,6 +190,21 @@ void channel::restart_energy(radio_index radio, double used_mah, instant now) {
   watch_battery(radio, now);
 }
 
+outgoing channel::pack(station& x, const request& what) {
+  frame header;
+  header.ack_request = what.ack && what.destination != broadcast_mote;
+  header.dsn = x.next_dsn++;
+  header.pan = x.pan;
+  header.destination = what.destination;
+  header.source = x.address;
+  header.am_type = what.am_type;
+  header.payload = what.payload.view();
+  auto frame = encoded(what.token, header);
+  frame.age_at = what.age_at;
+  frame.in_slot = what.in_slot && !x.sender.repeats();
+  return frame;
+}
+
 outputs channel::send(radio_index radio, request what, instant now) {
   outputs out;
   run_until(now, out);
@@ -194,17 +218,7 @@ outputs channel::send(radio_index radio, request what, instant now) {
     conclude(radio, {.token = what.token, .status = send_status::queue_full}, out);
     return out;
   }
-  frame header;
-  header.ack_request = what.ack && what.destination != broadcast_mote;
-  header.dsn = x.next_dsn++;
-  header.pan = x.pan;
-  header.destination = what.destination;
-  header.source = x.address;
-  header.am_type = what.am_type;
-  header.payload = what.payload.view();
-  auto frame = pack(what.token, header);
-  frame.age_at = what.age_at;
-  frame.in_slot = what.in_slot && !x.sender.repeats();
+  auto frame = what.is_raw ? pack_raw(what.token, what.payload.view(), x.pan) : pack(x, what);
   frame.asked = now;
   stay_awake(radio, now);
   x.sender.submit(std::move(frame), now, rng_);

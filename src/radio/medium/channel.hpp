@@ -58,6 +58,9 @@ struct request {
   /// a back-off, and neither a busy channel nor a missing ack leads to another attempt. Where
   /// radios listen at low power it means nothing.
   bool in_slot = false;
+  /// `payload` is a whole frame of whatever layout, without its FCS (radio/raw_frame.hpp), and
+  /// nothing of the above but the token means anything. @pre it is no ack, and has 3 octets or more
+  bool is_raw = false;
 };
 
 /// What became of a mote's power.
@@ -273,6 +276,7 @@ private:
     std::unique_ptr<listening> listens; ///< nullptr: its radio is on as long as its mote is
   };
 
+  [[nodiscard]] static outgoing pack(station& x, const request& what);
   void run_until(instant now, outputs& out);
   [[nodiscard]] const mac_rules* rules_of(const radio_config& config);
   [[nodiscard]] unsigned retries_of(const radio_config& config, const mac_rules& rules) const;

@@ -4,6 +4,7 @@
 
 #include "config/load.hpp"
 #include "support/catch.hpp"
+#include "support/elf_file.hpp"
 
 using namespace rubicon;
 
@@ -13,8 +14,9 @@ namespace {
 std::string said_of(const std::string& toml, const deploy::host_access& access = {}) {
   const auto loaded = config::load_text(
       "[ecology]\nname = \"x\"\nmode = \"wall\"\n" + toml, "x.toml", {},
-      [](const std::string&, std::size_t) {
-        return config::file_text{std::nullopt, "none"};
+      [](const std::string& path, std::size_t) {
+        return path == "wall.so" ? config::file_text{to_string(test::elf_file(1, 1)), ""}
+                                 : config::file_text{std::nullopt, "none"};
       },
       [](const std::string&) {
         return config::folder_names{std::nullopt, "none"};
@@ -93,4 +95,13 @@ TEST_CASE("commands and locks of an init are the host's to allow", "[deploy][sec
   CHECK(said_of(init(""), {true, {}}).empty());
   CHECK(said_of(init(", lock = \"/etc/passwd\""), {true, {}}).find("outside the part's folder") !=
         std::string::npos);
+}
+
+TEST_CASE("firmware of a deployed file runs only on a host that allows it", "[deploy][firmware]") {
+  const std::string mote = "[[island]]\nid = 1\nname = \"kitchen\"\nstack = \"mac\"\n"
+                           "[[island.mote]]\nid = 2\nname = \"a\"\nposition_m = [1, 1]\n";
+  const auto flooder = mote + "firmware = \"wall.so\"\n";
+  CHECK(said_of(flooder).find("--allow-firmware") != std::string::npos);
+  CHECK(said_of(flooder, {false, {}, true}).empty());
+  CHECK(said_of(mote).empty());
 }

@@ -1,4 +1,4 @@
-#include "actors/island/plain_host.hpp"
+#include "actors/hosts/plain_host.hpp"
 
 #include <algorithm>
 #include <string>

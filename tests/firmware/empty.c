@@ -1,0 +1,3 @@
+/* A shared library that is no firmware. */
+extern int exported;
+int exported = 1;
