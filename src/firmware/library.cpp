@@ -147,6 +147,13 @@ std::optional<std::uint64_t> address_of(byte_view file, const file_header& heade
   return {};
 }
 
+/// What is wrong with the exported object, which is named.
+std::string quoted(std::string what) {
+  what += '`';
+  what += exported_name;
+  return what += '`';
+}
+
 } // namespace
 
 std::variant<library_facts, std::string> inspect(byte_view file) {
@@ -156,10 +163,10 @@ std::variant<library_facts, std::string> inspect(byte_view file) {
   const auto& header = std::get<file_header>(found);
   const auto address = address_of(file, header);
   if (!address)
-    return std::string("exports no object `") + exported_name + '`';
+    return quoted("exports no object ");
   const auto octets = loaded_at(file, header, *address, 2 * sizeof(std::uint32_t));
   if (!octets)
-    return std::string("has no content for `") + exported_name + '`';
+    return quoted("has no content for ");
   byte_reader in(*octets);
   const auto version = in.little<std::uint32_t>();
   return library_facts{version, in.little<std::uint32_t>()};

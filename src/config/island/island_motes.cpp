@@ -6,11 +6,11 @@
 
 #include "config/checks/connectivity.hpp"
 #include "config/checks/slot_check.hpp"
-#include "config/island/label_keys.hpp"
 #include "config/island/layouts.hpp"
 #include "config/island/model_readers.hpp"
 #include "config/island/mote_keys.hpp"
 #include "config/island/size_check.hpp"
+#include "config/label_keys.hpp"
 #include "radio/medium/tossim_files.hpp"
 #include "serial/cable/backbone_keys.hpp"
 

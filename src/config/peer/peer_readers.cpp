@@ -3,8 +3,8 @@
 
 #include "config/file_readers.hpp"
 #include "config/island/application_readers.hpp"
-#include "config/island/label_keys.hpp"
 #include "config/island/size_check.hpp"
+#include "config/label_keys.hpp"
 #include "config/peer/component_readers.hpp"
 #include "config/peer/peer_keys.hpp"
 #include "core/tuples/device_keys.hpp"

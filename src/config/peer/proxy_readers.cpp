@@ -8,7 +8,7 @@
 
 #include "config/file_readers.hpp"
 #include "config/island/application_readers.hpp"
-#include "config/island/label_keys.hpp"
+#include "config/label_keys.hpp"
 #include "config/peer/proxy_keys.hpp"
 #include "config/peer/proxy_part_readers.hpp"
 #include "proxy/classes/class_keys.hpp"
