@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t motes_max = 150; ///< of a matrix; of more, those with the worst flows
 constexpr double cell_size = 9;
-constexpr double names_width = 130;
+constexpr double headings_width = 130;
 
 bool has_one_receiver(const report::flow_report& x) {
   return x.sent > 0 && !x.to_name.ends_with("/*");
@@ -56,22 +56,22 @@ std::string matrix_of(const run_page& x) {
   const auto ends = ends_of(x.report.flows);
   const auto size = cell_size * static_cast<double>(ends.size());
   drawing out(
-      names_width + size + 10, names_width + size + 10,
+      headings_width + size + 10, headings_width + size + 10,
       "class='matrix' role='img' aria-label='Share delivered from each row to each column'");
-  out.rect({names_width, names_width}, size, size, "class='frame'");
+  out.rect({headings_width, headings_width}, size, size, "class='frame'");
   for (const auto& [name, at] : ends) {
-    const auto middle = names_width + cell_size * (static_cast<double>(at) + 0.8);
-    out.text({names_width - 4, middle}, "class='soft' text-anchor='end'", name);
-    const auto place = px(middle) + ' ' + px(names_width - 4);
-    out.text({middle, names_width - 4}, "class='soft' transform='rotate(-90 " + place + ")'", name);
+    const auto middle = headings_width + cell_size * (static_cast<double>(at) + 0.8);
+    out.text({headings_width - 4, middle}, "class='soft' text-anchor='end'", name);
+    const auto place = px(middle) + ' ' + px(headings_width - 4);
+    out.text({middle, headings_width - 4}, "class='soft' transform='rotate(-90 " + place + ")'", name);
   }
   for (const auto& each : x.report.flows) {
     const auto from = ends.find(each.from_name);
     const auto to = ends.find(each.to_name);
     if (!has_one_receiver(each) || from == ends.end() || to == ends.end())
       continue;
-    out.rect({names_width + cell_size * static_cast<double>(to->second),
-              names_width + cell_size * static_cast<double>(from->second)},
+    out.rect({headings_width + cell_size * static_cast<double>(to->second),
+              headings_width + cell_size * static_cast<double>(from->second)},
              cell_size - 1, cell_size - 1, "class='cell " + std::string(class_of(each.pdr)) + '\'',
              each.from_name + " to " + each.to_name + ": " + share(each.pdr) + " of " +
                  report::counted(each.sent, "packet") + " delivered");

@@ -21,7 +21,7 @@ constexpr std::size_t dots_max = 500;
 constexpr std::size_t extremes = 3;
 constexpr double chart_width = 520;
 constexpr double chart_height = 220;
-constexpr double margin = 60;
+constexpr double chart_margin = 60;
 
 /// The least and the greatest of what is drawn.
 struct extent {
@@ -77,10 +77,10 @@ extent extent_of(const study_scalar& x) {
 }
 
 void draw_scale(drawing& out, const extent& range, const axis& up) {
-  out.rect({margin, 10}, chart_width - margin - 16, chart_height - 44, "class='frame'");
+  out.rect({chart_margin, 10}, chart_width - chart_margin - 16, chart_height - 44, "class='frame'");
   for (const auto& each : ticks(range.low, range.high, 4)) {
-    out.line({margin, up.at(each.value)}, {chart_width - 16, up.at(each.value)}, "class='grid'");
-    out.text({margin - 6, up.at(each.value) + 4}, "class='soft' text-anchor='end'", each.label);
+    out.line({chart_margin, up.at(each.value)}, {chart_width - 16, up.at(each.value)}, "class='grid'");
+    out.text({chart_margin - 6, up.at(each.value) + 4}, "class='soft' text-anchor='end'", each.label);
   }
 }
 
@@ -117,7 +117,7 @@ std::string curves_over(const study_page& x, const study_scalar& scalar, std::si
   drawing out(chart_width, chart_height,
               "role='img' aria-label='" +
                   escaped(scalar.name + " over " + x.parameters[parameter]) + '\'');
-  const axis across{0, static_cast<double>(values.size() - 1), margin + 16, chart_width - 32};
+  const axis across{0, static_cast<double>(values.size() - 1), chart_margin + 16, chart_width - 32};
   const axis up{range.low, range.high, chart_height - 40, 16};
   draw_scale(out, range, up);
   const auto every = std::max<std::size_t>(1, values.size() / 8);
@@ -161,14 +161,14 @@ std::string map_over_two(const study_page& x, const study_scalar& scalar) {
   if (columns.size() < 2 || rows.size() < 2 || rows.size() > rows_max ||
       columns.size() > rows_max || range.empty())
     return {};
-  const double wide_cell = (chart_width - margin - 16) / static_cast<double>(columns.size());
+  const double wide_cell = (chart_width - chart_margin - 16) / static_cast<double>(columns.size());
   constexpr double high_cell = 24;
   drawing out(chart_width, 34 + high_cell * static_cast<double>(rows.size()),
               "role='img' aria-label='" + escaped("Map of " + scalar.name) + '\'');
   const axis opacity{range.low, range.high, 0.1, 1};
   for (const auto& [where, cell] : cells) {
     const auto value = cell.first / cell.second;
-    out.rect({margin + wide_cell * static_cast<double>(where.first),
+    out.rect({chart_margin + wide_cell * static_cast<double>(where.first),
               high_cell * static_cast<double>(where.second)},
              wide_cell - 1, high_cell - 1,
              "fill='var(--c0)' fill-opacity='" + report::fixed(opacity.at(value), 3) + '\'',
@@ -176,11 +176,11 @@ std::string map_over_two(const study_page& x, const study_scalar& scalar) {
                  rows[where.second] + ": " + number(value, range.step()));
   }
   for (std::size_t i = 0; i < rows.size(); ++i)
-    out.text({margin - 6, high_cell * (static_cast<double>(i) + 0.65)},
+    out.text({chart_margin - 6, high_cell * (static_cast<double>(i) + 0.65)},
              "class='soft' text-anchor='end'", rows[i]);
   const auto every = std::max<std::size_t>(1, columns.size() / 8);
   for (std::size_t i = 0; i < columns.size(); i += every)
-    out.text({margin + wide_cell * (static_cast<double>(i) + 0.5),
+    out.text({chart_margin + wide_cell * (static_cast<double>(i) + 0.5),
               high_cell * static_cast<double>(rows.size()) + 18},
              "class='soft' text-anchor='middle'", columns[i]);
   return "<figure>" +
