@@ -63,7 +63,8 @@ std::string matrix_of(const run_page& x) {
     const auto middle = headings_width + cell_size * (static_cast<double>(at) + 0.8);
     out.text({headings_width - 4, middle}, "class='soft' text-anchor='end'", name);
     const auto place = px(middle) + ' ' + px(headings_width - 4);
-    out.text({middle, headings_width - 4}, "class='soft' transform='rotate(-90 " + place + ")'", name);
+    out.text({middle, headings_width - 4}, "class='soft' transform='rotate(-90 " + place + ")'",
+             name);
   }
   for (const auto& each : x.report.flows) {
     const auto from = ends.find(each.from_name);

@@ -79,8 +79,10 @@ extent extent_of(const study_scalar& x) {
 void draw_scale(drawing& out, const extent& range, const axis& up) {
   out.rect({chart_margin, 10}, chart_width - chart_margin - 16, chart_height - 44, "class='frame'");
   for (const auto& each : ticks(range.low, range.high, 4)) {
-    out.line({chart_margin, up.at(each.value)}, {chart_width - 16, up.at(each.value)}, "class='grid'");
-    out.text({chart_margin - 6, up.at(each.value) + 4}, "class='soft' text-anchor='end'", each.label);
+    out.line({chart_margin, up.at(each.value)}, {chart_width - 16, up.at(each.value)},
+             "class='grid'");
+    out.text({chart_margin - 6, up.at(each.value) + 4}, "class='soft' text-anchor='end'",
+             each.label);
   }
 }
 

@@ -103,5 +103,5 @@ TEST_CASE("what is no record is told with its line, and nothing more is read", "
   read_all(empty);
   CHECK(empty.problem().empty()); // it may still begin
   empty.finish();
-  CHECK(empty.problem().ends_with("it is empty"));
+  CHECK(empty.problem().find("it is empty") != std::string::npos);
 }

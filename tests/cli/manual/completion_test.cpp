@@ -120,7 +120,7 @@ TEST_CASE("descriptions have what the help has", "[cli]") {
   CHECK(find("--mode").words == std::vector<std::string>{"virtual", "wall"});
   CHECK(find("--threads").range == "1 to 256");
   CHECK(find("--json").value.empty());
-  CHECK(find("--json").excludes == std::vector<std::string>{"--full"});
+  CHECK(find("--json").excludes == std::vector<std::string>{"--brief", "--full"});
   CHECK(find("--csv-every").needs == std::vector<std::string>{"--csv"});
   CHECK(find("--view").has_optional_value);
   CHECK(find("--control").words == std::vector<std::string>{"kernel"});

@@ -340,7 +340,10 @@ TEST_CASE("what cannot be done is told in one line, with status 1", "[cli]") {
            "no peer is named `nobody` in the network `rubicon`" + lists);
   one_line(standard_error("tuples set a b" + quick),
            "no peer has a tuple `a`; give its owner with --owner PEER");
-  one_line(standard_error("hosts --connect 127.0.0.1:1"), "127.0.0.1:1: Connection refused");
+  one_line(
+      standard_error("hosts --connect 127.0.0.1:1"),
+      "127.0.0.1:1: Connection refused; nobody listens there: a peer accepts links in wall time if "
+      "its file has tcp = true");
   const auto other = standard_error("hosts --network other" + quick);
   CHECK(other.status == 1);
   CHECK(other.out.find("is not a peer of the network `other`") != std::string::npos);
