@@ -533,5 +533,5 @@ TEST_CASE("a messenger sends another text from now on", "[apps][ACT-10]") {
   REQUIRE(x.sent.size() == 2);
   CHECK(to_string(x.sent[0].what.payload) == "hello");
   CHECK(to_string(x.sent[1].what.payload) == "good night");
-  CHECK(x.sent[1].what.what == segment::kind::unreliable);
+  CHECK(x.sent[1].what.what == segment::kind::plain);
 }

@@ -9,7 +9,7 @@ namespace {
 constexpr peer_id first{20};
 constexpr peer_id second{21};
 
-std::vector<std::string> keys(const std::vector<gateway_choice::tuple_change>& x) {
+std::vector<std::string> keys_of(const std::vector<gateway_choice::tuple_change>& x) {
   std::vector<std::string> all;
   for (const auto& each : x)
     all.push_back(each.deleted ? "no " + each.key : each.key + " " + to_string(each.value));
@@ -18,7 +18,7 @@ std::vector<std::string> keys(const std::vector<gateway_choice::tuple_change>& x
 
 std::vector<std::string> say(gateway_choice& x, peer_id from, std::string_view key,
                              std::string_view text) {
-  return keys(x.on_tuple(from, key, to_bytes(text)));
+  return keys_of(x.on_tuple(from, key, to_bytes(text)));
 }
 
 using list = std::vector<std::string>;
@@ -28,7 +28,7 @@ using list = std::vector<std::string>;
 TEST_CASE("one gateway is always listened to", "[proxy][PXY-14]") {
   gateway_choice x({first});
   CHECK(say(x, first, "devices", "{7}") == list{"devices {7}"});
-  CHECK(keys(x.on_list_deleted(first)) == list{"no devices"});
+  CHECK(keys_of(x.on_list_deleted(first)) == list{"no devices"});
 }
 
 TEST_CASE("of several gateways the one that leads is listened to", "[proxy][PXY-14][GW-14]") {
@@ -56,7 +56,7 @@ TEST_CASE("an island is out of reach only when none of its gateways is there",
   static_cast<void>(say(x, first, "devices", "{7}"));
   static_cast<void>(say(x, second, "devices", "{7}"));
   CHECK(x.on_list_deleted(first).empty());
-  CHECK(keys(x.on_list_deleted(second)) == list{"no devices"});
+  CHECK(keys_of(x.on_list_deleted(second)) == list{"no devices"});
   CHECK(say(x, second, "devices", "{7}").empty());
   CHECK(say(x, second, "devices.role", "leads 5.000000") == list{"devices {7}"});
 }
