@@ -270,7 +270,7 @@ TEST_CASE("hosts run what is deployed to them, and heal without who has deployed
   const auto typo = in.text("typo"); // once, not once a host
   CHECK(typo.ends_with("did you mean \"crash\"?\n"));
   CHECK(typo.find('\n') == typo.size() - 1);
-  CHECK(in.text("network").find("robot") != std::string::npos); // found without its name
+  CHECK(in.text("network").find("care-pc") != std::string::npos); // found without its name
   CHECK(in.text("no-fault").find("no mote of island `kitchen` is named `nobody`") !=
         std::string::npos);
   const auto one_gone = json::parse(in.text("one-gone"));
@@ -455,5 +455,5 @@ TEST_CASE("doctor looks at this computer and asks the hosts of a file", "[hosts]
   REQUIRE(care != std::string::npos);
   CHECK(all.substr(all.rfind('\n', care) + 1, 5) == "fault");
   CHECK(all.find("; start rubicon host --name care there", care) < all.find('\n', care));
-  CHECK(all.find("multicast    not needed") != std::string::npos);
+  CHECK(all.find("multicast     not needed") != std::string::npos);
 }

