@@ -243,6 +243,11 @@ void add_labels(explain::header& x, const config::ecology_description& ecology) 
     add(label_kind::island, island.name);
     for (const auto& mote : island.motes)
       add(label_kind::mote, island.name + '/' + mote.name);
+    for (const auto& [id, name] : island.real.names)
+      add(label_kind::mote, island.name + '/' + name);
+    add(label_kind::peer, island.gateway_name);
+    for (const auto& alias : island.aliases)
+      add(label_kind::peer, alias.name);
   }
 }
 

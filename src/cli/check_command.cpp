@@ -28,17 +28,13 @@ std::string text_of(const config::reloaded& x, config::ecology_description descr
 }
 
 exit_status show_changes(const check_command& x) {
-  if (x.file == standard_input)
-    return refuse("--changes-from needs a file, not standard input");
   const auto old = load_or_complain(x.changes_from, x.instead, x.known);
   auto file = old ? load_or_complain(x.file, x.instead, x.known) : std::nullopt;
-  const auto before = config::read_file(x.changes_from, config::file_octets_max);
-  const auto now = config::read_file(x.file, config::file_octets_max);
-  if (!file || !before.text || !now.text)
+  if (!file)
     return exit_status::refused;
-  config::followed_file followed(*before.text, x.file, x.instead, x.known);
-  const auto found = followed.read(*now.text, -1ns); // all that is planned is still to come
-  complain({std::nullopt, found.refused}, x.file);
+  config::followed_file followed(old->text, name_of_file(x.file), x.instead, x.known);
+  const auto found = followed.read(file->text, -1ns); // all that is planned is still to come
+  complain({std::nullopt, found.refused}, name_of_file(x.file));
   const bool printed = print(stdout, text_of(found, std::move(file->ecology)));
   return printed && found.refused.empty() ? exit_status::good : exit_status::refused;
 }

@@ -29,10 +29,15 @@ std::optional<ecology_file> load_bundle(const std::string& file, const config::o
     return std::nullopt;
   auto warnings = config::warnings_of(loaded, bundle->name);
   return ecology_file{*std::move(loaded.ecology),
-                      fold64().add(std::string_view(bundle->toml)).value(), std::move(warnings)};
+                      fold64().add(std::string_view(bundle->toml)).value(), std::move(warnings),
+                      bundle->toml};
 }
 
 } // namespace
+
+std::string name_of_file(const std::string& file) {
+  return file == standard_input ? "<stdin>" : file;
+}
 
 void complain(const config::loaded& x, const std::string& name) {
   std::string text;
@@ -56,10 +61,9 @@ std::optional<ecology_file> load_or_complain(const std::string& file,
                                              const config::extensions& known, bool is_bundled) {
   if (is_bundled)
     return load_bundle(file, instead, known);
-  const bool is_input = file == standard_input;
-  const std::string name = is_input ? "<stdin>" : file;
-  const auto read = is_input ? config::read_stream(*stdin, config::file_octets_max)
-                             : config::read_file(file, config::file_octets_max);
+  const auto name = name_of_file(file);
+  auto read = file == standard_input ? config::read_stream(*stdin, config::file_octets_max)
+                                     : config::read_file(file, config::file_octets_max);
   if (!read.text) {
     complain({std::nullopt, {config::problem{name, 0, 0, read.reason}}}, name);
     return std::nullopt;
@@ -71,7 +75,7 @@ std::optional<ecology_file> load_or_complain(const std::string& file,
   auto warnings = config::warnings_of(loaded, name);
   const auto text = config::resolved_text(*read.text, instead.settings);
   return ecology_file{*std::move(loaded.ecology), fold64().add(std::string_view(text)).value(),
-                      std::move(warnings)};
+                      std::move(warnings), *std::move(read.text)};
 }
 
 } // namespace rubicon::cli

@@ -14,10 +14,14 @@ namespace rubicon::cli {
 /// What FILE is called that is read from standard input.
 inline constexpr const char* standard_input = "-";
 
+/// What messages call FILE: `<stdin>` for standard input.
+[[nodiscard]] std::string name_of_file(const std::string& file);
+
 struct ecology_file {
   config::ecology_description ecology;
   std::uint64_t text_hash = 0;                ///< fold64 of the file's octets, settings in place
   std::vector<config::problem> warnings = {}; ///< valid, but probably not what is meant
+  std::string text = {};                      ///< the file's octets as they were read
 };
 
 /// Prints problems and warnings on standard error, one a line, at most 50 and then their count.

@@ -33,16 +33,25 @@ std::string section(const char* heading, rows all) {
   return text;
 }
 
+using kind = label_table::kind;
+
 rows motes(const ecology_description& x) {
   rows all;
   for (const auto& island : x.islands) {
     all.push_back({island.name + "/sink", to_string(mote_address{island.id, island.sink.id}), ""});
     for (const auto& mote : island.motes) {
       const auto* what = class_of(x, island.id, mote);
-      all.push_back({island.name + '/' + mote.name, to_string(mote_address{island.id, mote.id}),
+      const auto name = island.name + '/' + mote.name;
+      all.push_back({name, to_string(mote_address{island.id, mote.id}),
                      "type " + std::to_string(mote.type) +
                          (mote.type_name.empty() ? "" : " (" + mote.type_name + ')') +
-                         (what == nullptr ? "" : ", proxy " + what->name)});
+                         (what == nullptr ? "" : ", proxy " + what->name),
+                     x.labels.of(kind::mote, name)});
+    }
+    for (const auto& [id, own] : island.real.names) {
+      const auto name = island.name + '/' + own;
+      all.push_back(
+          {name, to_string(mote_address{island.id, id}), "real", x.labels.of(kind::mote, name)});
     }
   }
   return all;
@@ -50,16 +59,18 @@ rows motes(const ecology_description& x) {
 
 rows peers(const ecology_description& x) {
   rows all;
+  const auto add = [&](const std::string& name, peer_id id, const std::string& what) {
+    all.push_back({name, to_string(id), what, x.labels.of(kind::peer, name)});
+  };
   for (const auto& island : x.islands) {
     if (!has_line(island.stack) || island.outside.has_gateway())
       continue;
-    all.push_back(
-        {island.gateway_name, to_string(gateway_of(island.id)), "gateway of " + island.name});
+    add(island.gateway_name, gateway_of(island.id), "gateway of " + island.name);
     for (const auto& alias : island.aliases)
-      all.push_back({alias.name, to_string(alias.id), "gateway of " + island.name});
+      add(alias.name, alias.id, "gateway of " + island.name);
   }
   for (const auto& peer : x.peers)
-    all.push_back({peer.name, to_string(peer.id), ""});
+    add(peer.name, peer.id, "");
   return all;
 }
 

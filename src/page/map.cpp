@@ -195,10 +195,10 @@ private:
     taken_.push_back(around(sink, half));
   }
 
-  [[nodiscard]] static std::string title_of(const config::island_description& island,
-                                            const config::mote_description& mote,
-                                            const report::mote_report* own) {
-    auto text = island.name + '/' + mote.name;
+  [[nodiscard]] std::string title_of(const config::island_description& island,
+                                     const config::mote_description& mote,
+                                     const report::mote_report* own) const {
+    auto text = named(page_, config::label_table::kind::mote, island.name + '/' + mote.name);
     if (own == nullptr)
       return text;
     if (own->joins && !own->joined)

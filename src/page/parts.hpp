@@ -57,6 +57,12 @@ struct cell {
 /// How well something delivers, as a class: `good`, `fair`, `poor`, `bad`; `unknown` of nothing.
 [[nodiscard]] std::string_view class_of(std::optional<double> delivery);
 
+/// `fan (Küche)`: a name and its label, if it has one.
+[[nodiscard]] inline std::string named(const run_page& x, config::label_table::kind what,
+                                       const std::string& name) {
+  return x.ecology.labels.with_name(what, name);
+}
+
 /// `97.3%`; `–` of nothing.
 [[nodiscard]] std::string share(std::optional<double> x);
 

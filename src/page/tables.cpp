@@ -19,6 +19,7 @@ namespace {
 using report::cause_counts;
 using report::counted;
 using report::with_thousands;
+using kind = config::label_table::kind;
 
 constexpr std::size_t rows_open_max = 40; ///< the others are folded
 constexpr std::size_t violations_shown = 200;
@@ -99,13 +100,13 @@ std::string parent_of(const mote_entry& x) {
   return found == x.island->motes.end() ? "sink" : found->name;
 }
 
-std::string mote_row(const mote_entry& x) {
+std::string mote_row(const run_page& page, const mote_entry& x) {
   const auto& mote = *x.mote;
   auto lost = mote.messages.lost;
   add_to(lost, mote.messages.refused);
   const auto delivery = mote.messages.delivery();
   const bool routed = mote.parent != mote_id{};
-  return row({{x.island->name + '/' + mote.name, false, "name"},
+  return row({{named(page, kind::mote, x.island->name + '/' + mote.name), false, "name"},
               {state_of(mote), false, mote.alive ? "" : "bad"},
               {with_thousands(mote.messages.offered), true},
               {share(delivery), true, class_of(delivery)},
@@ -118,7 +119,8 @@ std::string mote_row(const mote_entry& x) {
               {mote.silence >= 1s ? report::span_text(mote.silence, mote.silence_from) : "–"}});
 }
 
-std::string mote_table(const std::vector<mote_entry>& all, std::size_t from, std::size_t to) {
+std::string mote_table(const run_page& page, const std::vector<mote_entry>& all, std::size_t from,
+                       std::size_t to) {
   auto rows = head_row({{"mote"},
                         {""},
                         {"sent", true},
@@ -131,7 +133,7 @@ std::string mote_table(const std::vector<mote_entry>& all, std::size_t from, std
                         {"lasts", true},
                         {"longest silence"}});
   for (auto i = from; i < to; ++i)
-    rows += mote_row(all[i]);
+    rows += mote_row(page, all[i]);
   return wide("<table>" + rows + "</table>");
 }
 
@@ -208,11 +210,11 @@ std::string motes_of(const run_page& x) {
   if (all.empty())
     return {};
   const auto open = std::min(all.size(), rows_open_max);
-  auto out = mote_table(all, 0, open);
+  auto out = mote_table(x, all, 0, open);
   if (open < all.size())
     out += "<details>" +
            element("summary", "… and " + report::counted(all.size() - open, "more mote")) +
-           mote_table(all, open, all.size()) + "</details>\n";
+           mote_table(x, all, open, all.size()) + "</details>\n";
   return section("motes", "Motes", out);
 }
 
@@ -266,16 +268,17 @@ std::string proxies_of(const run_page& x) {
   if (x.report.proxies.empty())
     return {};
   const auto& all = x.report.proxies;
-  const auto table = [&all](std::size_t from, std::size_t to) {
+  const auto table = [&x, &all](std::size_t from, std::size_t to) {
     auto rows = head_row({{"proxy"}, {"status"}, {"values"}, {"actuations"}});
     for (auto i = from; i < to; ++i) {
       const auto& each = all[i];
       std::string values;
       for (const auto& [name, value] : each.values)
         values += (values.empty() ? "" : ", ") + name + ' ' + value;
+      const auto label = x.ecology.labels.of(kind::proxy, each.proxy_class);
       const auto& acts = each.actuations;
       rows += row(
-          {{each.name, false, "name"},
+          {{label.empty() ? each.name : each.name + " (" + label + ')', false, "name"},
            {each.status, false, each.status == "active" ? "" : "bad"},
            {values, false, "long"},
            {acts.requested == 0 ? ""
@@ -302,7 +305,7 @@ std::string groups_of(const run_page& x) {
       all.push_back(&island);
   if (all.empty())
     return {};
-  const auto table = [&all](std::size_t from, std::size_t to) {
+  const auto table = [&x, &all](std::size_t from, std::size_t to) {
     auto rows = head_row({{"island"},
                           {"members", true},
                           {"joins failed", true},
@@ -317,7 +320,7 @@ std::string groups_of(const run_page& x) {
     for (auto i = from; i < to; ++i) {
       const auto& part = all[i]->smepp;
       const bool all_in = part.members == part.programs;
-      rows += row({{all[i]->name, false, "name"},
+      rows += row({{named(x, kind::island, all[i]->name), false, "name"},
                    {with_thousands(part.members) + " of " + with_thousands(part.programs), true,
                     all_in ? "" : "bad"},
                    {with_thousands(part.joins_failed), true},
@@ -355,15 +358,15 @@ std::string peers_of(const run_page& x) {
   const auto shown = std::min(x.report.peers.size(), peers_shown);
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& peer = x.report.peers[i];
-    rows += row(
-        {{peer.alive ? peer.name : peer.name + " (ended)", false, peer.alive ? "name" : "name bad"},
-         {to_string(peer.id), true},
-         {with_thousands(peer.links), true},
-         {with_thousands(peer.hosts_known), true},
-         {with_thousands(peer.tuples), true},
-         {with_thousands(peer.peis.packages), true},
-         {report::causes(peer.peis.lost), false, "long"},
-         {report::causes(peer.limits), false, "long"}});
+    rows += row({{named(x, kind::peer, peer.name) + (peer.alive ? "" : " (ended)"), false,
+                  peer.alive ? "name" : "name bad"},
+                 {to_string(peer.id), true},
+                 {with_thousands(peer.links), true},
+                 {with_thousands(peer.hosts_known), true},
+                 {with_thousands(peer.tuples), true},
+                 {with_thousands(peer.peis.packages), true},
+                 {report::causes(peer.peis.lost), false, "long"},
+                 {report::causes(peer.limits), false, "long"}});
   }
   auto out = wide("<table>" + rows + "</table>");
   if (shown < x.report.peers.size())

@@ -125,6 +125,14 @@ TEST_CASE("what a run does with another file is shown beforehand", "[cli][ACT-10
   const auto refused = rubicon_in(folder, "check old.toml --changes-from new.toml");
   CHECK(refused.status == 2);
   CHECK(contains(refused.out, "was removed from the file"));
+  for (const auto* words : {"check new.toml --changes-from - < old.toml",
+                            "check - --changes-from old.toml < new.toml"}) {
+    const auto read = rubicon_in(folder, words);
+    CHECK(read.status == 0);
+    CHECK(read.out == planned.out);
+  }
+  const auto lost = rubicon_in(folder, "check - --changes-from new.toml < old.toml");
+  CHECK(contains(lost.out, "<stdin>:"));
 }
 
 TEST_CASE("firmware to begin with is built by make and floods over five hops", "[cli]") {

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/ecology_file.hpp"
 #include "cli/options/add_option.hpp"
 
 namespace rubicon::cli {
@@ -45,6 +46,8 @@ void file_command_line::add_check() {
   check_app_.final_callback([this] {
     if (check_.file.empty() && explained_.key.empty())
       throw CLI::RequiredError("FILE");
+    if (check_.file == standard_input && check_.changes_from == standard_input)
+      throw CLI::ValidationError("--changes-from", "standard input is FILE already");
   });
   add_path(check_app_, "--changes-from", "OLD", check_.changes_from,
            "Show instead what a run of OLD applies and refuses if it reads FILE with run --reload");

@@ -135,6 +135,10 @@ void study_command_line::add_compare() {
   compare_app_.add_flag("--csv", compare_.csv, "Print all numbers that differ as CSV");
   compare_app_.footer("Exit status: 0 nothing surely differs, 1 something does or a run had no\n"
                       "report, 2 bad command line or file.");
+  compare_app_.final_callback([this] {
+    if (compare_.file == standard_input)
+      throw CLI::ValidationError("--file", "each run reads it again: not from standard input");
+  });
 }
 
 void study_command_line::add_shrink() {

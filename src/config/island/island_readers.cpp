@@ -217,6 +217,7 @@ void warn_of_slow_signs(table_reader& in, const island_description& x) {
 
 void read_gateway(table_reader& in, surroundings& with, island_description& out) {
   in.all(out, gateway_name_keys());
+  with.labels.add(label_table::kind::peer, out.gateway_name, read_label(in));
   out.gateway_links = read_links(
       in, {out.gateway_name},
       "peers that it connects to; a link works in both directions, and rings are allowed");
@@ -232,6 +233,7 @@ alias_description read_alias(table_reader& in, surroundings& with, const island_
     in.problems().add(in.at("id"),
                       "an island has at most " + std::to_string(aliases_max + 1) + " gateways");
   in.all(out, alias_keys());
+  with.labels.add(label_table::kind::peer, out.name, read_label(in));
   if (in.is_good("id") &&
       with.end_ids.add(out.id.value, "PEIS id " + to_string(out.id), in.at("id"), in.problems()))
     with.island_ids.add(static_cast<std::uint32_t>(out.id.value), "island id " + to_string(out.id),

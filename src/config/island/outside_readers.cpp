@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "config/label_keys.hpp"
 #include "config/toml/document.hpp"
 #include "core/text/host_port.hpp"
 #include "core/text/ipv4_network.hpp"
@@ -162,7 +163,7 @@ gateway::plain_rule read_rule(table_reader& in, const island_description& island
 
 } // namespace
 
-real_names read_real(table_reader& island, const surroundings& with, island_description& out) {
+real_names read_real(table_reader& island, surroundings& with, island_description& out) {
   real_names names;
   auto& real = out.real;
   const auto read = [&](table_reader& in) {
@@ -182,6 +183,7 @@ real_names read_real(table_reader& island, const surroundings& with, island_desc
                 real_mote found;
                 mote.all(found, real_mote_keys());
                 const auto& [id, name] = found;
+                with.labels.add(label_table::kind::mote, out.name + '/' + name, read_label(mote));
                 if (mote.sound() && !real.motes.has(id))
                   mote.problems().add(mote.at("id"),
                                       "mote " + to_string(id) + " is not in the range of `real`");

@@ -22,7 +22,7 @@ void read_export(table_reader& island, const surroundings& with, island_descript
 using real_names = std::vector<std::pair<mark, std::string>>;
 
 /// [island.real]. @pre the island's sink and cable are read
-[[nodiscard]] real_names read_real(table_reader& island, const surroundings& with,
+[[nodiscard]] real_names read_real(table_reader& island, surroundings& with,
                                    island_description& out);
 
 /// [[island.plain]]. @pre [island.real] is read

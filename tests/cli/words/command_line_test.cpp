@@ -152,6 +152,10 @@ TEST_CASE("check takes the files that run takes", "[cli]") {
   CHECK(std::get<check_command>(parse({"check", "a.toml", "--strict"})).is_strict);
   CHECK(std::get<check_command>(parse({"check", "b.toml", "--changes-from", "a.toml"}))
             .changes_from == "a.toml");
+  CHECK(std::get<check_command>(parse({"check", "b.toml", "--changes-from", "-"})).changes_from ==
+        "-");
+  CHECK(contains(refusal({"check", "-", "--changes-from", "-"}),
+                 "--changes-from: standard input is FILE already"));
   CHECK(parse_run({"--strict"}).is_strict);
 }
 
@@ -555,4 +559,5 @@ TEST_CASE("a file is shrunk under one seed", "[cli]") {
   CHECK(std::get<shrink_command>(x).out.empty());
   CHECK(contains(refusal({"shrink", "a.toml"}), "--seed"));
   CHECK(contains(refusal({"shrink", "-", "--seed", "1"}), "not from standard input"));
+  CHECK(contains(refusal({"compare", "a", "b", "--file", "-"}), "not from standard input"));
 }

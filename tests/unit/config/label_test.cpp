@@ -1,6 +1,7 @@
 // Labels: what people call things, beside their names.
 #include <string>
 
+#include "config/listing.hpp"
 #include "config/load.hpp"
 #include "config/plan/labels.hpp"
 #include "support/catch.hpp"
@@ -65,6 +66,58 @@ TEST_CASE("islands, motes, peers and proxies have labels beside their names", "[
   CHECK(labels.with_name(kind::island, "kitchen") == "kitchen (Küche)");
   CHECK(labels.with_name(kind::island, "bath") == "bath");
   CHECK(found.ecology->islands[0].motes[0].name == "window"); // keys and paths have the names
+}
+
+TEST_CASE("gateways and motes behind a real line have labels too", "[config]") {
+  const auto found = load_text(R"([ecology]
+name = "flat"
+mode = "wall"
+[[island]]
+id = 1
+name = "kitchen"
+[island.real]
+device = "/dev/ttyUSB0"
+first = 5
+last = 9
+[[island.real.mote]]
+id = 7
+name = "stove"
+label = "Herd"
+[[island.plain]]
+am_type = 6
+type = 9
+[island.gateway]
+label = "PC am Fenster"
+)",
+                               "a.toml");
+  for (const auto& each : found.problems)
+    FAIL_CHECK(to_string(each));
+  REQUIRE(found.ecology);
+  CHECK(found.ecology->labels.of(kind::mote, "kitchen/stove") == "Herd");
+  CHECK(found.ecology->labels.of(kind::peer, "kitchen-gateway") == "PC am Fenster");
+  const auto text = listing(*found.ecology);
+  CAPTURE(text);
+  CHECK(text.find("  kitchen/stove  1/7  real  Herd\n") != std::string::npos);
+  CHECK(text.find("  kitchen-gateway  1  gateway of kitchen  PC am Fenster\n") !=
+        std::string::npos);
+  const auto alias = load_text(R"([ecology]
+name = "flat"
+[[island]]
+id = 1
+name = "kitchen"
+[[island.mote]]
+id = 2
+type = 101
+position_m = [1, 0]
+[[island.alias]]
+id = 2
+label = "PC im Flur"
+)",
+                               "a.toml");
+  for (const auto& each : alias.problems)
+    FAIL_CHECK(to_string(each));
+  REQUIRE(alias.ecology);
+  CHECK(alias.ecology->labels.of(kind::peer, "kitchen-gateway-2") == "PC im Flur");
 }
 
 TEST_CASE("a label is bounded, and does nothing to a terminal", "[config][GEN-06]") {

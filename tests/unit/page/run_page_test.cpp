@@ -88,6 +88,22 @@ void check_well_formed(const std::string& html) {
 
 } // namespace
 
+TEST_CASE("tables and titles of a page have labels beside names", "[page]") {
+  const auto x = sample_report();
+  auto ecology = sample_ecology(x);
+  using kind = config::label_table::kind;
+  const auto& island = x.islands.front();
+  const auto mote = island.name + '/' + island.motes.front().name;
+  ecology.labels.add(kind::mote, mote, "Herd <1>");
+  ecology.labels.add(kind::peer, x.peers.front().name, "PC im Flur");
+  ecology.labels.add(kind::proxy, x.proxies.front().proxy_class, "Klima");
+  const auto html = page::html_of({ecology, x, {}, "", ""});
+  CHECK(contains(html, "<td class='name'>" + mote + " (Herd &lt;1&gt;)</td>"));
+  CHECK(contains(html, "<title>" + mote + " (Herd &lt;1&gt;)"));
+  CHECK(contains(html, x.peers.front().name + " (PC im Flur)"));
+  CHECK(contains(html, x.proxies.front().name + " (Klima)"));
+}
+
 TEST_CASE("a page shows the run and needs nothing else", "[page]") {
   const auto html = page_of(sample_report());
   check_well_formed(html);
