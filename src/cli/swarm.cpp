@@ -1,10 +1,12 @@
 #include "cli/swarm.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "report/invariants.hpp"
+#include "report/situation.hpp"
 
 namespace rubicon::cli {
 
@@ -46,12 +48,23 @@ std::map<std::string, double> figures_of(const json& report, double real_s) {
   return all;
 }
 
+std::vector<situation_outcome> situations_of(const json& report) {
+  std::vector<situation_outcome> all;
+  for (const auto& each : report.value("expectations", json::array())) {
+    const auto text = each.at("text").get<std::string>();
+    if (text.starts_with(report::sometimes))
+      all.push_back({text.substr(report::sometimes.size()), each.at("met") == true});
+  }
+  return all;
+}
+
 /// @throws json::exception if the report is not as docs/report.md says
 void take_report(seed_outcome& x, const json& report) {
   const auto complete = report.at("complete").get<bool>();
   x.events = report.at("events").get<std::uint64_t>();
   x.simulated_s = report.at("simulated_s").get<double>();
   x.figures = figures_of(report, seconds(x.real));
+  x.situations = situations_of(report);
   for (const auto& found : report.at("violations")) {
     const auto at = duration(static_cast<std::int64_t>(found.at("at_s").get<double>() * 1e9));
     x.violations.push_back({instant(at), found.at("invariant").get<std::string>(),
@@ -142,6 +155,7 @@ void swarm::count(const seed_outcome& x) {
   ++totals_.runs;
   totals_.events += x.events;
   totals_.simulated_s += x.simulated_s;
+  count_situations(x);
   if (!totals_.slowest_seed || x.real > totals_.slowest) {
     totals_.slowest_seed = x.seed;
     totals_.slowest = x.real;
@@ -153,6 +167,23 @@ void swarm::count(const seed_outcome& x) {
     totals_.failed_seeds.push_back(x.seed);
   for (const auto& found : x.violations)
     ++totals_.violations[found.invariant];
+}
+
+void swarm::count_situations(const seed_outcome& x) {
+  for (const auto& each : x.situations) {
+    auto found = std::ranges::find(totals_.situations, each.name, &coverage::name);
+    if (found == totals_.situations.end())
+      found = totals_.situations.insert(found, {each.name, 0, std::nullopt});
+    if (!each.is_reached)
+      continue;
+    ++found->runs;
+    if (!found->first_seed)
+      found->first_seed = x.seed;
+  }
+}
+
+bool swarm::misses_situations() const {
+  return std::ranges::any_of(totals_.situations, [](const auto& x) { return x.runs == 0; });
 }
 
 } // namespace rubicon::cli

@@ -22,6 +22,12 @@ struct seed_range {
   std::uint64_t last = 0; ///< not below `first`
 };
 
+/// A situation of the file ([[expect]] kind = "sometimes"), and whether a run has come into it.
+struct situation_outcome {
+  std::string name;
+  bool is_reached = false;
+};
+
 /// What became of the run with one seed.
 struct seed_outcome {
   std::uint64_t seed = 0;
@@ -31,6 +37,7 @@ struct seed_outcome {
   double simulated_s = 0;
   /// What is compared between seeds, by title; empty of a run without a report.
   std::map<std::string, double> figures = {};
+  std::vector<situation_outcome> situations = {}; ///< in the order of the file
 };
 
 /// The words of `rubicon run` that make the run with one seed of a file.
@@ -55,6 +62,13 @@ public:
   static constexpr std::uint64_t ahead_max = 4096;
   static constexpr std::size_t listed_max = 1000;
 
+  /// Of all runs with a report.
+  struct coverage {
+    std::string name;
+    std::uint64_t runs = 0;                  ///< that have come into it
+    std::optional<std::uint64_t> first_seed; ///< of these
+  };
+
   struct totals {
     std::uint64_t runs = 0;                          ///< that have ended and been returned
     std::uint64_t failures = 0;                      ///< of these, with violations
@@ -62,6 +76,7 @@ public:
     std::map<std::string, std::uint64_t> violations; ///< by invariant
     std::uint64_t events = 0;
     double simulated_s = 0;
+    std::vector<coverage> situations; ///< in the order of the file
     std::optional<std::uint64_t> slowest_seed;
     duration slowest{};
   };
@@ -79,6 +94,9 @@ public:
   [[nodiscard]] std::vector<seed_outcome> give_up();
 
   [[nodiscard]] const totals& so_far() const { return totals_; }
+
+  /// A situation that no run has come into.
+  [[nodiscard]] bool misses_situations() const;
   [[nodiscard]] seed_range seeds() const { return seeds_; }
 
   /// Of all, at most 2^64 - 1.
@@ -92,6 +110,7 @@ public:
 
 private:
   void count(const seed_outcome& x);
+  void count_situations(const seed_outcome& x);
 
   seed_range seeds_;
   std::uint64_t next_;

@@ -48,7 +48,8 @@ struct parameter_value {
     return json_text();
   }
   [[nodiscard]] static form takes() {
-    return types_form("text, number or flag", {"string", "number", "boolean"});
+    return types_form("text, number, flag or `{ from = ..., to = ... }`",
+                      {"string", "number", "boolean", "object"});
   }
 };
 
@@ -139,14 +140,22 @@ folder_names no_folder(const std::string& /*path*/) {
   return {std::nullopt, "cannot be opened here"};
 }
 
+/// Of a file that has not been read.
+std::uint64_t seed_of(const node& root) {
+  const auto* run = root.find("ecology");
+  const auto* given = run == nullptr ? nullptr : run->find("seed");
+  const auto* seed = given == nullptr ? nullptr : given->as<std::int64_t>();
+  return seed == nullptr ? ecology_description().seed : static_cast<std::uint64_t>(*seed);
+}
+
 resolved resolve(std::string_view toml, const std::string& file_name, const settings& all,
-                 complaints& problems) {
+                 std::optional<std::uint64_t> seed, complaints& problems) {
   auto parsed = parse(toml, file_name);
   if (auto* wrong = std::get_if<problem>(&parsed))
     return std::vector{std::move(*wrong)};
   auto& root = std::get<node>(parsed);
   apply(all, root, problems);
-  put_parameters(root, problems);
+  put_parameters(root, seed.value_or(seed_of(root)), problems);
   if (!problems.empty())
     return with_settings(problems.of_file(file_name), all);
   return std::move(root);
@@ -154,15 +163,19 @@ resolved resolve(std::string_view toml, const std::string& file_name, const sett
 
 } // namespace
 
-resolved resolve(std::string_view toml, const std::string& file_name, const settings& all) {
+resolved resolve(std::string_view toml, const std::string& file_name, const settings& all,
+                 std::optional<std::uint64_t> seed) {
   complaints problems;
-  return resolve(toml, file_name, all, problems);
+  return resolve(toml, file_name, all, seed, problems);
 }
 
 std::string resolved_text(std::string_view toml, const settings& all) {
-  const auto found = all.empty() ? resolved() : resolve(toml, {}, all);
-  const auto* root = std::get_if<node>(&found);
-  return all.empty() || root == nullptr ? std::string(toml) : written(*root);
+  auto parsed = parse(all.empty() ? std::string_view() : toml, {});
+  auto* root = std::get_if<node>(&parsed);
+  complaints problems;
+  if (root != nullptr)
+    apply(all, *root, problems);
+  return all.empty() || root == nullptr || !problems.empty() ? std::string(toml) : written(*root);
 }
 
 file_text read_file(const std::string& path, std::size_t octets_max) {
@@ -209,7 +222,7 @@ folder_names read_folder(const std::string& path) {
 loaded load_text(std::string_view toml, const std::string& file_name, const overrides& instead,
                  const file_reader& read, const folder_reader& list, const extensions& known) {
   reading shared;
-  auto root = resolve(toml, file_name, instead.settings, shared.problems);
+  auto root = resolve(toml, file_name, instead.settings, instead.seed, shared.problems);
   if (auto* wrong = std::get_if<std::vector<problem>>(&root))
     return {std::nullopt, std::move(*wrong)};
   const named_files files{file_name, instead, read ? read : no_file, list ? list : no_folder,

@@ -76,12 +76,14 @@ using folder_reader = std::function<folder_names(const std::string& path)>;
 
 /// A file as its readers see it, with settings and parameters in place; or the reasons why there is
 /// none.
+/// @param seed decides parameters that are drawn; unset: the file's does
 using resolved = std::variant<node, std::vector<problem>>;
 [[nodiscard]] resolved resolve(std::string_view toml, const std::string& file_name,
-                               const settings& all);
+                               const settings& all,
+                               std::optional<std::uint64_t> seed = std::nullopt);
 
-/// The text of a file with settings in place; the text itself without any, or if there is a
-/// problem.
+/// The text of a file with settings in place, which still names its parameters; the text itself
+/// without any setting, or if there is a problem.
 [[nodiscard]] std::string resolved_text(std::string_view toml, const settings& all);
 
 /// A syntax error hides everything else, and so does a setting or parameter that cannot be put in

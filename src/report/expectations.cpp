@@ -1,7 +1,6 @@
 #include "report/expectations.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <utility>
 #include <variant>
@@ -16,23 +15,6 @@ using verdict = expectation_report::verdict;
 
 /// Times that may wait for one tuple: further ones count as the newest of them.
 constexpr std::size_t waiting_max = 10'000;
-
-bool equal_keys(std::string_view a, std::string_view b) {
-  const auto folded = [](char x) { return x >= 'A' && x <= 'Z' ? static_cast<char>(x + 32) : x; };
-  return std::ranges::equal(a, b, {}, folded, folded);
-}
-
-/// @param text nullptr: the tuple is not there
-bool holds(const config::tuple_condition& x, const std::string* text) {
-  if (text == nullptr)
-    return false;
-  if (!x.equals.empty())
-    return std::ranges::find(x.equals, *text) != x.equals.end();
-  double value = 0;
-  const auto [stop, error] = std::from_chars(text->data(), text->data() + text->size(), value);
-  return error == std::errc{} && stop == text->data() + text->size() && std::isfinite(value) &&
-         (!x.above || value >= *x.above) && (!x.below || value < *x.below);
-}
 
 /// Shares are counted in whole things, and `99.9%` is no binary fraction.
 constexpr double share_slack = 1e-9;
@@ -70,6 +52,8 @@ expectations::expectations(const std::vector<config::expectation>& all, duration
       x.clocks.next = instant{} + clock->from;
     } else if (const auto* vectors = std::get_if<config::vectors_expectation>(&each)) {
       x.vectors.is_due = vectors->from > 0s;
+    } else if (const auto* some = std::get_if<config::sometimes_expectation>(&each)) {
+      watches_tuples_ = watches_tuples_ || some->during;
     }
   }
 }
@@ -87,6 +71,8 @@ void expectations::on_tuple_gone(std::string_view key, instant now) {
 
 void expectations::on_value(std::string_view key, const std::string* text, instant now) {
   for (auto& each : all_) {
+    if (const auto* some = std::get_if<config::sometimes_expectation>(&each.what))
+      each.situation.on_tuple(*some, key, text, now);
     const auto* what = std::get_if<config::tuple_expectation>(&each.what);
     if (what == nullptr)
       continue;
@@ -135,9 +121,12 @@ void expectations::expire(const config::tuple_expectation& what, tuple_watch& x,
 
 void expectations::on_event(const logged_event& x) {
   hears_events_ = true;
-  for (auto& each : all_)
+  for (auto& each : all_) {
     if (const auto* what = std::get_if<config::event_log_expectation>(&each.what))
       take(*what, each.log, x);
+    else if (const auto* some = std::get_if<config::sometimes_expectation>(&each.what))
+      each.situation.on_event(*some, x);
+  }
 }
 
 void expectations::take(const config::event_log_expectation& what, log_watch& x,
@@ -475,6 +464,22 @@ struct expectations::judge_one {
         take(x, found, line);
     decide(found.count >= x.at_least && (!x.at_most || found.count <= *x.at_most),
            counted(found.count, "line") + (found.last ? ", the last " + at_text(*found.last) : ""));
+  }
+
+  /// A run that does not come into it has done nothing wrong.
+  void operator()(const config::sometimes_expectation& x) const {
+    auto found = of.situation;
+    if (!all.hears_events_ && !x.during)
+      for (const auto& line : run.event_log)
+        found.on_event(x, line);
+    if (!found.first()) {
+      out.measured = "not reached";
+      out.at = instant{} + run.simulated;
+      return;
+    }
+    decide(true, "reached " + counted(found.times(), "time") + ", the first " +
+                     at_text(*found.first()),
+           *found.first());
   }
 };
 

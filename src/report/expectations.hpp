@@ -14,6 +14,7 @@
 #include "config/plan/expectation.hpp"
 #include "core/time.hpp"
 #include "report/report.hpp"
+#include "report/situation.hpp"
 
 namespace rubicon::report {
 
@@ -95,6 +96,7 @@ private:
     clock_watch clocks = {};
     vectors_watch vectors = {};
     log_watch log = {};
+    report::situation situation = {};
   };
 
   struct judge_one;

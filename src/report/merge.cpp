@@ -225,7 +225,9 @@ private:
   }
 
   static bool is_watched(const config::expectation& x) {
-    return std::holds_alternative<config::tuple_expectation>(x) ||
+    const auto* situation = std::get_if<config::sometimes_expectation>(&x);
+    return (situation != nullptr && situation->during) ||
+           std::holds_alternative<config::tuple_expectation>(x) ||
            std::holds_alternative<config::clock_expectation>(x) ||
            std::holds_alternative<config::joined_expectation>(x) ||
            std::holds_alternative<config::vectors_expectation>(x);

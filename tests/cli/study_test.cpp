@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "core/numbers/random.hpp"
 #include "support/catch.hpp"
 #include "support/scratch_folder.hpp"
@@ -215,4 +217,36 @@ TEST_CASE("a sweep writes a page and keeps series", "[cli]") {
   CHECK(contains(page, "messages.delivery"));
   CHECK(contains(page, "2 variants · 4 runs"));
   CHECK(contains(page, "rubicon run room.toml --set loss=0"));
+}
+
+TEST_CASE("a swarm leaves out kinds of faults, and a replay the same", "[cli][ACT-04]") {
+  const study_folder here;
+  std::ofstream(here.file("room.toml"), std::ios::app) << R"([[fault]]
+at = "30s"
+kind = "crash"
+mote = "room/meter"
+[[expect]]
+kind = "sometimes"
+name = "a crash"
+text = "crash"
+who = "meter"
+[[expect]]
+kind = "sometimes"
+name = "a miracle"
+text = "miracle"
+)";
+  const auto all = here.rubicon("swarm room.toml --seeds 1..12 --vary-faults --json");
+  INFO(all.out);
+  CHECK(all.status == 1); // of a situation that no run came into
+  const auto found = nlohmann::json::parse(all.out);
+  CHECK(found.at("failures") == 0);
+  REQUIRE(found.at("situations").size() == 2);
+  const auto crashes = found.at("faults").at("crash").get<int>();
+  CHECK((crashes > 0 && crashes < 12));
+  CHECK(found.at("situations").at(0).at("runs") == crashes);
+  CHECK(found.at("situations").at(1).at("first_seed") == nullptr);
+  const auto first = found.at("situations").at(0).at("first_seed").get<int>();
+  const auto replay = here.rubicon("run room.toml --set ecology.vary_faults=true --json --seed " +
+                                   std::to_string(first));
+  CHECK(nlohmann::json::parse(replay.out).at("expectations").at(0).at("met") == true);
 }

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "cli/child_process.hpp"
 #include "cli/print/swarm_text.hpp"
 #include "cli/swarm.hpp"
+#include "config/run/fault_variation.hpp"
 #include "report/print/text_layout.hpp"
 #include "support/catch.hpp"
 
@@ -122,6 +124,55 @@ TEST_CASE("the time to the first flat battery is compared between seeds whose ru
   CHECK(!judged(said(0, report)).figures.contains(title));
   report.replace(report.find(R"("", )"), 2, R"("kitchen/climate-7")");
   CHECK(judged(said(0, report)).figures.at(title) == Approx(20.0 / 3600));
+}
+
+TEST_CASE("a swarm counts the situations that its runs came into", "[cli]") {
+  const auto report_of = [](const std::string& met) {
+    auto text = good_report;
+    return text.insert(1, R"("expectations": [{"text": "joined within 20 s", "met": true},
+                             {"text": "sometimes b", "met": )" +
+                              met + R"(}, {"text": "sometimes a", "met": null}], )");
+  };
+  swarm x({7, 9});
+  while (x.next()) {
+  }
+  CHECK_FALSE(x.misses_situations());
+  for (const std::uint64_t seed : {7, 8, 9}) {
+    auto outcome = judged(said(0, report_of(seed == 7 ? "null" : "true")));
+    outcome.seed = seed;
+    REQUIRE(outcome.situations.size() == 2);
+    CHECK(outcome.violations.empty());
+    static_cast<void>(x.ended(std::move(outcome)));
+  }
+  CHECK(x.misses_situations());
+  CHECK(swarm_summary(x, {"a.toml"}, 1s, false) ==
+        "3 runs in 1.00 s, 1 at a time: no violations\n"
+        "  sometimes b: 2 of 3 runs, first seed 8\n"
+        "  sometimes a: NEVER reached\n"
+        "  36 events, 60.0 ×, slowest seed 7 (0.25 s)\n");
+  const auto object =
+      nlohmann::json::parse(swarm_json().text(x, {"a.toml"}, 1s, false)).at("situations");
+  CHECK(object == nlohmann::json::parse(R"([{"name": "b", "runs": 2, "first_seed": 8},
+                                            {"name": "a", "runs": 0, "first_seed": null}])"));
+}
+
+TEST_CASE("a swarm says in how many runs each kind of fault was", "[cli]") {
+  swarm x({1, 50});
+  while (x.next()) {
+  }
+  std::uint64_t with_crash = 0;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    with_crash += config::leaves_out(seed, "crash") ? 0 : 1;
+    static_cast<void>(x.ended(good_outcome(seed)));
+  }
+  swarm_words words{"a.toml"};
+  words.fault_kinds = {"crash"};
+  CHECK((with_crash > 10 && with_crash < 40));
+  CHECK(swarm_summary(x, words, 1s, false)
+            .find("  fault crash: " + std::to_string(with_crash) + " of 50 runs\n") !=
+        std::string::npos);
+  const auto object = nlohmann::json::parse(swarm_json().text(x, words, 1s, false));
+  CHECK(object.at("faults").at("crash") == with_crash);
 }
 
 TEST_CASE("violations of a report are those of its seed", "[cli]") {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 #include <variant>
@@ -14,7 +15,9 @@
 #include "cli/print/swarm_output.hpp"
 #include "cli/run/child_runs.hpp"
 #include "cli/swarm.hpp"
+#include "config/load.hpp"
 #include "config/plan/placement.hpp"
+#include "config/run/fault_variation.hpp"
 #include "config/toml/units.hpp"
 #include "core/text/host_port.hpp"
 #include "core/text/printable.hpp"
@@ -81,6 +84,14 @@ std::variant<deployed_host, std::string> find_host(const config::ecology_descrip
   return '`' + name + "` is neither a [[host]] of the file nor ADDRESS:PORT";
 }
 
+/// Kinds of faults that each seed leaves out or not.
+std::vector<std::string> kinds_in(const std::string& file, const config::overrides& instead) {
+  const auto read = config::read_file(file, config::file_octets_max);
+  const auto found = config::resolve(read.text.value_or(""), file, instead.settings, instead.seed);
+  const auto* root = std::get_if<config::node>(&found);
+  return root == nullptr ? std::vector<std::string>() : config::varied_kinds(*root);
+}
+
 exit_status refuse(const swarm_command& x, const std::string& why) {
   say(x.file + ": " + why);
   return exit_status::refused;
@@ -128,7 +139,11 @@ exit_status perform(const swarm_command& x) {
   instead.mode = config::run_mode::virtual_time;
   swarm_words words{x.file, x.length, x.jobs.value_or(std::thread::hardware_concurrency())};
   words.jobs = std::max<std::uint64_t>(words.jobs, 1);
-  words.settings = instead.settings = x.settings;
+  words.settings = x.settings;
+  if (x.varies_faults)
+    words.settings.push_back("ecology." + std::string(config::vary_faults_key) + "=true");
+  instead.settings = words.settings;
+  words.fault_kinds = kinds_in(x.file, instead);
   if (!x.hosts.empty())
     return run_on_hosts(x, instead, words);
   const auto file = load_or_complain(x.file, instead, x.known);

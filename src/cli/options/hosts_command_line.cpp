@@ -153,6 +153,9 @@ void hosts_command_line::add_swarm() {
              "Real time after which a run is aborted; default: 5min",
              [&](const auto& text) { swarm_.timeout = parse_length(text, "--timeout"); });
   add_settings(swarm_app_, swarm_.settings);
+  swarm_app_.add_flag("--vary-faults", swarm_.varies_faults,
+                      "Leave out each kind of fault in half of the runs, as with [ecology] "
+                      "vary_faults = true");
   swarm_app_.add_flag("--json", swarm_.json, "Print one JSON object only");
   add_path(swarm_app_, "--report", "FILE", swarm_.page_file,
            "Write the results, and how they differ between seeds, as one HTML page");

@@ -67,7 +67,8 @@ exit_status swarm_output::finish(bool interrupted) {
     return exit_status::refused;
   if (interrupted)
     return exit_status::interrupted;
-  return seeds_.so_far().failures == 0 ? exit_status::good : exit_status::violated;
+  return seeds_.so_far().failures == 0 && !seeds_.misses_situations() ? exit_status::good
+                                                                      : exit_status::violated;
 }
 
 bool swarm_output::write_page(bool interrupted) {

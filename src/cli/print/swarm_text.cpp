@@ -1,13 +1,16 @@
 #include "cli/print/swarm_text.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include <nlohmann/json.hpp>
 
+#include "config/run/fault_variation.hpp"
 #include "core/text/printable.hpp"
 #include "core/text/shell_word.hpp"
 #include "report/figures.hpp"
 #include "report/print/text_layout.hpp"
+#include "report/situation.hpp"
 
 namespace rubicon::cli {
 
@@ -37,6 +40,29 @@ std::uint64_t size_of(seed_range x) {
 std::string speed(double simulated_s, duration real) {
   return report::speed_factor(duration(static_cast<std::int64_t>(simulated_s * 1e9)),
                               seconds(real));
+}
+
+/// By kind of fault; nothing after an interruption, when seeds between others are missing.
+std::map<std::string, std::uint64_t> runs_with_faults(const swarm& x, const swarm_words& words,
+                                                      bool interrupted) {
+  std::map<std::string, std::uint64_t> out;
+  if (interrupted)
+    return out;
+  const auto first = x.seeds().first;
+  for (const auto& kind : words.fault_kinds)
+    for (std::uint64_t i = 0; i < x.so_far().runs; ++i)
+      out[kind] += config::leaves_out(first + i, kind) ? 0 : 1;
+  return out;
+}
+
+ordered_json situations_json(const swarm& x) {
+  auto all = ordered_json::array();
+  for (const auto& each : x.so_far().situations) {
+    all.push_back({{"name", each.name}, {"runs", each.runs}, {"first_seed", nullptr}});
+    if (each.first_seed)
+      all.back()["first_seed"] = *each.first_seed;
+  }
+  return all;
 }
 
 } // namespace
@@ -89,6 +115,16 @@ std::string swarm_summary(const swarm& x, const swarm_words& words, duration rea
   text += '\n';
   for (const auto& [invariant, count] : totals.violations)
     text += "  " + printable(invariant) + ": " + report::with_thousands(count) + '\n';
+  for (const auto& each : totals.situations)
+    text += "  " + std::string(report::sometimes) + printable(each.name) + ": " +
+            (each.first_seed ? report::with_thousands(each.runs) + " of " +
+                                   counted(totals.runs, "run") + ", first seed " +
+                                   std::to_string(*each.first_seed)
+                             : std::string("NEVER reached")) +
+            '\n';
+  for (const auto& [kind, runs] : runs_with_faults(x, words, interrupted))
+    text += "  fault " + printable(kind) + ": " + report::with_thousands(runs) + " of " +
+            counted(totals.runs, "run") + '\n';
   text += "  " + counted(totals.events, "event") + ", " + speed(totals.simulated_s, real);
   if (totals.slowest_seed)
     text += ", slowest seed " + std::to_string(*totals.slowest_seed) + " (" +
@@ -135,6 +171,8 @@ std::string swarm_json::text(const swarm& x, const swarm_words& words, duration 
       {"slowest_s", seconds(totals.slowest)},
       {"violations", violations_},
       {"violations_left_out", left_out_},
+      {"situations", situations_json(x)},
+      {"faults", runs_with_faults(x, words, interrupted)},
   };
   if (totals.slowest_seed)
     object["slowest_seed"] = *totals.slowest_seed;

@@ -18,6 +18,8 @@ struct swarm_words {
   std::uint64_t jobs = 1;
   bool from_wall = false;                 ///< the file says wall: a replay must say virtual
   std::vector<std::string> settings = {}; ///< of --set
+  /// That each run leaves out by chance ([ecology] vary_faults).
+  std::vector<std::string> fault_kinds = {};
 };
 
 /// ` --set PATH=VALUE` for each setting, for a POSIX shell.

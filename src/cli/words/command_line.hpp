@@ -152,6 +152,7 @@ struct swarm_command {
   config::settings settings;
   duration timeout = 5min; ///< of real time, for each run
   bool json = false;
+  bool varies_faults = false;     ///< each seed leaves out kinds of faults
   std::string page_file;          ///< HTML goes here; empty: nowhere
   std::vector<std::string> hosts; ///< `[[host]]` of the file or ADDRESS:PORT; none: this computer
   control::tls_files tls;         ///< with `hosts`

@@ -122,10 +122,25 @@ struct event_log_expectation {
   std::optional<std::uint64_t> at_most;
 };
 
+/// Text that a line of the event log contains, and its `who`.
+struct event_line {
+  std::string text;
+  std::string who; ///< empty: anybody's
+};
+
+/// A situation that runs of a swarm must come into: a run alone need not.
+struct sometimes_expectation {
+  std::string name;
+  event_line line;                       ///< an empty text: `during` alone
+  std::optional<tuple_condition> during; ///< holds at that moment
+  std::optional<event_line> after;       ///< the line came at most `within` after this one
+  duration within = 1s;
+};
+
 using expectation =
     std::variant<delivery_expectation, acknowledged_expectation, stream_expectation,
                  actuations_expectation, tuple_expectation, clock_expectation, joined_expectation,
                  members_expectation, battery_expectation, radio_expectation, vectors_expectation,
-                 events_expectation, event_log_expectation>;
+                 events_expectation, event_log_expectation, sometimes_expectation>;
 
 } // namespace rubicon::config

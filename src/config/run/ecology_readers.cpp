@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "config/file_readers.hpp"
+#include "config/run/fault_variation.hpp"
 
 namespace rubicon::config {
 
@@ -71,6 +72,18 @@ auto keys_of(const clock_period*) {
                       "", "time from 10 ms to 8191 ms, whole milliseconds"}));
 }
 
+/// read_faults() asks for it, which knows the seed.
+struct fault_variation {
+  bool leaves_out = false;
+};
+
+auto keys_of(const fault_variation*) {
+  return keys::of(keys::optional(
+      vary_faults_key, &fault_variation::leaves_out, flag{},
+      "each run leaves out each kind of [fault](#fault) with probability 0.5, drawn from its seed: "
+      "the runs of a [swarm](studies.md#a-swarm-that-varies) meet different combinations"));
+}
+
 auto plan_keys() {
   return keys::of(
       keys::required("picture", &floor_plan::picture, text{4096},
@@ -103,6 +116,8 @@ void read_ecology(table_reader& root, ecology_description& out) {
         clock_period clock{out.tick};
         in.all(out, run_keys());
         in.all(clock);
+        fault_variation ignored;
+        in.all(ignored);
         take_clock(in, out);
         if (in.is_good("tick")) {
           out.tick = std::chrono::duration_cast<std::chrono::milliseconds>(clock.tick);

@@ -67,6 +67,35 @@ void check(table_reader& in, tuple_expectation& x) {
            [&x](table_reader& part) { read_condition(part, x.when.emplace()); });
 }
 
+auto who_key() {
+  return optional("who", &event_line::who, text{}, {"text that its `who` contains", "anybody"});
+}
+
+void check(table_reader& in, sometimes_expectation& x) {
+  in.all(x.line, of(optional("text", &event_line::text, text{},
+                             {"text that a line of the event log contains", "none"}),
+                    who_key()));
+  in.table("during", "during of an expectation",
+           {"the condition on a tuple that holds at that moment", "any moment"},
+           [&x](table_reader& part) { read_condition(part, x.during.emplace()); });
+  in.table("after", "after of an expectation",
+           {"a line of the event log at most `within` before it", "none"},
+           [&x](table_reader& part) {
+             part.all(x.after.emplace(), of(required("text", &event_line::text, text{},
+                                                     "text that the line contains"),
+                                            who_key()));
+           });
+  if (in.walks())
+    return;
+  if (!in.has("text") && !in.has("during"))
+    in.problems().add(in.at(), "a situation needs `text` of a line of the event log, or `during`");
+  for (const auto* key : {"who", "after"})
+    if (!in.has("text") && in.has(key))
+      in.problems().add(in.at(key), '`' + std::string(key) + "` has no effect without `text`");
+  if (in.has("within") && !in.has("after"))
+    in.problems().add(in.at("within"), "`within` has no effect without `after`");
+}
+
 expectation read_expectation(table_reader& in) {
   expectation out;
   std::vector<std::pair<std::string_view, table_reader::part_reader>> choices;
@@ -149,6 +178,10 @@ expectation read_expectation(table_reader& in) {
                    "smallest number of lines"),
           optional("at_most", &event_log_expectation::at_most, whole<std::uint64_t>{0, INT64_MAX},
                    {"largest number of lines", "any number", "number, not less than `at_least`"})));
+  kind("sometimes",
+       of(required("name", &sometimes_expectation::name, text{}, "what the situation is called"),
+          optional("within", &sometimes_expectation::within, time_span{1ms},
+                   "with `after`: so soon after that line")));
   in.one_of("kind", "kind of expectation", choices, "[[expect]]");
   return out;
 }

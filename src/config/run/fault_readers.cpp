@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "config/file_readers.hpp"
+#include "config/run/fault_variation.hpp"
 
 namespace rubicon::config {
 
@@ -369,6 +370,7 @@ void read_repetition(table_reader& in, fault_description& out) {
 std::vector<fault_description> read_faults(table_reader& root, const surroundings& with,
                                            const std::vector<island_description>& islands) {
   std::vector<fault_description> out;
+  const bool varies = varies_faults(root.content());
   root.tables("fault", "[[fault]]", about("faults and their times").changeable("further ones"),
               [&](table_reader& in) {
                 fault_description x;
@@ -378,7 +380,10 @@ std::vector<fault_description> read_faults(table_reader& root, const surrounding
                   in.problems().add(in.at("at"), "`at` has no effect with `every` or `random`");
                 read_repetition(in, x);
                 fault_reader(with, islands, x.what).read(in);
-                out.push_back(std::move(x));
+                const auto* kind = in.value("kind");
+                const auto* word = kind == nullptr ? nullptr : kind->as<std::string>();
+                if (!varies || word == nullptr || !leaves_out(with.seed, *word))
+                  out.push_back(std::move(x));
               });
   sort_plan(out);
   return out;

@@ -309,7 +309,7 @@ private:
 followed_file::followed_file(std::string_view toml, std::string name, overrides instead,
                              extensions known)
     : name_(std::move(name)), instead_(std::move(instead)), known_(std::move(known)) {
-  auto parsed = resolve(toml, name_, instead_.settings);
+  auto parsed = resolve(toml, name_, instead_.settings, instead_.seed);
   auto loaded = load_with_files(toml, name_, instead_, known_);
   if (auto* root = std::get_if<node>(&parsed); root != nullptr && loaded.ecology) {
     first_ = newest_ = *std::move(root);
@@ -319,7 +319,7 @@ followed_file::followed_file(std::string_view toml, std::string name, overrides 
 
 reloaded followed_file::read(std::string_view toml, duration now) {
   reloaded out;
-  auto parsed = resolve(toml, name_, instead_.settings);
+  auto parsed = resolve(toml, name_, instead_.settings, instead_.seed);
   auto loaded = load_with_files(toml, name_, instead_, known_);
   if (!loaded.problems.empty()) {
     out.refused = std::move(loaded.problems);

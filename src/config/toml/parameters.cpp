@@ -1,13 +1,21 @@
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "config/toml/settings.hpp"
+#include "core/numbers/random.hpp"
+#include "core/text/decimal.hpp"
 #include "core/text/name.hpp"
 #include "core/text/spelling.hpp"
 
@@ -105,11 +113,104 @@ private:
   bool is_too_large_ = false;
 };
 
-/// @returns whether all can be values of parameters
-bool check(const node_table& parameters, complaints& problems) {
+constexpr std::uint64_t draw_steps = 10'000;
+
+/// One end of a range.
+struct range_end {
+  double value = 0;
+  std::optional<std::int64_t> whole = std::nullopt;
+  std::optional<std::string> unit = std::nullopt; ///< of a text
+};
+
+std::optional<range_end> end_in(const node* x) {
+  if (x == nullptr)
+    return std::nullopt;
+  if (const auto* whole = x->as<std::int64_t>())
+    return range_end{static_cast<double>(*whole), *whole};
+  if (const auto* real = x->as<double>())
+    return std::isfinite(*real) ? std::optional(range_end{*real}) : std::nullopt;
+  const auto* text = x->as<std::string>();
+  if (text == nullptr)
+    return std::nullopt;
+  range_end out;
+  const auto* last = text->data() + text->size();
+  const auto [stop, error] = std::from_chars(text->data(), last, out.value);
+  if (error != std::errc{} || !std::isfinite(out.value))
+    return std::nullopt;
+  out.unit = std::string(stop, last);
+  return out;
+}
+
+/// With nine digits, which hides what binary fractions add: a time has no more decimals than fit.
+double clean_decimal(double x) {
+  std::array<char, 32> text{};
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), x, std::chars_format::general, 9).ptr;
+  double out = x;
+  std::from_chars(text.data(), end, out);
+  return out;
+}
+
+node drawn(const member& x, const range_end& from, const range_end& to, std::uint64_t seed) {
+  random_stream random(seed, "parameter/" + x.key);
+  node out{x.value.at, {}};
+  if (from.whole && to.whole) {
+    const auto lowest = static_cast<std::uint64_t>(*from.whole);
+    const auto more = static_cast<std::uint64_t>(*to.whole) - lowest;
+    const auto above = more == UINT64_MAX ? random.next() : random.below(more + 1);
+    out.content = static_cast<std::int64_t>(lowest + above);
+    return out;
+  }
+  const auto step = static_cast<double>(random.below(draw_steps + 1));
+  const auto share = step / static_cast<double>(draw_steps);
+  const auto value = clean_decimal(from.value + (to.value - from.value) * share);
+  if (from.unit)
+    out.content = shortest_decimal(value) + *from.unit;
+  else
+    out.content = value;
+  return out;
+}
+
+/// The value for one seed, both ends included: of two whole numbers a whole one, of other numbers
+/// one in 10 000 steps, of numbers with a unit (`"10s"`) one with that unit. It depends on nothing
+/// but the seed and the parameter's name and range.
+/// @param x its value is a table
+/// @returns nothing: that is no range, as `problems` says
+std::optional<node> drawn_parameter(const member& x, std::uint64_t seed, complaints& problems) {
+  for (const auto& each : *x.value.as<node_table>())
+    if (each.key != "from" && each.key != "to") {
+      problems.add(each.at, "unknown key `" + each.key + "`: a range has `from` and `to`");
+      return std::nullopt;
+    }
+  const auto from = end_in(x.value.find("from"));
+  const auto to = end_in(x.value.find("to"));
+  if (!from || !to) {
+    problems.add(x.value.at, '`' + x.key +
+                                 "` needs `from` and `to`, each a number, or a text that begins "
+                                 "with one");
+    return std::nullopt;
+  }
+  if (from->unit != to->unit) {
+    problems.add(x.value.at, "`from` and `to` of `" + x.key + "` must have the same unit");
+    return std::nullopt;
+  }
+  if (to->value < from->value) {
+    problems.add(x.value.at, "`to` of `" + x.key + "` must not be less than `from`");
+    return std::nullopt;
+  }
+  return drawn(x, *from, *to, seed);
+}
+
+/// Draws those that have a range. @returns whether all can be values of parameters
+bool check(node_table& parameters, std::uint64_t seed, complaints& problems) {
   const auto before = problems.size();
-  for (const auto& each : parameters) {
-    const auto& x = each.value;
+  for (auto& each : parameters) {
+    auto& x = each.value;
+    if (x.as<node_table>() != nullptr) {
+      if (auto value = drawn_parameter(each, seed, problems))
+        x.content = std::move(value->content);
+      continue;
+    }
     const auto* text = x.as<std::string>();
     if (!is_name(each.key))
       problems.add(each.at, "a parameter's name has letters, digits, - and _, at most 32");
@@ -117,15 +218,18 @@ bool check(const node_table& parameters, complaints& problems) {
       problems.add(x.at, "a parameter cannot name another");
     else if (text == nullptr && x.as<std::int64_t>() == nullptr && x.as<double>() == nullptr &&
              x.as<bool>() == nullptr)
-      problems.add(x.at, '`' + each.key + "` must be a text, a number, true or false, not " +
-                             describe(x));
+      problems.add(x.at,
+                   '`' + each.key +
+                       "` must be a text, a number, true or false, or a table with `from` and "
+                       "`to`, not " +
+                       describe(x));
   }
   return problems.size() == before;
 }
 
 } // namespace
 
-void put_parameters(node& root, complaints& problems) {
+void put_parameters(node& root, std::uint64_t seed, complaints& problems) {
   const auto* found = root.find(parameters_key);
   if (found == nullptr)
     return;
@@ -134,8 +238,8 @@ void put_parameters(node& root, complaints& problems) {
     problems.add(found->at, "`parameters` must be a table, not " + describe(*found));
     return;
   }
-  const auto known = *parameters; // it is taken out below
-  if (!check(known, problems))
+  auto known = *parameters; // it is taken out below
+  if (!check(known, seed, problems))
     return;
   replacement all(known, problems);
   auto& members = std::get<node_table>(root.content);

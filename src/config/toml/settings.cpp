@@ -132,11 +132,16 @@ private:
       nobody(elements, depth);
   }
 
+  /// Which may have a range instead of its value.
+  [[nodiscard]] bool is_parameter() const {
+    return path_.size() == 2 && path_.front() == parameters_key;
+  }
+
   void enter(node& x, std::size_t depth) {
     if (depth < path_.size())
       go(x, depth);
     else if (x.as<node_table>() != nullptr && value_.as<node_table>() == nullptr &&
-             !std::get<node_table>(x.content).empty())
+             !std::get<node_table>(x.content).empty() && !is_parameter())
       complain('`' + before(depth) + "` is a table: set one of its keys");
     else
       x = value_;

@@ -2,6 +2,7 @@
 // file, which its texts name as in `"${loss}"`.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,7 @@ inline constexpr std::string_view parameters_key = "parameters";
 /// Puts the values of parameters where texts name them. A text that is `${NAME}` and nothing else
 /// becomes the value; within a longer text it is written as the file would, without quotes; `$${`
 /// is a plain `${`. The table itself is taken out; a file without it is left as it is.
-void put_parameters(node& root, complaints& problems);
+/// @param seed of the run, which decides those that are drawn
+void put_parameters(node& root, std::uint64_t seed, complaints& problems);
 
 } // namespace rubicon::config

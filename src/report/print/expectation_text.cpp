@@ -80,6 +80,9 @@ struct writer {
            "\" >= " + with_thousands(x.at_least) +
            (x.at_most ? ", <= " + with_thousands(*x.at_most) : "");
   }
+  std::string operator()(const config::sometimes_expectation& x) const {
+    return std::string(sometimes) + x.name;
+  }
 };
 
 } // namespace

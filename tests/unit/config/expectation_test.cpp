@@ -85,6 +85,33 @@ TEST_CASE("expectations about streams, tuples, clocks and the run arrive with th
   CHECK(log.at_most == 0);
 }
 
+TEST_CASE("a situation is a line, a condition on a tuple, or both", "[config][expect]") {
+  const auto all = only_expectation<sometimes_expectation>(
+      "kind = \"sometimes\"\nname = \"n\"\ntext = \"restarts\"\nwho = \"k/\"\n"
+      "during = { key = \"a.lamp\", equals = [\"on\"] }\n"
+      "after = { text = \"opens\", who = \"q\" }\nwithin = \"2s\"\n");
+  CHECK(all.name == "n");
+  CHECK(all.line.text == "restarts");
+  CHECK(all.line.who == "k/");
+  REQUIRE(all.during);
+  CHECK(all.during->key == "a.lamp");
+  REQUIRE(all.after);
+  CHECK(all.after->text == "opens");
+  CHECK(all.after->who == "q");
+  CHECK(all.within == 2s);
+  const auto tuple = only_expectation<sometimes_expectation>(
+      "kind = \"sometimes\"\nname = \"n\"\nduring = { key = \"a.lamp\", above = 1 }\n");
+  CHECK(tuple.line.text.empty());
+  CHECK(wrong("kind = \"sometimes\"\nname = \"n\"\n") ==
+        "19:1: a situation needs `text` of a line of the event log, or `during`");
+  CHECK(wrong("kind = \"sometimes\"\ntext = \"x\"\n").starts_with("19:1: `name` is missing"));
+  CHECK(wrong("kind = \"sometimes\"\nname = \"n\"\ntext = \"x\"\nwithin = \"1s\"\n") ==
+        "23:10: `within` has no effect without `after`");
+  CHECK(wrong("kind = \"sometimes\"\nname = \"n\"\nwho = \"x\"\n"
+              "during = { key = \"a.lamp\", above = 1 }\n") ==
+        "22:7: `who` has no effect without `text`");
+}
+
 TEST_CASE("mistakes in expectations are told with their places", "[config][expect]") {
   CHECK(wrong("kind = \"delivry\"\nat_least = 1\n").find("did you mean \"delivery\"?") !=
         std::string::npos);

@@ -1,5 +1,10 @@
+#include <cstdint>
 #include <string>
+#include <variant>
+#include <vector>
 
+#include "config/load.hpp"
+#include "config/run/fault_variation.hpp"
 #include "config/run/summary.hpp"
 #include "support/catch.hpp"
 #include "unit/config/sample.hpp"
@@ -400,4 +405,56 @@ TEST_CASE("motes may have a double, another island or another type", "[config][A
   CHECK(problem_after(two, "[[fault]]\nat = \"1s\"\nkind = \"crash\"\nmote = \"*\"\n"
                            "type = \"lamp\"\n")
             .find("`type` needs the name of one `mote`, not \"*\"") != std::string::npos);
+}
+
+TEST_CASE("with varied faults each seed leaves out kinds of them", "[config][ACT-04]") {
+  const auto toml = std::string(peers_head) +
+                    "[[fault]]\nat = \"1s\"\nkind = \"kill\"\npeer = \"q\"\n"
+                    "[[fault]]\nat = \"2s\"\nkind = \"kill\"\npeer = \"p-1\"\n"
+                    "[[fault]]\nat = \"3s\"\nkind = \"pause\"\npeer = \"q\"\n";
+  constexpr std::uint64_t seeds = 200;
+  int killed = 0;
+  int paused = 0;
+  int both = 0;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    overrides instead;
+    instead.seed = seed;
+    REQUIRE(load_text(toml, "e.toml", instead).ecology->faults.size() == 3);
+    instead.settings = {"ecology.vary_faults=true"};
+    const auto found = load_text(toml, "e.toml", instead);
+    REQUIRE(problems_of(found) == "none");
+    const bool kills = !leaves_out(seed, "kill");
+    const bool pauses = !leaves_out(seed, "pause");
+    CHECK(found.ecology->faults.size() == (kills ? 2U : 0U) + (pauses ? 1U : 0U));
+    killed += kills ? 1 : 0;
+    paused += pauses ? 1 : 0;
+    both += kills && pauses ? 1 : 0;
+  }
+  CHECK((killed > 70 && killed < 130));
+  CHECK((paused > 70 && paused < 130));
+  CHECK((both > 25 && both < 75)); // a quarter: they are independent
+}
+
+TEST_CASE("a fault that a seed leaves out is checked all the same", "[config][GEN-06]") {
+  const auto toml = std::string(peers_head) +
+                    "[[fault]]\nat = \"1s\"\nkind = \"kill\"\npeer = \"nobody\"\n";
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    overrides instead;
+    instead.seed = seed;
+    instead.settings = {"ecology.vary_faults=true"};
+    CHECK(problems_of(load_text(toml, "e.toml", instead)) != "none");
+  }
+}
+
+TEST_CASE("the kinds of faults that a file varies are known", "[config][ACT-04]") {
+  const auto kinds = [](const std::string& toml) {
+    return varied_kinds(std::get<node>(parse(toml, "e.toml")));
+  };
+  const std::string faults = "[[fault]]\nkind = \"pause\"\n[[fault]]\nkind = \"kill\"\n"
+                             "[[fault]]\nkind = \"pause\"\n[[fault]]\n";
+  CHECK(kinds("[ecology]\nvary_faults = true\n" + faults) ==
+        std::vector<std::string>{"kill", "pause"});
+  CHECK(kinds("[ecology]\nvary_faults = false\n" + faults).empty());
+  CHECK(kinds(faults).empty());
+  CHECK(kinds("[ecology]\nvary_faults = true\n").empty());
 }

@@ -1,3 +1,5 @@
+#include <cstdint>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -142,11 +144,71 @@ TEST_CASE("a mistake with parameters has a place", "[config][GEN-06]") {
   CHECK(after("[parameters]\nloss = 0.1\n[radio]\nrange = \"${loss\"\n") ==
         "e.toml:9:9: `${` has no `}`; a plain one is `$${`");
   CHECK(after("[parameters]\nloss = [1]\n") ==
-        "e.toml:7:8: `loss` must be a text, a number, true or false, not an array of 1");
+        "e.toml:7:8: `loss` must be a text, a number, true or false, or a table with `from` and "
+        "`to`, not an array of 1");
   CHECK(after("[parameters]\na = 1\nb = \"${a}\"\n") ==
         "e.toml:8:5: a parameter cannot name another");
   CHECK(after("[parameters]\n\"a b\" = 1\n") ==
         "e.toml:7:1: a parameter's name has letters, digits, - and _, at most 32");
+}
+
+TEST_CASE("a parameter with a range is drawn by the seed alone", "[config][GEN-04]") {
+  const auto toml = two_islands + "[parameters]\nloss = { from = 0.1, to = 0.5 }\n"
+                                  "metres = { from = 20, to = 22 }\n"
+                                  "length = { from = \"0.1s\", to = \"0.5s\" }\n"
+                                  "[radio]\nloss = \"${loss}\"\nrange = \"${metres}m\"\n"
+                                  "[[fault]]\nat = \"1s\"\nkind = \"radio_loss\"\nloss = 1\n"
+                                  "for = \"${length}\"\n";
+  std::set<double> losses;
+  std::set<duration> lengths;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    config::overrides instead;
+    instead.seed = seed;
+    const auto found = config::load_text(toml, "e.toml", instead);
+    REQUIRE(problems_of(found) == "none");
+    const auto loss = found.ecology->radio.loss;
+    CHECK((loss >= 0.1 && loss <= 0.5));
+    const auto& fault = std::get<config::radio_loss_fault>(found.ecology->faults.at(0).what);
+    CHECK((fault.length >= 100ms && fault.length <= 500ms));
+    losses.insert(loss);
+    lengths.insert(fault.length);
+    const auto again = load(toml, {"ecology.seed=" + std::to_string(seed)});
+    REQUIRE(problems_of(again) == "none");
+    CHECK(again.ecology->radio.loss == loss);
+  }
+  CHECK(losses.size() > 15);
+  CHECK(lengths.size() > 15);
+  const auto set = load(toml, {"loss=0.75"});
+  REQUIRE(problems_of(set) == "none");
+  CHECK(set.ecology->radio.loss == 0.75);
+}
+
+TEST_CASE("a file with its settings still draws its parameters", "[config][GEN-04]") {
+  const auto toml = two_islands + "[parameters]\nloss = { from = 0.1, to = 0.5 }\n"
+                                  "[radio]\nloss = \"${loss}\"\n";
+  const auto text = config::resolved_text(toml, {"island.l.id=3"});
+  const auto loss_of = [&text](std::uint64_t seed) {
+    config::overrides instead;
+    instead.seed = seed;
+    const auto found = config::load_text(text, "e.toml", instead);
+    REQUIRE(problems_of(found) == "none");
+    return found.ecology->radio.loss;
+  };
+  CHECK(loss_of(1) != loss_of(2));
+}
+
+TEST_CASE("a range that is none has a place", "[config][GEN-06]") {
+  const auto with = [](const std::string& range) {
+    return problems_of(load(std::string(head) + "[parameters]\na = " + range + "\n", {}));
+  };
+  CHECK(with("{ from = 1 }") == "e.toml:7:5: `a` needs `from` and `to`, each a number, or a text "
+                                "that begins with one");
+  CHECK(with("{ from = \"s\", to = 1 }").starts_with("e.toml:7:5: `a` needs `from` and `to`"));
+  CHECK(with("{ from = \"1s\", to = \"1min\" }") ==
+        "e.toml:7:5: `from` and `to` of `a` must have the same unit");
+  CHECK(with("{ from = 2, to = 1 }") == "e.toml:7:5: `to` of `a` must not be less than `from`");
+  CHECK(with("{ from = 1, to = 2, by = 1 }") ==
+        "e.toml:7:25: unknown key `by`: a range has `from` and `to`");
 }
 
 TEST_CASE("a parameter that nothing names is a warning", "[config][GEN-06]") {

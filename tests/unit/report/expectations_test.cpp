@@ -255,6 +255,50 @@ TEST_CASE("lines of the event log count that the report has left out", "[report]
   CHECK(x.result(run).measured == "3 lines, the last at 0:02.000");
 }
 
+TEST_CASE("a run that does not come into a situation has done nothing wrong",
+          "[report][expect]") {
+  const sometimes_expectation gone{"a lamp leaves", {"left", "lamp"}, {}, {}, 1s};
+  one x(gone);
+  x.judge.on_event({at(1s), "kitchen/fan", "left: silence"});
+  CHECK(x.result().text == "sometimes a lamp leaves");
+  CHECK(x.result().outcome == verdict::unjudged);
+  CHECK(x.result().measured == "not reached");
+  x.judge.on_event({at(2s), "kitchen/lamp-9", "left: battery"});
+  x.judge.on_event({at(3s), "kitchen/lamp-9", "left: battery"});
+  CHECK(x.met());
+  CHECK(x.result().measured == "reached 2 times, the first at 0:02.000");
+  CHECK(x.result().at == at(2s));
+}
+
+TEST_CASE("a situation may need a tuple at that moment and a line before", "[report][expect]") {
+  const tuple_condition on{"kitchen.lamp", {"on"}, {}, {}};
+  one during(sometimes_expectation{"n", {"left", ""}, on, {}, 1s});
+  CHECK(during.judge.watches_tuples());
+  during.judge.on_event({at(1s), "a", "left: battery"});
+  during.judge.on_tuple("Kitchen.Lamp", "on", at(2s));
+  CHECK_FALSE(during.met());
+  during.judge.on_tuple_gone("kitchen.lamp", at(3s));
+  during.judge.on_event({at(4s), "a", "left: battery"});
+  CHECK_FALSE(during.met());
+  during.judge.on_tuple("kitchen.lamp", "on", at(5s));
+  during.judge.on_event({at(6s), "a", "left: battery"});
+  CHECK(during.met());
+
+  one after(sometimes_expectation{"n", {"left", ""}, {}, event_line{"left", "b"}, 2s});
+  CHECK_FALSE(after.judge.watches_tuples());
+  after.judge.on_event({at(1s), "b", "left: battery"}); // not after itself
+  after.judge.on_event({at(4s), "a", "left: battery"}); // too late
+  CHECK_FALSE(after.met());
+  after.judge.on_event({at(5s), "b", "left: battery"});
+  after.judge.on_event({at(7s), "a", "left: battery"});
+  CHECK(after.result().measured == "reached 1 time, the first at 0:07.000");
+
+  one alone(sometimes_expectation{"n", {}, on, {}, 1s});
+  alone.judge.on_tuple("kitchen.lamp", "on", at(2s));
+  alone.judge.on_tuple("kitchen.lamp", "on", at(3s)); // it was so already
+  CHECK(alone.result().measured == "reached 1 time, the first at 0:02.000");
+}
+
 TEST_CASE("a run that broke off is not judged", "[report][expect]") {
   auto x = sample_report();
   x.interrupted = true;

@@ -195,7 +195,9 @@ TEST_CASE("a host without a last word is a violation", "[report][GEN-05]") {
 TEST_CASE("what parts have judged is judged, the rest is found in the whole", "[report]") {
   auto description = house();
   description.expectations = {config::joined_expectation{{}, 10s}, config::delivery_expectation{},
-                              config::tuple_expectation{}};
+                              config::tuple_expectation{},
+                              config::sometimes_expectation{
+                                  "lit", {}, config::tuple_condition{"a.b", {"on"}, {}, {}}, {}}};
   auto part = part_with(house_fan, "kitchen");
   part.report.islands[0].motes[0].name = "fan";
   auto& sent = part.counters.messages[house_fan];
@@ -205,10 +207,11 @@ TEST_CASE("what parts have judged is judged, the rest is found in the whole", "[
   part.report.expectations = {
       {to_text(description.expectations[0]), verdict::unmet, "1 late", instant(10s)}};
   const auto x = merged(description, {{"a", {{0s, part, true}}}});
-  REQUIRE(x.expectations.size() == 3);
+  REQUIRE(x.expectations.size() == 4);
   CHECK(x.expectations[0].outcome == verdict::unmet);
   CHECK(x.expectations[1].outcome == verdict::met);
   CHECK(x.expectations[2].outcome == verdict::unjudged);
+  CHECK(x.expectations[3].measured.starts_with("not checked"));
   REQUIRE(x.violations.size() == 1);
   CHECK(x.violations[0].invariant.starts_with("expected: joined"));
 }
