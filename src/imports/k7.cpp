@@ -106,8 +106,8 @@ private:
   /// Minutes since 1970 of `2018-01-11 16:32:15`, with T for the blank or a fraction behind it.
   static std::int64_t minute_of(const field& x) {
     const auto part = [&x](std::size_t at, std::size_t length) {
-      const auto found = at + length <= x.text.size() ? whole_in(x.text.substr(at, length))
-                                                      : std::nullopt;
+      const auto found =
+          at + length <= x.text.size() ? whole_in(x.text.substr(at, length)) : std::nullopt;
       if (!found)
         refuse(x.at, "expected a time such as 2018-01-11 16:32:15, not " + quoted(x.text));
       return static_cast<unsigned>(*found);

@@ -100,9 +100,8 @@ std::uint32_t node_of(const field& x) {
   constexpr std::uint64_t node_max = 65'000;
   const auto found = whole_in(x.text);
   if (!found || *found > node_max)
-    refuse(x.at,
-           "a node must be a number from 0 to " + std::to_string(node_max) + ", not " +
-               quoted(x.text));
+    refuse(x.at, "a node must be a number from 0 to " + std::to_string(node_max) + ", not " +
+                     quoted(x.text));
   return static_cast<std::uint32_t>(*found);
 }
 
@@ -116,9 +115,8 @@ std::vector<left_out> note_list::sorted() const {
   std::vector<left_out> out;
   for (const auto& [what, at] : first_)
     out.push_back({at, what});
-  std::ranges::stable_sort(out, {}, [](const left_out& x) {
-    return std::pair(x.at.line, x.at.column);
-  });
+  std::ranges::stable_sort(out, {},
+                           [](const left_out& x) { return std::pair(x.at.line, x.at.column); });
   return out;
 }
 

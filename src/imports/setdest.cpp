@@ -37,8 +37,9 @@ public:
     line_fields lines(text, " \t\"");
     while (lines.next())
       take(lines);
-    out_.plan.length = std::max(out_.plan.length, duration(std::chrono::ceil<std::chrono::minutes>(
-                                                      after_seconds(last_s_))));
+    out_.plan.length =
+        std::max(out_.plan.length,
+                 duration(std::chrono::ceil<std::chrono::minutes>(after_seconds(last_s_))));
     for (const auto& [index, walk] : walkers_)
       corner(index, walk.arrives_s, walk.to);
     motes_.give(out_.plan);
@@ -61,7 +62,8 @@ private:
       return notes_.add(fields.front().at, "variables of Tcl");
     refuse(fields.front().at,
            "expected `$node_(N) set X_ NUMBER` or `$ns_ at TIME \"$node_(N) setdest X Y SPEED\"`, "
-           "not " + quoted(fields.front().text));
+           "not " +
+               quoted(fields.front().text));
   }
 
   std::size_t node(const field& x) {

@@ -36,7 +36,7 @@ std::string as_name(std::string_view text, std::string_view otherwise) {
   for (const char c : text.substr(0, length_max))
     out += is_name_character(c) ? c : '-';
   return out.empty() || out.find_first_not_of('-') == std::string::npos ? std::string(otherwise)
-                                                                       : out;
+                                                                        : out;
 }
 
 /// Text within a comment.
@@ -72,7 +72,8 @@ public:
 private:
   /// The first mote that stays where it is.
   void choose_sink() {
-    const auto found = std::ranges::find_if(plan_.motes, [](const auto& x) { return x.path.empty(); });
+    const auto found =
+        std::ranges::find_if(plan_.motes, [](const auto& x) { return x.path.empty(); });
     if (found != plan_.motes.end())
       sink_ = static_cast<std::size_t>(found - plan_.motes.begin());
   }
@@ -105,9 +106,9 @@ private:
     for (const auto& each : all_.notes)
       line("# - " + in_comment(each.what) +
            (each.at.line == 0 ? std::string() : " (line " + std::to_string(each.at.line) + ')'));
-    line("#\n# The sink is " + (plan_.motes[sink_].name.empty()
-                                    ? "node " + std::to_string(plan_.motes[sink_].number)
-                                    : in_comment(plan_.motes[sink_].name)) +
+    line("#\n# The sink is " +
+         (plan_.motes[sink_].name.empty() ? "node " + std::to_string(plan_.motes[sink_].number)
+                                          : in_comment(plan_.motes[sink_].name)) +
          "; the program of the motes is an example.\n");
   }
 

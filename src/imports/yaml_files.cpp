@@ -1,4 +1,5 @@
-// Files of OTNS in YAML, and of IoT-LAB in JSON, which is read as YAML for the places of its values.
+// Files of OTNS in YAML, and of IoT-LAB in JSON, which is read as YAML for the places of its
+// values.
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -54,7 +55,8 @@ public:
     for (const auto& each : nodes)
       read_node(each);
     for (const auto& each : root)
-      if (const auto key = scalar(each.first, "a key"); key.text != "nodes" && key.text != "network")
+      if (const auto key = scalar(each.first, "a key");
+          key.text != "nodes" && key.text != "network")
         notes_.add(key.at, quoted(key.text));
     out_.plan.air = range_;
     motes_.give(out_.plan);

@@ -45,17 +45,17 @@ std::string write_new(const std::string& path, std::string_view text, bool repla
 
 /// The imported file as the new one refers to it.
 std::string seen_from(const std::string& to, const std::string& file) {
-  const auto folder = to == standard_input ? std::filesystem::path(".")
-                                           : std::filesystem::path(to).parent_path();
+  const auto folder =
+      to == standard_input ? std::filesystem::path(".") : std::filesystem::path(to).parent_path();
   std::error_code error;
   const auto out = std::filesystem::proximate(file, folder.empty() ? "." : folder, error);
   return error ? file : out.string();
 }
 
 std::string placed(const std::string& file, const imports::import_problem& x) {
-  const auto where = x.at.line == 0 ? std::string()
-                                    : ':' + std::to_string(x.at.line) + ':' +
-                                          std::to_string(x.at.column);
+  const auto where = x.at.line == 0
+                         ? std::string()
+                         : ':' + std::to_string(x.at.line) + ':' + std::to_string(x.at.column);
   return file + where + ": " + x.message;
 }
 
