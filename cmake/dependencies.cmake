@@ -5,6 +5,8 @@ find_package(tomlplusplus 3.3 REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(OpenSSL 3 REQUIRED)
 find_package(SQLite3 REQUIRED)
+find_package(pugixml 1.12 REQUIRED)
+find_package(yaml-cpp 0.7 REQUIRED)
 find_package(Threads REQUIRED)
 # libpcap has no CMake package.
 find_path(PCAP_INCLUDE_DIR pcap/pcap.h REQUIRED)

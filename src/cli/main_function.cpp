@@ -17,6 +17,7 @@
 #include "cli/hosts/deployed_command.hpp"
 #include "cli/hosts/host_command.hpp"
 #include "cli/hosts/swarm_command.hpp"
+#include "cli/imports/import_command.hpp"
 #include "cli/manual/manual_commands.hpp"
 #include "cli/manual/new_command.hpp"
 #include "cli/network/network_commands.hpp"

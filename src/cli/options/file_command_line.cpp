@@ -12,10 +12,13 @@ namespace rubicon::cli {
 file_command_line::file_command_line(CLI::App& app)
     : new_app_(*app.add_subcommand("new", "Write a file to begin with, from a template")),
       check_app_(*app.add_subcommand("check", "Check a file without running it, and summarise it")),
+      import_app_(*app.add_subcommand(
+          "import", "Make a file of one of another simulator, or of measured links")),
       schema_app_(*app.add_subcommand(
           "schema", "Print the JSON Schema of these files, for editors and validators")) {
   add_new();
   add_check();
+  add_import();
   add_schema();
 }
 
@@ -56,6 +59,28 @@ void file_command_line::add_check() {
   add_overrides(check_app_, check_.instead);
 }
 
+void file_command_line::add_import() {
+  import_app_
+      .add_option("FILE", import_.file,
+                  "Cooja's .csc, movements of setdest, YAML of OTNS, JSON of IoT-LAB, gains of "
+                  "TOSSIM, a topology of RIOT's ZEP dispatcher, or a K7 trace")
+      ->required()
+      ->type_name("");
+  import_app_
+      .add_option("TOML", import_.to,
+                  "The file to write; - is standard output; default: FILE's name with .toml")
+      ->type_name("");
+  add_parsed(import_app_, "--format", "FORMAT",
+             "cooja, setdest, otns, iotlab, tossim, zep or k7; default: by name and content",
+             [this](const auto& text) {
+               import_.format = imports::parse_format(text);
+               if (!import_.format)
+                 throw CLI::ValidationError("--format", "there is no format '" + text + "'");
+             });
+  import_app_.add_flag("--force", import_.is_forced, "Overwrite a file that exists");
+  import_app_.footer("It prints what it has not taken, a line each.");
+}
+
 void file_command_line::add_schema() {
   schema_app_.add_option("--tables", schema_.tables_of)->group(""); // of docs/configuration.md
 }
@@ -67,6 +92,8 @@ std::optional<command> file_command_line::parsed() const {
     return explained_;
   if (check_app_.parsed())
     return check_;
+  if (import_app_.parsed())
+    return import_;
   if (schema_app_.parsed())
     return schema_;
   return std::nullopt;

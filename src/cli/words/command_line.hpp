@@ -17,6 +17,7 @@
 #include "control/tls.hpp"
 #include "deploy/host_access.hpp"
 #include "explain/print/text.hpp"
+#include "imports/plan.hpp"
 #include "io/tls/certificates.hpp"
 #include "study/grid.hpp"
 #include "study/stopping.hpp"
@@ -68,6 +69,14 @@ struct new_command {
   std::string file;       ///< empty: NAME.toml
   bool is_forced = false; ///< overwrites a file
   std::string firmware;   ///< folder for firmware in C instead; empty: none is written
+};
+
+/// `rubicon import FILE [TOML]`
+struct import_command {
+  std::string file;
+  std::string to;                        ///< empty: FILE's name with .toml; `-`: standard output
+  std::optional<imports::format> format; ///< unset: by FILE's name and content
+  bool is_forced = false;                ///< overwrites a file
 };
 
 /// `rubicon completion SHELL`
@@ -255,7 +264,7 @@ struct refused_command {
 
 using command =
     std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
-                 check_command, explain_key_command, new_command, schema_command,
+                 check_command, explain_key_command, new_command, import_command, schema_command,
                  completion_command, pages_command, swarm_command, sweep_command, compare_command,
                  shrink_command, query_command, explain_command, view_command, certs_command,
                  network_command, serial_command, show_command, refused_command>;
