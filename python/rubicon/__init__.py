@@ -1,4 +1,4 @@
-"""PEIS peers in Python: programs without ROS, and without any package but this one, in a network of Rubicon peers.
+"""PEIS peers in Python, and runs of ecologies that Python steers: with no package but this one.
 
     from rubicon import Peer
 
@@ -7,13 +7,22 @@
         print(robot.get("kitchen.fan.state", owner="kitchen-pc"))
         robot.subscribe("devices.*.temperature", lambda x: print(x.owner, x.key, x.value))
 
-Everything is in class Peer; see docs/python.md.
+    from rubicon import Run
+
+    with Run("home.toml", seed=7) as run:
+        run.step(60)
+        print(run.get("kitchen-pc", "devices.stove.temperature"), run.finish()["violations"])
+
+Class Peer is described in docs/python.md, class Run in docs/steering.md.
 """
 from .errors import (BadValueError, ClosedError, NoSuchHostError, NoSuchTupleError, NotConnectedError, PeerError,
-                     RefusedError, TimedOutError)
+                     RefusedError, RequestError, RunError, TimedOutError)
 from .meta import Reference
 from .peer import Host, Peer, Subscription
 from .records import Tuple
+from .run import Event, Run, Step, Write, map_runs
+from .toml_text import to_toml
 
 __all__ = ["Peer", "Tuple", "Host", "Subscription", "Reference", "PeerError", "NotConnectedError", "NoSuchHostError",
-           "NoSuchTupleError", "TimedOutError", "RefusedError", "BadValueError", "ClosedError"]
+           "NoSuchTupleError", "TimedOutError", "RefusedError", "BadValueError", "ClosedError", "Run", "Step", "Event", "Write",
+           "map_runs", "to_toml", "RunError", "RequestError"]

@@ -1,8 +1,16 @@
-"""What a peer raises. Every exception of this package is a PeerError."""
+"""What peers and runs raise. Every exception of this package is a PeerError or a RunError."""
 
 
 class PeerError(Exception):
     """A request to a peer has failed; the text gives the reason."""
+
+
+class RunError(Exception):
+    """A run could not be started, or has ended; the text gives the reason."""
+
+
+class RequestError(RunError, ValueError):
+    """The run does not do what was requested, and goes on."""
 
 
 class NotConnectedError(PeerError):

@@ -191,6 +191,9 @@ void run_command_line::add_part(CLI::Option& host) {
 }
 
 void run_command_line::add_checks() {
+  shows(add_path(app_, "--steer", "SOCKET", run_.steer,
+                 "Step and act as the program at this Unix socket requests, or the lines of this "
+                 "file; in virtual time"));
   shows(app_.add_flag("--strict", run_.is_strict, "Treat warnings about the file as errors"));
   for (auto* const each : add_overrides(app_, run_.instead))
     decides(each);
@@ -199,6 +202,8 @@ void run_command_line::add_checks() {
 }
 
 void run_command_line::check_combination() const {
+  if (!run_.steer.empty())
+    check_steer();
   if (run_.check_determinism)
     check_determinism();
   if (run_.watch.metrics && run_.check_determinism)
@@ -211,6 +216,17 @@ void run_command_line::check_combination() const {
   if (!run_.host.empty() && run_.options.mode == config::run_mode::virtual_time)
     throw CLI::ValidationError("--host",
                                "its part is linked to those of other hosts: in wall time only");
+}
+
+void run_command_line::check_steer() const {
+  if (run_.options.mode == config::run_mode::wall || !run_.host.empty())
+    throw CLI::ValidationError("--steer", "time stands still between requests: not in wall time");
+  if (run_.file == "-")
+    throw CLI::ValidationError("--steer", "standard input can be read only once: give a file");
+  if (run_.check_determinism || run_.watch.view || run_.watch.metrics || run_.reloads ||
+      !(run_.watch.page_file + run_.watch.csv_folder).empty())
+    throw CLI::ValidationError("--steer", "cannot be combined with --check-determinism, --view, "
+                                          "--metrics, --reload, --report and --csv");
 }
 
 void run_command_line::check_determinism() const {

@@ -43,6 +43,7 @@ private:
   void add_part(CLI::Option& host);
   void add_checks();
   void check_combination() const;
+  void check_steer() const;
   void check_determinism() const;
   [[nodiscard]] std::string repeated_options() const;
 

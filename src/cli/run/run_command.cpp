@@ -30,6 +30,7 @@
 #include "cli/run/report_output.hpp"
 #include "cli/run/run_watch.hpp"
 #include "cli/run/running_note.hpp"
+#include "cli/run/steered_run.hpp"
 #include "cli/words/option_text.hpp"
 #include "config/plan/debug_selection.hpp"
 #include "config/plan/placement.hpp"
@@ -470,6 +471,13 @@ exit_status perform(const run_command& wanted) {
   }
   if (!x.host.empty())
     return run_part(x, std::move(*file));
+  if (!x.steer.empty()) {
+    if (x.options.mode.value_or(file->ecology.mode) == config::run_mode::virtual_time)
+      return run_steered(x, std::move(*file));
+    static_cast<void>(
+        print(stderr, "--steer: time stands still between requests: add --mode virtual\n"));
+    return exit_status::refused;
+  }
   if (const auto* option = x.watch.control ? "--control" : x.reloads ? "--reload" : nullptr) {
     const auto* why = why_untouchable(x, *file);
     if (why != nullptr) {

@@ -46,6 +46,7 @@ struct run_command {
   original_options original;      ///< --peis-id and so on
   /// The options that decide what runs, as they were given, but --seed and --for.
   std::string deciding;
+  std::string steer; ///< a socket or file with requests; empty: nobody steers the run
 };
 
 /// `rubicon check FILE`

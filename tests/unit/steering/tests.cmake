@@ -1,0 +1,2 @@
+rubicon_unit_test(unit.steering SOURCES unit/steering/session_test.cpp
+  NEEDS rubicon_steering nlohmann_json::nlohmann_json)
