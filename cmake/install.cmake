@@ -54,11 +54,13 @@ install(FILES ${parted}/completion/rubicon DESTINATION share/bash-completion/com
 install(FILES ${parted}/completion/_rubicon DESTINATION share/zsh/site-functions COMPONENT binary)
 install(FILES ${parted}/completion/rubicon.fish DESTINATION share/fish/vendor_completions.d COMPONENT binary)
 install(DIRECTORY share/templates DESTINATION share/rubicon COMPONENT binary FILES_MATCHING PATTERN *.toml
-        PATTERN firmware EXCLUDE)
+        PATTERN firmware EXCLUDE PATTERN lua EXCLUDE)
 # Firmware of motes in C includes <rubicon_mote.h>.
 install(FILES src/firmware/rubicon_mote.h DESTINATION include COMPONENT binary)
-install(PROGRAMS tools/firmware/contiki-ng DESTINATION share/rubicon/firmware COMPONENT binary)
-install(FILES tools/firmware/contiki_ng.c DESTINATION share/rubicon/firmware COMPONENT binary)
+install(PROGRAMS tools/firmware/contiki-ng tools/firmware/tinyos-sim DESTINATION share/rubicon/firmware COMPONENT binary)
+install(FILES tools/firmware/contiki_ng.c tools/firmware/inner_library.h tools/firmware/tinyos_sim.c
+        DESTINATION share/rubicon/firmware COMPONENT binary)
+install(DIRECTORY tools/firmware/tinyos DESTINATION share/rubicon/firmware COMPONENT binary)
 # It names the binary by where this is installed, which `cmake --install` may be told last.
 install(CODE "set(RUBICON_BINARY_FOLDER \"\${CMAKE_INSTALL_PREFIX}/bin\")
   configure_file(\"${PROJECT_SOURCE_DIR}/packaging/rubicon-host@.service.in\" \"${parted}/rubicon-host@.service\" @ONLY)"

@@ -52,12 +52,16 @@ void perform(base_station_pointer self, serial::mote_port_outputs todo) {
 }
 
 void on_frame(base_station_pointer self, byte_view psdu) {
-  const auto x = radio::decode(psdu);
-  if (!x)
-    return;
-  if (const auto packet =
-          self->state.base->on_frame({x->pan, x->destination, x->source, x->am_type, x->payload}))
+  constexpr std::size_t fcs_octets = 2;
+  if (const auto x = radio::decode(psdu); !x) {
+    if (psdu.size() > fcs_octets)
+      perform(self,
+              port_of(self).send(
+                  self->state.base->on_raw_frame(psdu.first(psdu.size() - fcs_octets)), now(self)));
+  } else if (const auto packet = self->state.base->on_frame(
+                 {x->pan, x->destination, x->source, x->am_type, x->payload})) {
     perform(self, port_of(self).send(serial::encode(*packet), now(self)));
+  }
 }
 
 tinyos::radio_result result_of(radio::send_status x) {

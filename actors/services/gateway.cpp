@@ -165,7 +165,7 @@ struct gateway_performer {
       return;
     else if (const auto packet = serial::decode_am_packet(x.packet))
       take(*packet);
-    else if (!serial::decode_any_packet(x.packet))
+    else if (!serial::decode_any_packet(x.packet) && !serial::decode_raw_packet(x.packet))
       ++state.bad_packets;
   }
 

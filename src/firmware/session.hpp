@@ -70,6 +70,9 @@ public:
 
   /// @param firmware not nullptr
   session(std::unique_ptr<code> firmware, const identity& who, random_stream rng, reader read);
+  session(const session&) = delete;
+  session& operator=(const session&) = delete;
+  ~session() override { code_.reset(); } ///< while what it may request at its end is still there
 
   // Each may throw what the firmware's code throws: it has failed, and is called no more.
   [[nodiscard]] outputs start(instant now);

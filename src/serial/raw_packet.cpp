@@ -89,6 +89,13 @@ result<raw_frame> decode_raw_packet(byte_view packet) {
   return x;
 }
 
+bytes wrap_raw(byte_view frame) {
+  assert(frame.size() + fcs_octets <= raw_length_max);
+  byte_writer out;
+  out.octet(raw_dispatch).octet(static_cast<std::uint8_t>(frame.size() + fcs_octets));
+  return out.append(frame).finish();
+}
+
 std::optional<am_packet> am_packet_in(const raw_frame& x) {
   constexpr std::size_t headers = 2; // network octet, AM type
   const auto is_short = [](const raw_end& end) { return end.address && !end.is_long; };

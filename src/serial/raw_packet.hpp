@@ -49,6 +49,10 @@ struct raw_frame {
 /// mode of an end, or a length below 5), unsupported (not dispatch 2).
 [[nodiscard]] result<raw_frame> decode_raw_packet(byte_view packet);
 
+/// Such a packet. @param frame from its frame control field on, without its FCS
+/// @pre frame.size() <= raw_length_max - 2
+[[nodiscard]] bytes wrap_raw(byte_view frame);
+
 /// What TinyOS carries in it: nothing unless it is data between short addresses, not secured, and
 /// begins with its network octet. The group is the low octet of the destination's PAN.
 [[nodiscard]] std::optional<am_packet> am_packet_in(const raw_frame& x);

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "serial/raw_packet.hpp"
+
 namespace rubicon::tinyos {
 
 std::optional<serial::am_packet> base_station::on_frame(const air_frame& x) {
@@ -13,6 +15,12 @@ std::optional<serial::am_packet> base_station::on_frame(const air_frame& x) {
   return serial::am_packet{x.destination.value, x.source.value,
                            static_cast<std::uint8_t>(x.pan & 0xffU), x.am_type,
                            to_bytes(x.payload)};
+}
+
+bytes base_station::on_raw_frame(byte_view frame) {
+  ++counters_.up;
+  ++counters_.up_raw;
+  return serial::wrap_raw(frame);
 }
 
 std::optional<to_radio> base_station::on_packet(byte_view packet) {

@@ -41,6 +41,7 @@ struct air_frame {
 struct base_station_counters {
   std::uint64_t up = 0;          ///< frames handed to the line
   std::uint64_t up_too_long = 0; ///< frames with more payload than it is compiled for
+  std::uint64_t up_raw = 0;      ///< of `up`, those of other layouts than TinyOS's
   std::uint64_t down = 0;        ///< packets of the line taken for the radio
   std::uint64_t down_malformed = 0;
   std::uint64_t down_full = 0; ///< dropped: its queue is full. The line has acked them all the same
@@ -48,8 +49,8 @@ struct base_station_counters {
   std::uint64_t down_repeats = 0; ///< tries after one for which the channel was never clear
   std::uint64_t down_lost = 0;    ///< dropped when the radio was off
 };
-RUBICON_FIELDS(base_station_counters, up, up_too_long, down, down_malformed, down_full, down_sent,
-               down_repeats, down_lost);
+RUBICON_FIELDS(base_station_counters, up, up_too_long, up_raw, down, down_malformed, down_full,
+               down_sent, down_repeats, down_lost);
 
 /// How what was handed to the radio has ended.
 enum class radio_result : std::uint8_t {
@@ -68,6 +69,10 @@ public:
   /// @returns the packet for the line: destination, source and AM type as on the radio, the group
   /// is the low octet of the PAN
   [[nodiscard]] std::optional<serial::am_packet> on_frame(const air_frame& x);
+
+  /// A frame whose layout is not TinyOS's. @param frame without its FCS
+  /// @returns the packet for the line: that of dispatch 2 (docs/tinyos.md 1.2)
+  [[nodiscard]] bytes on_raw_frame(byte_view frame);
 
   /// The line has delivered a packet. @param packet dispatch octet first
   /// @returns what the radio is to send now

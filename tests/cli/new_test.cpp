@@ -147,3 +147,19 @@ TEST_CASE("firmware to begin with is built by make and floods over five hops", "
   CHECK(rubicon_in(folder, "new --firmware 'my motes'").status != 0); // the files exist
   CHECK(rubicon_in(folder, "new --force --firmware 'my motes'").status == 0);
 }
+
+TEST_CASE("a program in Lua to begin with runs, and its script is judged with the file", "[cli]") {
+  const scratch_folder folder;
+  const auto made = rubicon_in(folder, "new --lua \"my fan\"");
+  CHECK(made.status == 0);
+  CHECK(made.out == "wrote fan.lua and fan.toml in my fan\n"
+                    "Next: rubicon run 'my fan/fan.toml'\n");
+  CHECK(rubicon_in(folder, "check --strict 'my fan/fan.toml'").status == 0);
+  CHECK(rubicon_in(folder, "run --strict 'my fan/fan.toml'").status == 0); // it expects the fan on
+  CHECK(rubicon_in(folder, "new --lua 'my fan'").status != 0);             // the files exist
+  CHECK(rubicon_in(folder, "new --lua a --firmware b").status != 0);
+  std::ofstream(folder.file("my fan/fan.lua")) << "local is_on = false\nif is_on\n";
+  const auto wrong = rubicon_in(folder, "check 'my fan/fan.toml'");
+  CHECK(wrong.status == 2);
+  CHECK(contains(wrong.out, "fan.lua:"));
+}

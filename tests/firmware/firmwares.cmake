@@ -22,16 +22,23 @@ rubicon_firmware(wants_memory ${CMAKE_CURRENT_SOURCE_DIR}/firmware/failing.c -DT
 rubicon_firmware(empty ${CMAKE_CURRENT_SOURCE_DIR}/firmware/empty.c)
 add_custom_target(firmwares DEPENDS ${firmware_files})
 
-# What a firmware of Contiki-NG exports, and the firmware that tools/firmware/contiki-ng makes of it.
-set(contiki_like ${RUBICON_FIRMWARES}/contiki_like.cooja)
-add_custom_command(OUTPUT ${RUBICON_FIRMWARES}/contiki.so
-  COMMAND ${CMAKE_COMMAND} -E make_directory ${RUBICON_FIRMWARES}
-  COMMAND ${CMAKE_CXX_COMPILER} -x c -std=c11 -O1 -Wall -Wextra -Wpedantic -Werror -fPIC -shared
-          -o ${contiki_like} ${CMAKE_CURRENT_SOURCE_DIR}/firmware/contiki_like.c
-  COMMAND ${CMAKE_COMMAND} -E env CC=${CMAKE_CXX_COMPILER}
-          ${PROJECT_SOURCE_DIR}/tools/firmware/contiki-ng ${contiki_like} ${RUBICON_FIRMWARES}/contiki.so
-  DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/firmware/contiki_like.c ${PROJECT_SOURCE_DIR}/tools/firmware/contiki-ng
-          ${PROJECT_SOURCE_DIR}/tools/firmware/contiki_ng.c ${PROJECT_SOURCE_DIR}/src/firmware/rubicon_mote.h
-  VERBATIM)
-add_custom_target(contiki_firmware DEPENDS ${RUBICON_FIRMWARES}/contiki.so)
-add_dependencies(firmwares contiki_firmware)
+# rubicon_adapted_firmware(NAME SOURCE ADAPTER [argument...]): NAME.so, which tools/firmware/ADAPTER makes of a library
+# that exports what the firmware of another system does.
+function(rubicon_adapted_firmware name source adapter)
+  set(tools ${PROJECT_SOURCE_DIR}/tools/firmware)
+  set(inner ${RUBICON_FIRMWARES}/${name}.inner)
+  file(GLOB_RECURSE adapters CONFIGURE_DEPENDS ${tools}/*)
+  add_custom_command(OUTPUT ${RUBICON_FIRMWARES}/${name}.so
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${RUBICON_FIRMWARES}
+    COMMAND ${CMAKE_CXX_COMPILER} -x c -std=c11 -O1 -Wall -Wextra -Wpedantic -Werror -fPIC -shared
+            -I${tools}/tinyos -o ${inner} ${source}
+    COMMAND ${CMAKE_COMMAND} -E env CC=${CMAKE_CXX_COMPILER}
+            ${tools}/${adapter} ${inner} ${RUBICON_FIRMWARES}/${name}.so ${ARGN}
+    DEPENDS ${source} ${adapters} ${PROJECT_SOURCE_DIR}/src/firmware/rubicon_mote.h
+    VERBATIM)
+  add_custom_target(${name}_firmware DEPENDS ${RUBICON_FIRMWARES}/${name}.so)
+  add_dependencies(firmwares ${name}_firmware)
+endfunction()
+
+rubicon_adapted_firmware(contiki ${CMAKE_CURRENT_SOURCE_DIR}/firmware/contiki_like.c contiki-ng)
+rubicon_adapted_firmware(tinyos ${CMAKE_CURRENT_SOURCE_DIR}/firmware/tinyos_like.c tinyos-sim App)

@@ -8,29 +8,14 @@
  * of its own that was acknowledged. */
 #define _GNU_SOURCE
 
-#include <dlfcn.h>
 #include <link.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include <rubicon_mote.h>
-
-__asm__(".section .rodata\n"
-        ".balign 16\n"
-        "contiki_library:\n"
-        ".incbin \"" CONTIKI_LIBRARY "\"\n"
-        "contiki_library_end:\n"
-        ".byte 0\n"
-        ".previous\n");
-extern const unsigned char contiki_library[] __attribute__((visibility("hidden")));
-extern const unsigned char contiki_library_end[] __attribute__((visibility("hidden")));
+#include "inner_library.h"
 
 enum { fcf_ack = 2, ack_octets = 3, ack_requested = 0x20, us_per_ms = 1000 };
 
-static const struct rubicon_mote_host *host;
-static void *library;
+static const char *const advice = "build it with TARGET=cooja";
 static void (*tick)(void);
 
 /* A variable of the firmware; `at` is NULL if it does not have it. */
@@ -85,19 +70,8 @@ static void set(struct variable x, long long value) {
   }
 }
 
-static void *find(const char *name, int is_needed, int *lacks) {
-  void *found = dlsym(library, name);
-  if (found == NULL && is_needed) {
-    char line[80];
-    snprintf(line, sizeof line, "the library exports no %s: build it with TARGET=cooja", name);
-    host->log(host->context, line);
-    *lacks = 1;
-  }
-  return found;
-}
-
 static struct variable find_variable(const char *name, int is_needed, int *lacks) {
-  struct variable x = {find(name, is_needed, lacks), 0};
+  struct variable x = {find(name, is_needed, advice, lacks), 0};
   const ElfW(Sym) *symbol = NULL;
   Dl_info ignored;
   if (x.at != NULL && dladdr1(x.at, &ignored, (void **)&symbol, RTLD_DL_SYMENT) != 0 && symbol != NULL)
@@ -105,30 +79,9 @@ static struct variable find_variable(const char *name, int is_needed, int *lacks
   return x;
 }
 
-static int load(void) {
-  const size_t size = (size_t)(contiki_library_end - contiki_library);
-  char path[] = "/tmp/rubicon-contiki-XXXXXX";
-  const int file = mkstemp(path);
-  size_t written = 0;
-  if (file < 0)
-    return 0;
-  while (written < size) {
-    const ssize_t count = write(file, contiki_library + written, size - written);
-    if (count <= 0)
-      break;
-    written += (size_t)count;
-  }
-  close(file);
-  library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-  unlink(path);
-  if (library == NULL)
-    host->log(host->context, dlerror());
-  return library != NULL;
-}
-
 static int find_all(void) {
   int lacks = 0;
-  *(void **)&tick = find("cooja_tick", 1, &lacks);
+  *(void **)&tick = find("cooja_tick", 1, advice, &lacks);
   current_time = find_variable("simCurrentTime", 1, &lacks);
   mote_id = find_variable("simMoteID", 1, &lacks);
   mote_id_changed = find_variable("simMoteIDChanged", 0, &lacks);
@@ -162,9 +115,9 @@ static void *init(uint16_t id, const struct rubicon_mote_host *its) {
   int lacks = 0;
   void (*begin)(void) = NULL;
   host = its;
-  if (!load() || !find_all())
+  if (!load_library() || !find_all())
     return NULL;
-  *(void **)&begin = find("cooja_init", 1, &lacks);
+  *(void **)&begin = find("cooja_init", 1, advice, &lacks);
   if (lacks)
     return NULL;
   set(mote_id, id);

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -59,29 +61,46 @@ std::string write(const std::string& path, std::string_view text, bool replaces)
   return {};
 }
 
-/// Firmware in C with all that it needs but a compiler.
-exit_status write_firmware(const new_command& x) {
-  const std::filesystem::path folder = x.firmware;
+/// Names as a sentence has them: `a, b and c`.
+std::string list_of_names(std::span<const project_file> files) {
+  std::string out;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    out += i == 0 ? "" : i + 1 == files.size() ? " and " : ", ";
+    out += files[i].name;
+  }
+  return out;
+}
+
+/// All that a program needs, in a folder. @param next what a user calls then
+exit_status write_project(const std::string& name, std::span<const project_file> files,
+                          bool replaces, const std::string& next) {
+  const std::filesystem::path folder = name;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
-    return refuse(x.firmware + ": " + error.message());
-  for (const auto& each : firmware_project())
-    if (const auto why = write((folder / each.name).string(), each.text, x.is_forced); !why.empty())
+    return refuse(name + ": " + error.message());
+  for (const auto& each : files)
+    if (const auto why = write((folder / each.name).string(), each.text, replaces); !why.empty())
       return refuse(why);
-  const auto toml = (folder / "flood.toml").string();
-  return print(stdout, "wrote flood.c, Makefile, flood.toml and rubicon_mote.h in " + x.firmware +
-                           "\nNext: make -C " + shell_word(x.firmware) + " && rubicon run " +
-                           shell_word(toml) + '\n')
+  return print(stdout, "wrote " + list_of_names(files) + " in " + name + "\nNext: " + next + '\n')
              ? exit_status::good
              : exit_status::refused;
+}
+
+/// @param toml the file of the ecology in that folder
+std::string run_of(const std::string& folder, const char* toml) {
+  return "rubicon run " + shell_word((std::filesystem::path(folder) / toml).string());
 }
 
 } // namespace
 
 exit_status perform(const new_command& x) {
   if (!x.firmware.empty())
-    return write_firmware(x);
+    return write_project(x.firmware, firmware_project(), x.is_forced,
+                         "make -C " + shell_word(x.firmware) + " && " +
+                             run_of(x.firmware, "flood.toml"));
+  if (!x.lua.empty())
+    return write_project(x.lua, lua_project(), x.is_forced, run_of(x.lua, "fan.toml"));
   if (x.name.empty())
     return print(stdout, list_of_templates()) ? exit_status::good : exit_status::refused;
   const auto* const found = find_template(x.name);

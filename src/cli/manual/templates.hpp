@@ -13,14 +13,15 @@ struct ecology_template {
 
 [[nodiscard]] std::span<const ecology_template> all_templates();
 
-/// A file of firmware to begin with (share/templates/firmware).
+/// A file of a folder to begin with (share/templates/firmware, share/templates/lua).
 struct project_file {
   std::string_view name; ///< `flood.c`
   std::string_view text;
 };
 
-/// In the order in which they are written.
+// In the order in which they are written.
 [[nodiscard]] std::span<const project_file> firmware_project();
+[[nodiscard]] std::span<const project_file> lua_project();
 
 /// What it is, from its first line.
 [[nodiscard]] constexpr std::string_view sentence_of(const ecology_template& x) {

@@ -31,11 +31,19 @@ void file_command_line::add_new() {
                   "The file to write; - is standard output; default: TEMPLATE.toml")
       ->type_name("");
   new_app_.add_flag("--force", new_.is_forced, "Overwrite a file that exists");
+  auto* const firmware =
+      new_app_
+          .add_option(
+              "--firmware", new_.firmware,
+              "Write firmware of motes in C instead, and an ecology for it, into this folder")
+          ->type_name("DIR")
+          ->excludes(name);
   new_app_
-      .add_option("--firmware", new_.firmware,
-                  "Write firmware of motes in C instead, and an ecology for it, into this folder")
+      .add_option("--lua", new_.lua,
+                  "Write a program in Lua instead, and an ecology for it, into this folder")
       ->type_name("DIR")
-      ->excludes(name);
+      ->excludes(name)
+      ->excludes(firmware);
 }
 
 void file_command_line::add_check() {

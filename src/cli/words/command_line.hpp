@@ -70,6 +70,7 @@ struct new_command {
   std::string file;       ///< empty: NAME.toml
   bool is_forced = false; ///< overwrites a file
   std::string firmware;   ///< folder for firmware in C instead; empty: none is written
+  std::string lua;        ///< folder for a program in Lua instead; empty: none is written
 };
 
 /// `rubicon import FILE [TOML]`

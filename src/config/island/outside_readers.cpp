@@ -153,8 +153,14 @@ gateway::plain_rule read_rule(table_reader& in, const island_description& island
       in.problems().add(in.at(key),
                         "mote " + std::to_string(id) + " is not in the range of `real`, which is " +
                             std::to_string(range.first) + " to " + std::to_string(range.last));
+  if (!in.walks() && !in.has("am_type") && !in.has("pattern"))
+    in.problems().add(in.at("type"), "`am_type` or `pattern` is missing in [[island.plain]]");
+  if (in.has("pattern_offset") && !in.has("pattern"))
+    in.problems().add(in.at("pattern_offset"), "`pattern_offset` has no effect without `pattern`");
+  if (in.has("input") && !in.has("input_am_type") && !in.has("am_type"))
+    in.problems().add(in.at("input"), "`input` needs `input_am_type` where `am_type` is missing");
   if (!in.has("input_am_type"))
-    x.input_am_type = x.am_type;
+    x.input_am_type = x.am_type.value_or(0);
   for (const auto* key : {"input_am_type", "input_form"})
     if (in.has(key) && !in.has("input"))
       in.problems().add(in.at(key), '`' + std::string(key) + "` has no effect without `input`");

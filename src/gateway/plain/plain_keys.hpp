@@ -17,10 +17,17 @@ inline auto keys_of(const address_range*) {
 
 inline auto keys_of(const plain_rule*) {
   return keys::of(
-      keys::required(
+      keys::optional(
           "am_type", &plain_rule::am_type, keys::whole<std::uint8_t>{0, 255},
-          "AM type of their packets, as 6 of BlinkToRadio and RadioCountToLeds or 147 of "
-          "Oscilloscope"),
+          {"AM type of their packets, as 6 of BlinkToRadio and RadioCountToLeds or 147 of "
+           "Oscilloscope",
+           "none: frames of IEEE 802.15.4 that are no packets of TinyOS, by their `pattern`. Their "
+           "payload is all that follows the addresses, and their source the low 16 bits of a long "
+           "address"}),
+      keys::optional("pattern", &plain_rule::pattern, keys::hex_octets{},
+                     {"octets that the payload must have, as \"70696e67\"", "any payload"}),
+      keys::optional("pattern_offset", &plain_rule::pattern_offset,
+                     keys::whole<std::uint8_t>{0, 124}, "position of these octets in the payload"),
       keys::required("type", &plain_rule::type, keys::whole<std::uint32_t>{1},
                      "number of the mote type that they have as devices, for proxies"),
       keys::optional("first", &plain_rule::first, keys::whole<std::uint16_t>{0, mote_id_max},

@@ -1,5 +1,7 @@
 #include "gateway/plain/plain_line.hpp"
 
+#include <utility>
+
 #include "network/am.hpp"
 #include "serial/packet.hpp"
 #include "serial/raw_packet.hpp"
@@ -14,27 +16,49 @@ bool is_of_sink(std::uint8_t am_type) {
          am_type == network::am::packet;
 }
 
+/// A packet, or what a frame of another layout carries. The source is no mote's if it has none.
+struct plain_message {
+  mote_id source;
+  std::optional<std::uint8_t> am_type;
+  bytes payload;
+};
+
+/// Errors: those of decode_any_packet(); unsupported for frames that carry no readable data.
+result<plain_message> decode_message(byte_view packet) {
+  if (auto x = serial::decode_any_packet(packet))
+    return plain_message{mote_id(x->source), x->am_type, std::move(x->payload)};
+  else if (x.error() != errc::unsupported)
+    return x.error();
+  auto frame = serial::decode_raw_packet(packet);
+  if (!frame || frame->kind != serial::raw_kind::data || frame->is_secured)
+    return errc::unsupported;
+  const auto source = static_cast<std::uint16_t>(frame->source.address.value_or(no_mote.value));
+  return plain_message{mote_id(source), {}, std::move(frame->body)};
+}
+
 } // namespace
 
 std::optional<std::vector<sink_packet>> plain_line::on_packet(byte_view packet, instant now) {
-  const auto x = serial::decode_any_packet(packet);
+  const auto x = decode_message(packet);
+  const bool is_raw = !packet.empty() && packet.front() == serial::raw_dispatch;
   if (!x) {
-    const bool is_raw = !packet.empty() && packet.front() == serial::raw_dispatch;
     if (config_.range)
       drop(is_raw && x.error() == errc::unsupported ? "no_data" : "malformed");
     return {};
   }
-  const mote_id source(x->source);
-  const auto from = motes_.sender_of(source, x->am_type, x->payload);
+  const auto from = motes_.sender_of(x->source, x->am_type, x->payload);
   if (from.rule == nullptr) {
-    if (config_.range && !config_.range->has(from.mote))
+    if (!x->am_type)
+      drop("no_data");
+    else if (config_.range && !config_.range->has(from.mote))
       drop("out_of_range");
-    else if (config_.range || !is_of_sink(x->am_type))
+    else if (config_.range || !is_of_sink(*x->am_type))
       drop("no_rule");
     return {};
   }
-  auto said = motes_.on_packet(source, x->am_type, x->payload, now);
-  is_raw_ = packet.front() == serial::raw_dispatch;
+  auto said = motes_.on_packet(x->source, x->am_type, x->payload, now);
+  if (x->am_type) // what is written to inputs has the form of packets
+    is_raw_ = is_raw;
   if (said->empty()) {
     drop("table_full");
   } else {

@@ -52,9 +52,18 @@ std::optional<mote_id> address_by(const plain_rule& rule, mote_id source, byte_v
   return in.ok() && found.value <= mote_id_max ? std::optional(found) : std::nullopt;
 }
 
+bool has_pattern(const plain_rule& rule, byte_view payload) {
+  const std::size_t end = rule.pattern_offset + rule.pattern.size();
+  return rule.pattern.empty() ||
+         (payload.size() >= end &&
+          std::ranges::equal(payload.subspan(rule.pattern_offset, rule.pattern.size()),
+                             rule.pattern));
+}
+
 } // namespace
 
-std::optional<std::vector<sink_packet>> plain_motes::on_packet(mote_id source, std::uint8_t am_type,
+std::optional<std::vector<sink_packet>> plain_motes::on_packet(mote_id source,
+                                                               std::optional<std::uint8_t> am_type,
                                                                byte_view payload, instant now) {
   const auto [mote, rule] = sender_of(source, am_type, payload);
   if (rule == nullptr)
@@ -141,11 +150,13 @@ std::optional<instant> plain_motes::deadline() const {
   return due;
 }
 
-plain_motes::sender plain_motes::sender_of(mote_id source, std::uint8_t am_type,
+plain_motes::sender plain_motes::sender_of(mote_id source, std::optional<std::uint8_t> am_type,
                                            byte_view payload) const {
   std::optional<mote_id> unknown_sender;
   for (const auto& rule : config_.rules) {
-    const auto mote = rule.am_type == am_type ? address_by(rule, source, payload) : std::nullopt;
+    const auto mote = rule.am_type == am_type && has_pattern(rule, payload)
+                          ? address_by(rule, source, payload)
+                          : std::nullopt;
     if (mote && rule.first <= mote->value && mote->value <= rule.last)
       return {*mote, &rule};
     unknown_sender = unknown_sender ? unknown_sender : mote;

@@ -45,12 +45,14 @@ public:
     mote_id mote; ///< without a rule, who it would be by the first that has its AM type
     const plain_rule* rule = nullptr; ///< valid as long as this; nullptr: no rule knows the packet
   };
-  [[nodiscard]] sender sender_of(mote_id source, std::uint8_t am_type, byte_view payload) const;
+  /// @param am_type nothing: it is a frame of another layout
+  [[nodiscard]] sender sender_of(mote_id source, std::optional<std::uint8_t> am_type,
+                                 byte_view payload) const;
 
   /// @returns what a sink would have said, empty if there is no room for another mote; nothing: no
   /// rule knows the packet
   [[nodiscard]] std::optional<std::vector<sink_packet>>
-  on_packet(mote_id source, std::uint8_t am_type, byte_view payload, instant now);
+  on_packet(mote_id source, std::optional<std::uint8_t> am_type, byte_view payload, instant now);
 
   /// The packet for a mote when this is written to that input of it. @returns nothing if no
   /// rule of its has the input, or the octets are not what the rule's form takes

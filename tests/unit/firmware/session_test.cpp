@@ -179,3 +179,24 @@ TEST_CASE("a firmware reads sensors of its mote, and draws the same numbers in e
   CHECK(drawn() == drawn());
   CHECK(drawn().at(0) != drawn().at(1));
 }
+
+TEST_CASE("a firmware may still print while it is switched off", "[firmware]") {
+  struct last_words final : code {
+    host* of = nullptr;
+
+    ~last_words() override {
+      if (of == nullptr)
+        return;
+      of->write_serial(to_bytes(std::string_view("counted 7\n")));
+      static_cast<void>(of->send(sample_frame));
+    }
+    void init(const identity& /*who*/, host& its) override { of = &its; }
+    void run(std::uint64_t /*now_us*/) override {
+      of->write_serial(to_bytes(std::string_view("a line that has not ended, and is not short")));
+    }
+    void received(std::uint64_t /*now_us*/, byte_view /*frame*/, int /*rssi_dbm*/) override {}
+    void sent(std::uint64_t /*now_us*/, outcome /*how*/) override {}
+  };
+  session runs(std::make_unique<last_words>(), {7, 20, 15}, random_stream(1), {});
+  CHECK(runs.start(instant(1h)).empty());
+}

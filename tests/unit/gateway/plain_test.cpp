@@ -477,3 +477,55 @@ TEST_CASE("a sink and a line to real motes do not speak for each other",
         std::vector<std::string>{"devices.100.input.2.status=2 failed"});
   CHECK(core.counters().plain_inputs == 2);
 }
+
+TEST_CASE("frames of another layout are messages by the octets that they have",
+          "[gateway][GW-17]") {
+  plain_line_config config;
+  config.motes.rules = {
+      {.type = 907, .channel = 4, .pattern = bytes{'t', '='}, .pattern_offset = 1},
+      {.am_type = blink, .type = 901, .pattern = bytes{0xaa}},
+  };
+  plain_line line(config);
+  auto core = beside(false);
+  static_cast<void>(core.start(start));
+  const auto texts_of_packet = [&](const bytes& packet) {
+    const auto all = line.on_packet(packet, start);
+    return all ? texts_of_plain(core, *all, start) : std::vector<std::string>();
+  };
+  // Data in one PAN, both addresses long, from mote 0x0007; its payload is `!t=21`.
+  const auto from_long = [](const char* payload) {
+    return serial::wrap_raw(
+        from_hex(std::string("41dc 01 cdab ffffffffffffffff 0700070007000700") + payload).value());
+  };
+  const auto found = texts_of_packet(from_long("21743d3231"));
+  CHECK(has(found, "devices.7.type=0000038b"));
+  CHECK(has(found, "devices.7.output.4=21743d3231"));
+  CHECK(texts_of_packet(from_long("743d3231")).empty());   // elsewhere
+  CHECK(texts_of_packet(from_long("21743d")).size() == 1); // its last octet is the last
+  CHECK(texts_of_packet(from_long("2174")).empty());
+  CHECK(texts_of_packet(from_long("")).empty());
+  // No source, and secured data.
+  CHECK(texts_of_packet(serial::wrap_raw(from_hex("4118 01 cdab ffff 21743d").value())).empty());
+  CHECK(
+      texts_of_packet(serial::wrap_raw(from_hex("4988 01 cdab ffff 0800 21743d").value())).empty());
+  // A packet of TinyOS needs its AM type as well as the pattern.
+  CHECK(has(texts_of_packet(said(9, blink, bytes{0xaa, 1})), "devices.9.output.1=aa01"));
+  CHECK(texts_of_packet(said(9, blink, bytes{0xab, 1})).empty());
+  CHECK(texts_of_packet(said(9, 8, bytes{'!', 't', '='})).empty());
+  CHECK(line.counters().taken == 3);
+  CHECK(line.counters().dropped ==
+        std::map<std::string, std::uint64_t>{{"no_data", 4}, {"no_rule", 2}});
+}
+
+TEST_CASE("frames of another layout do not change the form of packets to motes",
+          "[gateway][GW-17]") {
+  plain_line_config config;
+  config.motes.rules = {{.type = 907, .pattern = bytes{1}},
+                        {.am_type = 7, .type = 901, .input = 2, .input_am_type = 7}};
+  plain_line line(config);
+  REQUIRE(line.on_packet(said(5, 7, bytes{1}), start));
+  REQUIRE(line.on_packet(serial::wrap_raw(from_hex("4188 01 cdab ffff 0600 01").value()), start));
+  const auto packet = line.on_input(mote_id{5}, 2, bytes{9});
+  REQUIRE(packet);
+  CHECK(packet->front() == serial::am_dispatch);
+}

@@ -1,5 +1,6 @@
 #include <cstdint>
 
+#include "serial/raw_packet.hpp"
 #include "support/catch.hpp"
 #include "tinyos/base_station.hpp"
 
@@ -23,6 +24,16 @@ TEST_CASE("a base station forwards whatever it receives", "[tinyos][GW-17]") {
   CHECK(*packet == serial::am_packet{3, 7, 0x22, 6, payload});
   CHECK(serial::encode(*packet) == bytes{0, 0, 3, 0, 7, 4, 0x22, 6, 0, 7, 0, 1});
   CHECK(x.counters().up == 1);
+}
+
+TEST_CASE("a base station forwards a frame of another layout as it is", "[tinyos][GW-17]") {
+  base_station x;
+  const auto packet = x.on_raw_frame(bytes{0x41, 0x88, 7, 1, 0, 0xff, 0xff, 3, 0, 'h', 'i'});
+  CHECK(packet == bytes{2, 13, 0x41, 0x88, 7, 1, 0, 0xff, 0xff, 3, 0, 'h', 'i'}); // its FCS counts
+  CHECK(serial::decode_raw_packet(packet));
+  CHECK(x.counters().up == 1);
+  CHECK(x.counters().up_raw == 1);
+  CHECK(x.on_raw_frame(bytes(125)).size() == 127);
 }
 
 TEST_CASE("a base station has room for 28 octets of payload", "[tinyos][GW-17]") {

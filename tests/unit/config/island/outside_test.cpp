@@ -119,6 +119,19 @@ TEST_CASE("motes behind a real sink may run plain programs", "[config][GW-17]") 
         "14:17: `input_am_type` has no effect without `input`");
   CHECK(rule("am_type = 6\ntype = 1\ninput = 0\n").find("14:9: ") == 0);
   CHECK(rule("am_type = 6\ntype = 1\nid_offset = 113\n").find("14:13: ") == 0);
+  CHECK(rule("type = 1\n") == "12:8: `am_type` or `pattern` is missing in [[island.plain]]");
+  CHECK(rule("type = 1\npattern = \"c0\"\ninput = 2\n") ==
+        "14:9: `input` needs `input_am_type` where `am_type` is missing");
+  CHECK(rule("am_type = 6\ntype = 1\npattern_offset = 2\n") ==
+        "14:18: `pattern_offset` has no effect without `pattern`");
+  CHECK(rule("type = 1\npattern = \"c\"\n").find("13:11: ") == 0);
+  const auto frames =
+      good(outside_with("serial.device = \"/dev/ttyS0\"\n[[island.plain]]\ntype = 1\n"
+                        "pattern = \"c0ff\"\npattern_offset = 2\n"));
+  const auto& by_pattern = frames.islands.at(0).plain.at(0);
+  CHECK(!by_pattern.am_type);
+  CHECK(by_pattern.pattern == bytes{0xc0, 0xff});
+  CHECK(by_pattern.pattern_offset == 2);
   const auto base = good(
       outside_with("serial.device = \"/dev/ttyUSB0\"\nmote = [{ id = 0, name = \"base\" }]\n"
                    "plain = [{ am_type = 137, type = 9, first = 0, last = 0, id_offset = 4 }]\n"));
