@@ -113,6 +113,16 @@ void each_table(const table_description& x,
     each_table(variant, use);
 }
 
+std::vector<std::string> titles_if(const table_description& file,
+                                   const std::function<bool(const table_description&)>& fits) {
+  std::vector<std::string> out;
+  each_table(file, [&](const table_description& x) {
+    if (fits(x) && std::ranges::find(out, x.title) == out.end())
+      out.push_back(x.title);
+  });
+  return out;
+}
+
 /// The place of a heading on its page, as Markdown makes it.
 std::string anchor_of(const std::string& title) {
   std::string out;
@@ -192,12 +202,11 @@ std::string json_schema(const table_description& file) {
 }
 
 std::vector<std::string> titles_of(const table_description& file) {
-  std::vector<std::string> out;
-  each_table(file, [&out](const table_description& x) {
-    if (!x.keys.empty() && std::ranges::find(out, x.title) == out.end())
-      out.push_back(x.title);
-  });
-  return out;
+  return titles_if(file, [](const table_description& x) { return !x.keys.empty(); });
+}
+
+std::vector<std::string> titles_with(const table_description& file, std::string_view key) {
+  return titles_if(file, [key](const table_description& x) { return x.find(key) != nullptr; });
 }
 
 std::vector<const key_description*> keys_of(const table_description& file, std::string_view title) {

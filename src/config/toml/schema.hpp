@@ -70,6 +70,10 @@ struct table_description {
 /// replaced by such tables.
 [[nodiscard]] std::string with_tables(const table_description& file, const std::string& text);
 
+/// Titles of all tables that have a key of this name, each once, in the order of the file.
+[[nodiscard]] std::vector<std::string> titles_with(const table_description& file,
+                                                   std::string_view key);
+
 /// Titles of all tables that have keys, each once, in the order of the file.
 [[nodiscard]] std::vector<std::string> titles_of(const table_description& file);
 
