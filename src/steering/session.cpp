@@ -10,50 +10,50 @@ namespace rubicon::steering {
 
 namespace {
 
-using json = nlohmann::ordered_json;
+using nlohmann::ordered_json;
 
-std::string text_of(const json& x) {
-  return x.dump(-1, ' ', false, json::error_handler_t::replace);
+std::string text_of(const ordered_json& x) {
+  return x.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
 double in_seconds(instant x) {
   return seconds(x.time_since_epoch());
 }
 
-json refused(const std::string& why) {
+ordered_json refused(const std::string& why) {
   return {{"ok", false}, {"why", why}};
 }
 
 /// A line that requests it again.
-json line_of(const request& x) {
+ordered_json line_of(const request& x) {
   if (const auto* set = std::get_if<set_request>(&x))
     return {{"do", "set"}, {"peer", set->peer}, {"key", set->key}, {"value", set->value}};
   return {{"do", "fault"}, {"words", std::get<fault_request>(x).words}};
 }
 
 /// An infinite number has no JSON.
-json number(double x) {
-  return std::isfinite(x) ? json(x) : json();
+ordered_json number(double x) {
+  return std::isfinite(x) ? ordered_json(x) : ordered_json();
 }
 
-json mote_json(const report::mote_sample& x, const std::string& name) {
-  json out{{"name", name},
-           {"island", x.address.island.value},
-           {"mote", x.address.mote.value},
-           {"alive", x.alive},
-           {"flat", x.flat},
-           {"joined", x.joined},
-           {"radio_on", x.radio_on},
-           {"used_mah", x.used_mah},
-           {"battery_mah", number(x.battery_mah)},
-           {"parent", x.parent.value},
-           {"hops", x.hops},
-           {"queued", x.queued},
-           {"originated", x.originated},
-           {"forwarded", x.forwarded}};
-  out["delivery"] = x.delivery ? json(*x.delivery) : json();
-  out["etx"] = x.etx ? number(*x.etx) : json();
-  out["signal_dbm"] = x.signal_dbm ? json(*x.signal_dbm) : json();
+ordered_json mote_json(const report::mote_sample& x, const std::string& name) {
+  ordered_json out{{"name", name},
+                   {"island", x.address.island.value},
+                   {"mote", x.address.mote.value},
+                   {"alive", x.alive},
+                   {"flat", x.flat},
+                   {"joined", x.joined},
+                   {"radio_on", x.radio_on},
+                   {"used_mah", x.used_mah},
+                   {"battery_mah", number(x.battery_mah)},
+                   {"parent", x.parent.value},
+                   {"hops", x.hops},
+                   {"queued", x.queued},
+                   {"originated", x.originated},
+                   {"forwarded", x.forwarded}};
+  out["delivery"] = x.delivery ? ordered_json(*x.delivery) : ordered_json();
+  out["etx"] = x.etx ? number(*x.etx) : ordered_json();
+  out["signal_dbm"] = x.signal_dbm ? ordered_json(*x.signal_dbm) : ordered_json();
   return out;
 }
 
@@ -64,26 +64,26 @@ class session::answerer {
 public:
   explicit answerer(session& of) : of_(of) {}
 
-  json operator()(const step_request& x) const {
+  ordered_json operator()(const step_request& x) const {
     const auto until = x.until.value_or(of_.now_ + x.length.value_or(duration{}));
     if (until < of_.now_)
       return refused("`until` is over: it is " + to_text(of_.now_.time_since_epoch()));
     of_.now_ = of_.run_.run_until(std::min(until, instant(of_.facts_.length)));
-    json out{{"ok", true}, {"now", in_seconds(of_.now_)}};
+    ordered_json out{{"ok", true}, {"now", in_seconds(of_.now_)}};
     if (of_.now_ < until || of_.now_ >= instant(of_.facts_.length))
       out["over"] = true;
     add_news(out);
     return out;
   }
 
-  json operator()(const get_request& x) const {
+  ordered_json operator()(const get_request& x) const {
     if (!knows(x.peer) || !(x.owner.empty() || knows(x.owner)))
       return unknown_peer(knows(x.peer) ? x.owner : x.peer);
     const auto value = of_.run_.tuple(x);
-    return {{"ok", true}, {"value", value ? json(*value) : json()}};
+    return {{"ok", true}, {"value", value ? ordered_json(*value) : ordered_json()}};
   }
 
-  json operator()(const set_request& x) const {
+  ordered_json operator()(const set_request& x) const {
     if (!knows(x.peer))
       return unknown_peer(x.peer);
     const auto key = peis::key::parse(x.key);
@@ -94,7 +94,7 @@ public:
 
   /// Each at a moment of its own, in which nothing has happened yet: a file that plans it has the
   /// same order.
-  json operator()(const fault_request& x) const {
+  ordered_json operator()(const fault_request& x) const {
     const auto at = std::max(of_.now_, of_.fault_at_) + duration(1);
     auto out = act(x, [&] { return of_.run_.fault(x.words, at); });
     if (out["ok"] == true) {
@@ -104,20 +104,20 @@ public:
     return out;
   }
 
-  json operator()(const tuples_request& x) const {
+  ordered_json operator()(const tuples_request& x) const {
     if (of_.patterns_.size() >= patterns_max)
       return refused("there are " + std::to_string(patterns_max) + " subscriptions already");
     of_.patterns_.push_back(x);
     return done();
   }
 
-  json operator()(events_request) const {
+  ordered_json operator()(events_request) const {
     of_.wants_events_ = true;
     return done();
   }
 
-  json operator()(motes_request) const {
-    json motes = json::array();
+  ordered_json operator()(motes_request) const {
+    ordered_json motes = ordered_json::array();
     for (const auto& each : of_.run_.look().motes) {
       const auto name = of_.facts_.motes.find(each.address);
       motes.push_back(mote_json(each, name == of_.facts_.motes.end() ? "" : name->second));
@@ -125,23 +125,23 @@ public:
     return {{"ok", true}, {"motes", std::move(motes)}};
   }
 
-  json operator()(report_request) const {
-    return {{"ok", true}, {"report", json::parse(of_.run_.report())}};
+  ordered_json operator()(report_request) const {
+    return {{"ok", true}, {"report", ordered_json::parse(of_.run_.report())}};
   }
 
-  json operator()(record_request) const { return {{"ok", true}, {"lines", of_.lines()}}; }
+  ordered_json operator()(record_request) const { return {{"ok", true}, {"lines", of_.lines()}}; }
 
-  json operator()(finish_request) const {
-    json out{{"ok", true}, {"report", json::parse(of_.run_.finish())}};
+  ordered_json operator()(finish_request) const {
+    ordered_json out{{"ok", true}, {"report", ordered_json::parse(of_.run_.finish())}};
     of_.finished_ = true;
     add_news(out);
     return out;
   }
 
 private:
-  static json done() { return {{"ok", true}}; }
+  static ordered_json done() { return {{"ok", true}}; }
 
-  json unknown_peer(const std::string& name) const {
+  ordered_json unknown_peer(const std::string& name) const {
     return refused("there is no peer `" + name + "`");
   }
 
@@ -150,7 +150,7 @@ private:
   }
 
   template <class Request, class Action>
-  json act(const Request& x, Action action) const {
+  ordered_json act(const Request& x, Action action) const {
     if (of_.actions_.size() >= actions_max)
       return refused("the run has had " + std::to_string(actions_max) + " actions");
     if (const auto why = action(); !why.empty())
@@ -159,16 +159,17 @@ private:
     return done();
   }
 
-  void add_news(json& out) const {
+  void add_news(ordered_json& out) const {
     if (of_.wants_events_) {
-      auto& events = out["events"] = json::array();
+      auto& events = out["events"] = ordered_json::array();
       for (const auto& x : of_.events_)
         events.push_back({in_seconds(x.at), x.who, x.what});
     }
     if (!of_.patterns_.empty()) {
-      auto& tuples = out["tuples"] = json::array();
+      auto& tuples = out["tuples"] = ordered_json::array();
       for (const auto& x : of_.tuples_)
-        tuples.push_back({in_seconds(x.at), x.owner, x.key, x.deleted ? json() : json(x.value)});
+        tuples.push_back(
+            {in_seconds(x.at), x.owner, x.key, x.deleted ? ordered_json() : ordered_json(x.value)});
     }
     if (of_.missed_ > 0)
       out["missed"] = std::exchange(of_.missed_, 0);
@@ -180,7 +181,7 @@ private:
 };
 
 std::string session::greeting() const {
-  json motes = json::array();
+  ordered_json motes = ordered_json::array();
   for (const auto& [address, name] : facts_.motes)
     motes.push_back(name);
   return text_of({{"rubicon", 1},
@@ -196,7 +197,7 @@ std::string session::on_line(std::string_view line) {
   if (const auto* why = std::get_if<std::string>(&read))
     return text_of(refused(*why));
   const auto& [is_batch, requests] = std::get<request_line>(read);
-  json answers = json::array();
+  ordered_json answers = ordered_json::array();
   for (const auto& each : requests) {
     const auto* x = std::get_if<request>(&each);
     answers.push_back(finished_      ? refused("the run is finished")

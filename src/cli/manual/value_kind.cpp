@@ -84,7 +84,7 @@ std::span<const value_kind> kinds_with_units() {
       {"time", "\"10s\"", "ns, us, ms, s, min, h, d"},
       {"ratio", "0.02", "none, or %"},
       {"length", "\"25m\"", "cm, m, km"},
-      {"power", "\"-98dBm\"", "dBm"},
+      {"power", "\"-10dBm\"", "dBm"},
       {"decibels", "\"46.68dB\"", "dB"},
       {"frequency", "\"2480MHz\"", "MHz, GHz"},
       {"charge", "\"2000mAh\"", "mAh, Ah, J, kJ"},

@@ -11,13 +11,14 @@ namespace {
 
 /// Ends a complaint about a key that its table does not have: the key that was meant, or the tables
 /// that have it, or else what keys there are.
-std::string cure_for(const std::string& key, const std::vector<std::string>& known) {
+std::string cure_for(const std::string& key, const std::string& title,
+                     const std::vector<std::string>& known) {
   constexpr std::size_t named_max = 3;
   if (!nearest(key, known).empty())
     return suggestion(key, known);
   static const auto file = describe_file();
   const auto titles = titles_with(file, key);
-  if (titles.empty())
+  if (titles.empty() || std::ranges::find(titles, title) != titles.end()) // of another variant
     return suggestion(key, known);
   std::string text = ": it is a key of ";
   for (std::size_t i = 0; i < titles.size() && i < named_max; ++i)
@@ -209,7 +210,7 @@ void table_reader::finish() const {
     return;
   for (const auto& each : *members) {
     if (std::find(asked_.begin(), asked_.end(), each.key) == asked_.end())
-      complain(each.at, "unknown key `" + each.key + "` in " + title_ + cure_for(each.key, asked_));
+      complain(each.at, "unknown key `" + each.key + "` in " + title_ + cure_for(each.key, title_, asked_));
   }
 }
 

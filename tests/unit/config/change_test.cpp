@@ -347,8 +347,8 @@ kind = "proxy_class"
 class = "warm"
 types = [9]
 #@ 30:1: no change of the class is given
-#@ 34:1: unknown key `types` in [[change]] kind = "proxy_class": there is at, kind, class, answer_timeout,
-#          retry_for, period, stale_after, inactive_after, retire_after, field, ...
+#@ 34:1: unknown key `types` in [[change]] kind = "proxy_class": it is a key of [[proxy]]; see
+#          rubicon check --explain types
 )");
 }
 

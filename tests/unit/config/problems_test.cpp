@@ -88,8 +88,8 @@ apps = [{ app = "colector", keys = ["a"] }]
 #   "recorder" or "lua", not "colector"; did you mean "collector"?
 
 apps = [{ app = "collector", keys = ["a"], rate = "1s" }]
-#                                          ^ unknown key `rate` in app = "collector": there is app,
-#   keys, every
+#                                          ^ unknown key `rate` in app = "collector": it is a
+#   key of subscriptions of a member, [peis.bluetooth]; see rubicon check --explain rate
 
 apps = [{ app = "collector", keys = ["devices.*.output.*"], every = "1s" }]
 #                                                                   ^ `every` needs a key that names
@@ -187,8 +187,8 @@ mote = [{ id = 2, type = "c", position_m = [1, 2], positoin = 1 }, 3]
 
 [island.sink]
 baud = 1
-#< unknown key `baud` in [island.sink]: there is role, id, platform, position_m, power,
-#   promiscuous, csma, apps
+#< unknown key `baud` in [island.sink]: it is a key of [island.serial], [island.real],
+#   [island.alias.serial], ...; see rubicon check --explain baud
 
 [island.gateway]
 link = []

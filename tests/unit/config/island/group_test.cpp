@@ -344,8 +344,8 @@ count = 2
 layout = "ring"
 radius = "1m"
 spacing = "1m"
-#< unknown key `spacing` in layout = "ring": there is count, first, prefix, type, platform, battery,
-#   power, channel, csma, transducers, ...
+#< unknown key `spacing` in layout = "ring": it is a key of layout = "grid", layout = "line"; see
+#   rubicon check --explain spacing
 
 [[island.group]]
 count = 2
@@ -383,8 +383,8 @@ spacing = "1m"
 [[island.group]]
 count = 2
 name = "x"
-#< unknown key `name` in layout = "grid": there is count, first, prefix, type, platform, battery,
-#   power, channel, csma, transducers, ...
+#< unknown key `name` in layout = "grid": it is a key of [ecology], [[host]], [[quantity]], ...; see
+#   rubicon check --explain name
 layout = "grid"
 spacing = "1m"
 

@@ -137,12 +137,14 @@ propagation = {}
 
 [radio]
 propagation = { model = "friis", range = "5m" }
-#                                ^ unknown key `range` in [radio.propagation] model = "friis": there
-#   is model, frequency
+#                                ^ unknown key `range` in [radio.propagation] model = "friis": it is
+#   a key of [radio], [radio.propagation] model = "unit_disk", [peis.bluetooth], ...; see rubicon
+#   check --explain range
 
 [radio]
 noise = { model = "none", floor = "-98dBm" }
-#                         ^ unknown key `floor` in [radio.noise] model = "none": there is model
+#                         ^ unknown key `floor` in [radio.noise] model = "none": it is a key
+#   of [radio.noise] model = "constant"; see rubicon check --explain floor
 
 [radio]
 mac = { micaz = "tinyos" }
