@@ -117,10 +117,10 @@ std::string swarm_summary(const swarm& x, const swarm_words& words, duration rea
     text += "  " + printable(invariant) + ": " + report::with_thousands(count) + '\n';
   for (const auto& each : totals.situations)
     text += "  " + std::string(report::sometimes) + printable(each.name) + ": " +
-            (each.first_seed ? report::with_thousands(each.runs) + " of " +
-                                   counted(totals.runs, "run") + ", first seed " +
-                                   std::to_string(*each.first_seed)
-                             : std::string("NEVER reached")) +
+            (each.first_seed
+                 ? report::with_thousands(each.runs) + " of " + counted(totals.runs, "run") +
+                       ", first seed " + std::to_string(*each.first_seed)
+                 : std::string("NEVER reached")) +
             '\n';
   for (const auto& [kind, runs] : runs_with_faults(x, words, interrupted))
     text += "  fault " + printable(kind) + ": " + report::with_thousands(runs) + " of " +

@@ -210,7 +210,8 @@ void table_reader::finish() const {
     return;
   for (const auto& each : *members) {
     if (std::find(asked_.begin(), asked_.end(), each.key) == asked_.end())
-      complain(each.at, "unknown key `" + each.key + "` in " + title_ + cure_for(each.key, title_, asked_));
+      complain(each.at,
+               "unknown key `" + each.key + "` in " + title_ + cure_for(each.key, title_, asked_));
   }
 }
 

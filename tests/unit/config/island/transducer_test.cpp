@@ -230,12 +230,12 @@ TEST_CASE("actuators arrive with the time their way takes", "[config][DIS-02]") 
 
 TEST_CASE("keys of actuators belong to their kind", "[config][GEN-06]") {
   const auto x = GENERATE(values<row>({
-      {"kind = \"relay\", travel = \"1s\"",
-       "19:44: unknown key `travel` in kind = \"relay\": it is a key of kind = \"level\"; see rubicon check "
-       "--explain travel"},
-      {"kind = \"dimmer\", travel = \"1s\"",
-       "19:45: unknown key `travel` in kind = \"dimmer\": it is a key of kind = \"level\"; see rubicon check "
-       "--explain travel"},
+      {"kind = \"relay\", travel = \"1s\"", "19:44: unknown key `travel` in kind = \"relay\": it "
+                                            "is a key of kind = \"level\"; see rubicon check "
+                                            "--explain travel"},
+      {"kind = \"dimmer\", travel = \"1s\"", "19:45: unknown key `travel` in kind = \"dimmer\": it "
+                                             "is a key of kind = \"level\"; see rubicon check "
+                                             "--explain travel"},
       {"kind = \"level\", travel = \"25h\"",
        "19:53: `travel` must be a time from 0 ns to 1 d, not \"25h\""},
       {"kind = \"blind\"",
