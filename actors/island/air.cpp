@@ -49,18 +49,7 @@ struct air_performer {
   }
 };
 
-/// Receivers are many, and have left the processor's cache since their last frame: all are fetched
-/// at the same time.
-void fetch_receivers(air_pointer self, const radio::outputs& all) {
-  for (const auto& output : all)
-    if (const auto* x = std::get_if<radio::delivered>(&output))
-      if (const auto& user = self->state.users[slot(x->to)])
-        user.get().fetch_head();
-}
-
 void perform(air_pointer self, radio::outputs todo) {
-  if (todo.size() > 1)
-    fetch_receivers(self, todo);
   for (auto& output : todo)
     std::visit(air_performer{self}, output);
   self->state.wake.follow(self, self->state.channel.deadline());

@@ -429,8 +429,6 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
   self->state.arguments = std::move(arguments);
   self->state.store = store;
   start(self);
-  if (self->state.node) // all but its communication layer, which most frames do not reach
-    self->fetch_before_turns(&self->state.node->packets(), &self->state + 1);
   return {
       [self](const frame_received& x) { on_frame(self, x.psdu.view(), x.rssi_dbm); },
       [self](const timer_expired& x) { on_timer(self, x); },

@@ -1,7 +1,5 @@
 #include "scheduler/actor.hpp"
 
-#include <cassert>
-#include <cstdint>
 #include <typeinfo>
 
 #include <caf/exit_reason.hpp>
@@ -55,19 +53,6 @@ caf::error failure_of(const std::exception_ptr& x) {
   } catch (...) {
     return caf::make_error(caf::sec::runtime_error, std::string("unknown exception"));
   }
-}
-
-// -- memory
-
-void actor::fetch_before_turns(const void* first, const void* end) {
-  const auto* const begin = reinterpret_cast<const char*>(this);
-  const auto from = static_cast<std::size_t>(static_cast<const char*>(first) - begin) / cache_line;
-  const auto to =
-      (static_cast<std::size_t>(static_cast<const char*>(end) - begin) + cache_line - 1) /
-      cache_line;
-  assert(from <= to && to <= UINT8_MAX);
-  fetched_from_ = static_cast<std::uint8_t>(from);
-  fetched_lines_ = static_cast<std::uint8_t>(to - from);
 }
 
 // -- being sent to

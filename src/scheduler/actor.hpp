@@ -12,11 +12,9 @@
 
 #include <cassert>
 #include <cstddef>
-#include <cstdint>
 #include <exception>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <utility>
 
@@ -141,31 +139,7 @@ public:
   /// Makes the reason with which the actor ends of an exception; by default failure_of().
   void set_exception_handler(exception_handler x) { hooks().on_exception = std::move(x); }
 
-  /// Where there are many actors, the memory of one has left the processor's cache since its last
-  /// turn. From now on this part of its own is fetched when it gets ready for one.
-  /// @pre first and end lie within the actor, and within its first 16 KiB
-  void fetch_before_turns(const void* first, const void* end);
-
   // -- what others call
-
-  /// What fetch() fetches, in whole cache lines; empty unless it has asked for some.
-  [[nodiscard]] std::span<const char> fetched() const {
-    return {reinterpret_cast<const char*>(this) + fetched_from_ * cache_line,
-            fetched_lines_ * cache_line};
-  }
-
-  /// Begins to fetch what its next turn needs.
-  void fetch() const {
-    for (std::size_t i = 0; i < fetched().size(); i += cache_line)
-      __builtin_prefetch(&fetched()[i]);
-  }
-
-  /// Begins to fetch what deliver() needs.
-  void fetch_head() const {
-    const auto* const block = reinterpret_cast<const char*>(ctrl());
-    for (std::size_t i = 0; i < CAF_CACHE_LINE_SIZE + sizeof(actor); i += cache_line)
-      __builtin_prefetch(block + i, 1);
-  }
 
   /// Hands it a message. @param from who sends it; nullptr: nobody
   void deliver(envelope_ptr x, actor* from);
@@ -196,8 +170,6 @@ protected:
   virtual void destroy_state() = 0;
 
 private:
-  static constexpr std::size_t cache_line = 64;
-
   struct handlers {
     down_handler on_down;
     exit_handler on_exit;
@@ -224,8 +196,6 @@ private:
   bool begun_ = false;
   bool ended_ = false;
   bool quits_ = false;
-  std::uint8_t fetched_from_ = 0; ///< in cache lines from its beginning,
-  std::uint8_t fetched_lines_ = 0;
   caf::error reason_; ///< of the end, once it quits
 };
 

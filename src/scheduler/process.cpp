@@ -107,7 +107,6 @@ void process::give_turn(caf::resumable* whom) {
 }
 
 void process::make_ready(actor& what) {
-  what.fetch();
   caf::intrusive_ptr_add_ref(what.ctrl());
   ready_.push({&what, nullptr});
 }

@@ -114,7 +114,6 @@ void medium::visit_hearers() {
   auto& sent = on_air_[slot];
   sent.outcomes.resize(sent.heard_by->size());
   std::uint32_t place = 0;
-  fetch(*sent.heard_by);
   for (const auto& x : *sent.heard_by) {
     sent.outcomes[place] = meet(x, slot, place, sent.what.begin);
     ++place;

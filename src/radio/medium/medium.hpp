@@ -1,7 +1,6 @@
 // What is on the air and what each transceiver makes of it.
 #pragma once
 
-#include <algorithm>
 #include <cassert>
 #include <cstdint>
 #include <limits>
@@ -108,8 +107,6 @@ public:
     if (selective)
       count_filtered(sent, now);
     const auto count = static_cast<std::uint32_t>(sent.heard_by->size());
-    if (!selective)
-      fetch(*sent.heard_by);
     for (std::uint32_t place = 0; place < count; ++place) {
       const auto& x = (*sent.heard_by)[place];
       if (selective && is_filtered(x, sent.what.content))
@@ -270,13 +267,6 @@ private:
         at.state == mode::listening && (at.flags & (promiscuous | waiting | turning)) == 0;
     const bool is_sure = x.clean_damage == 0 && x.loss == 0 && x.power >= highest_lock_floor_;
     return only_listens && is_sure && (at.address != content.destination || at.pan != content.pan);
-  }
-  /// Where there are many radios, what a copy touches has left the processor's cache: that of all
-  /// hearers is fetched at the same time.
-  void fetch(const hearers& all) const {
-    constexpr std::size_t at_once = 16;
-    for (std::size_t i = 0; i < std::min(at_once, all.size()); ++i)
-      __builtin_prefetch(&heads_[all[i].radio.value], 1);
   }
   [[nodiscard]] const hearer* lone_copy(radio_index radio) const;
   [[nodiscard]] bool locks_on_lone(const hearer& x) const;
