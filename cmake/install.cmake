@@ -54,7 +54,7 @@ install(FILES ${parted}/completion/rubicon DESTINATION share/bash-completion/com
 install(FILES ${parted}/completion/_rubicon DESTINATION share/zsh/site-functions COMPONENT binary)
 install(FILES ${parted}/completion/rubicon.fish DESTINATION share/fish/vendor_completions.d COMPONENT binary)
 install(DIRECTORY share/templates DESTINATION share/rubicon COMPONENT binary FILES_MATCHING PATTERN *.toml
-        PATTERN firmware EXCLUDE PATTERN lua EXCLUDE)
+        PATTERN firmware EXCLUDE PATTERN lua EXCLUDE PATTERN python EXCLUDE)
 # Firmware of motes in C includes <rubicon_mote.h>.
 install(FILES src/firmware/rubicon_mote.h DESTINATION include COMPONENT binary)
 install(PROGRAMS tools/firmware/contiki-ng tools/firmware/tinyos-sim DESTINATION share/rubicon/firmware COMPONENT binary)

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The examples of docs/python.md are run as they stand, with the binary and the file of the page, on a free port.
+"""The examples of docs/python.md are run as they stand, with the binary and the file of the page, on a free port; so is
+that of docs/steering.md, with a template.
 usage: docs_test RUBICON"""
 import contextlib
 import inspect
@@ -15,10 +16,11 @@ import rubicon
 
 RUBICON = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else ""
 PAGE = (support.ROOT / "docs/python.md").read_text()
+STEERING = (support.ROOT / "docs/steering.md").read_text()
 
 
-def blocks(language):
-    return re.findall(rf"^```{language}\n(.*?)^```", PAGE, re.M | re.S)
+def blocks(language, page=PAGE):
+    return re.findall(rf"^```{language}\n(.*?)^```", page, re.M | re.S)
 
 
 class PageTest(unittest.TestCase):
@@ -53,7 +55,25 @@ class PageTest(unittest.TestCase):
     def test_all_exceptions_are_on_the_page(self):
         for name in rubicon.__all__:
             if name.endswith("Error"):
-                self.assertIn(f"`{name}", PAGE)
+                self.assertIn(f"`{name}`", PAGE + STEERING)
+
+    def test_the_run_of_the_page_of_steering_does_what_it_says(self):
+        block, = blocks("python", STEERING)
+        os.environ["RUBICON"] = RUBICON
+        self.addCleanup(os.environ.pop, "RUBICON")
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            exec(compile(block.replace("home.toml", str(support.ROOT / "share/templates/home.toml")),
+                         "docs/steering.md", "exec"), {})
+        temperature, last = printed.getvalue().splitlines()
+        self.assertGreater(float(temperature), 0)
+        self.assertRegex(last, r"^\d+\.\d+ [0-9a-f]{16}$")
+
+    def test_all_methods_of_runs_are_on_the_page_of_steering(self):
+        for name, method in inspect.getmembers(rubicon.Run, inspect.isfunction):
+            if not name.startswith("_"):
+                self.assertIn(f"`{name}(", STEERING)
+                self.assertTrue(method.__doc__, name)
 
 
 if __name__ == "__main__":

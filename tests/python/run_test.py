@@ -3,6 +3,7 @@
 usage: run_test RUBICON"""
 import json
 import os
+import pathlib
 import random
 import signal
 import subprocess
@@ -27,6 +28,13 @@ def hash_of(*words):
     done = subprocess.run([RUBICON, "run", HOME, "--json", *words], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                           timeout=120)
     return json.loads(done.stdout)["trace_hash"]
+
+
+def is_running(pid):
+    try:
+        return "rubicon" in pathlib.Path(f"/proc/{pid}/cmdline").read_text()
+    except OSError:
+        return False
 
 
 class StepTest(unittest.TestCase):
@@ -119,8 +127,7 @@ class EndTest(unittest.TestCase):
             child.kill()
             child.wait()
             child.stdout.close()
-            self.assertTrue(support.eventually(lambda: not os.path.exists(f"/proc/{pid}") or "rubicon" not in open(
-                f"/proc/{pid}/cmdline").read()))
+            self.assertTrue(support.eventually(lambda: not is_running(pid)))
 
 
 if __name__ == "__main__":

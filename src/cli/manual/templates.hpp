@@ -13,7 +13,7 @@ struct ecology_template {
 
 [[nodiscard]] std::span<const ecology_template> all_templates();
 
-/// A file of a folder to begin with (share/templates/firmware, share/templates/lua).
+/// A file of a folder to begin with (share/templates/firmware and those beside it).
 struct project_file {
   std::string_view name; ///< `flood.c`
   std::string_view text;
@@ -22,6 +22,7 @@ struct project_file {
 // In the order in which they are written.
 [[nodiscard]] std::span<const project_file> firmware_project();
 [[nodiscard]] std::span<const project_file> lua_project();
+[[nodiscard]] std::span<const project_file> python_project();
 
 /// What it is, from its first line.
 [[nodiscard]] constexpr std::string_view sentence_of(const ecology_template& x) {

@@ -38,12 +38,20 @@ void file_command_line::add_new() {
               "Write firmware of motes in C instead, and an ecology for it, into this folder")
           ->type_name("DIR")
           ->excludes(name);
+  auto* const lua =
+      new_app_
+          .add_option("--lua", new_.lua,
+                      "Write a program in Lua instead, and an ecology for it, into this folder")
+          ->type_name("DIR")
+          ->excludes(name)
+          ->excludes(firmware);
   new_app_
-      .add_option("--lua", new_.lua,
-                  "Write a program in Lua instead, and an ecology for it, into this folder")
+      .add_option("--python", new_.python,
+                  "Write a study in Python instead, and an ecology for it, into this folder")
       ->type_name("DIR")
       ->excludes(name)
-      ->excludes(firmware);
+      ->excludes(firmware)
+      ->excludes(lua);
 }
 
 void file_command_line::add_check() {

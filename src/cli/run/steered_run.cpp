@@ -13,7 +13,7 @@
 #include "actors/run/look.hpp"
 #include "actors/supervision/ecology.hpp"
 #include "cli/print/console.hpp"
-#include "cli/run/report_output.hpp"
+#include "cli/print/report_output.hpp"
 #include "core/hash.hpp"
 #include "core/text/printable.hpp"
 #include "deploy/bundle.hpp"
@@ -40,7 +40,7 @@ steering::run_facts facts_of(const run_command& x, const config::ecology_descrip
     if (!island.gateway_name.empty())
       facts.peers.push_back(island.gateway_name);
     for (const auto& mote : island.motes)
-      facts.motes.emplace(mote_address{island.id, mote.id}, mote.name);
+      facts.motes.emplace(mote_address{island.id, mote.id}, island.name + '/' + mote.name);
   }
   for (const auto& peer : ecology.peers)
     facts.peers.push_back(peer.name);

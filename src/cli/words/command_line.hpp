@@ -71,6 +71,7 @@ struct new_command {
   bool is_forced = false; ///< overwrites a file
   std::string firmware;   ///< folder for firmware in C instead; empty: none is written
   std::string lua;        ///< folder for a program in Lua instead; empty: none is written
+  std::string python;     ///< folder for a study in Python instead; empty: none is written
 };
 
 /// `rubicon import FILE [TOML]`

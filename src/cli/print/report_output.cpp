@@ -1,4 +1,4 @@
-#include "cli/run/report_output.hpp"
+#include "cli/print/report_output.hpp"
 
 #include "cli/print/console.hpp"
 #include "report/print/report_text.hpp"
