@@ -172,8 +172,9 @@ TEST_CASE("a study in Python to begin with finds a window", "[cli]") {
                     "Next: python3 'my study/window.py'\n");
   CHECK(rubicon_in(folder, "check --strict 'my study/room.toml'").status == 0);
   CHECK(rubicon_in(folder, "new --python a --lua b").status != 0);
-  const auto found = shell("PYTHONPATH='" RUBICON_SOURCE_DIR "/python' RUBICON='" RUBICON_BINARY
-                           "' python3 '" + folder.path.string() + "/my study/window.py' 2 2>&1");
+  const auto found =
+      shell("PYTHONPATH='" RUBICON_SOURCE_DIR "/python' RUBICON='" RUBICON_BINARY "' python3 '" +
+            folder.path.string() + "/my study/window.py' 2 2>&1");
   CHECK(found.status == 0);
   CHECK(contains(found.out, "the shortest window with 99%: "));
   CHECK(!contains(found.out, "none of these"));

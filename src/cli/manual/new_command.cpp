@@ -102,9 +102,9 @@ exit_status perform(const new_command& x) {
   if (!x.lua.empty())
     return write_project(x.lua, lua_project(), x.is_forced, run_of(x.lua, "fan.toml"));
   if (!x.python.empty())
-    return write_project(
-        x.python, python_project(), x.is_forced,
-        "python3 " + shell_word((std::filesystem::path(x.python) / "window.py").string()));
+    return write_project(x.python, python_project(), x.is_forced,
+                         "python3 " +
+                             shell_word((std::filesystem::path(x.python) / "window.py").string()));
   if (x.name.empty())
     return print(stdout, list_of_templates()) ? exit_status::good : exit_status::refused;
   const auto* const found = find_template(x.name);
