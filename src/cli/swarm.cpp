@@ -51,7 +51,7 @@ std::map<std::string, double> figures_of(const json& report, double real_s) {
 std::vector<situation_outcome> situations_of(const json& report) {
   std::vector<situation_outcome> all;
   for (const auto& each : report.value("expectations", json::array())) {
-    const auto text = each.at("text").get<std::string>();
+    const auto text = each.at("expect").get<std::string>();
     if (text.starts_with(report::sometimes))
       all.push_back({text.substr(report::sometimes.size()), each.at("met") == true});
   }

@@ -129,9 +129,9 @@ TEST_CASE("the time to the first flat battery is compared between seeds whose ru
 TEST_CASE("a swarm counts the situations that its runs came into", "[cli]") {
   const auto report_of = [](const std::string& met) {
     auto text = good_report;
-    return text.insert(1, R"("expectations": [{"text": "joined within 20 s", "met": true},
-                             {"text": "sometimes b", "met": )" +
-                              met + R"(}, {"text": "sometimes a", "met": null}], )");
+    return text.insert(1, R"("expectations": [{"expect": "joined within 20 s", "met": true},
+                             {"expect": "sometimes b", "met": )" +
+                              met + R"(}, {"expect": "sometimes a", "met": null}], )");
   };
   swarm x({7, 9});
   while (x.next()) {
