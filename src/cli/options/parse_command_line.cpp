@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <iterator>
+#include <memory>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -48,6 +50,41 @@ constexpr const char* roles =
     "or host answered, or a certificate is invalid; 2 the command line or the file was rejected;\n"
     "130 Ctrl-C ended it.";
 
+/// Help in which the names that an option needs or excludes stand in the order of the alphabet, not
+/// of the addresses of their objects.
+class ordered_help : public CLI::Formatter {
+public:
+  std::string make_option_opts(const CLI::Option* option) const override {
+    std::istringstream words(CLI::Formatter::make_option_opts(option));
+    const std::set<std::string> labels{get_label("Needs") + ':', get_label("Excludes") + ':'};
+    std::string out;
+    std::set<std::string> names;
+    bool is_list = false;
+    const auto end_list = [&] {
+      for (const auto& name : names)
+        out += ' ' + name;
+      names.clear();
+    };
+    for (std::string word; words >> word;) {
+      if (const bool is_label = labels.contains(word); is_label || !is_list) {
+        end_list();
+        out += ' ' + word;
+        is_list = is_list || is_label;
+      } else {
+        names.insert(word);
+      }
+    }
+    end_list();
+    return out;
+  }
+};
+
+/// The command line without its commands.
+class ordered_app : public CLI::App {
+public:
+  ordered_app() : CLI::App(about, "rubicon") { formatter(std::make_shared<ordered_help>()); }
+};
+
 /// All commands, each with its options.
 class all_commands {
 public:
@@ -78,7 +115,7 @@ public:
     return refused_command{"rubicon: no command\n"};
   }
 
-  CLI::App app{about, "rubicon"};
+  ordered_app app;
 
 private:
   run_command_line run_{app};
