@@ -17,7 +17,7 @@ WANTED = 0.99
 def delivery(setting):
     """Share of the messages that arrived in one run."""
     window, seed = setting
-    with Run(FILE, seed=seed, options=["--set", f"window={window}ms"]) as run:
+    with Run(FILE, seed=seed, options=["--set", f"island.room.duty_cycle.window={window}ms"]) as run:
         return run.finish()["messages"]["delivery"]
 
 
