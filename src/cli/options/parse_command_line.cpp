@@ -58,7 +58,11 @@ public:
     std::istringstream words(CLI::Formatter::make_option_opts(option));
     const std::set<std::string> labels{get_label("Needs") + ':', get_label("Excludes") + ':'};
     std::string out;
-    std::set<std::string> names;
+    const auto by_letters = [](const std::string& a, const std::string& b) {
+      return a.substr(std::min(a.find_first_not_of('-'), a.size())) <
+             b.substr(std::min(b.find_first_not_of('-'), b.size()));
+    };
+    std::set<std::string, decltype(by_letters)> names;
     bool is_list = false;
     const auto end_list = [&] {
       for (const auto& name : names)
