@@ -28,9 +28,14 @@ YAML::Node yaml_of(std::string_view text) {
   }
 }
 
-/// A value of a map; undefined if there is none.
+/// A value of a map; undefined if there is none. What the library returns for none throws at
+/// whatever else is asked of it.
 YAML::Node child(const YAML::Node& x, const char* name) {
-  return x.IsMap() ? x[name] : YAML::Node(YAML::NodeType::Undefined);
+  const YAML::Node none(YAML::NodeType::Undefined);
+  if (!x.IsDefined() || !x.IsMap())
+    return none;
+  const auto found = x[name];
+  return found.IsDefined() ? found : none;
 }
 
 field scalar(const YAML::Node& x, const char* what) {

@@ -45,6 +45,12 @@ TEST_CASE("ratios of a K7 trace change over time", "[imports]") {
   CHECK(x.plan.changes[0].loss == 0.75);
 }
 
+TEST_CASE("a file of OTNS needs nodes only", "[imports]") {
+  const auto x = taken(format::otns, "nodes:\n  - id: 1\n    pos: [1, 2]\n");
+  REQUIRE(x.plan.motes.size() == 1);
+  CHECK(x.plan.motes[0].place == point{1, 2, 0});
+}
+
 TEST_CASE("mistakes in an imported file have a line and a column", "[imports]") {
   CHECK(refused(format::setdest, "$node_(0) set X_ wide\n") == text_place{1, 18});
   CHECK(refused(format::zep, "A B 1\nA C 2\n") == text_place{2, 5});
