@@ -2,6 +2,7 @@
 #include "actors/frames.hpp"
 #include "actors/island/base_station.hpp"
 #include "actors/island/mote.hpp"
+#include "serial/raw_packet.hpp"
 #include "support/catch.hpp"
 #include "testkit/fake.hpp"
 
@@ -65,12 +66,14 @@ TEST_CASE("a base station takes its radio and its end of the line", "[actors][ti
 TEST_CASE("a base station writes what its radio hears, for whomever", "[actors][tinyos][GW-17]") {
   base_fixture x;
   x.world.send(x.base, test::radio_frame(mote_id{7}, mote_id{9}, 6, {0, 7, 0, 1}, 0x22));
-  x.world.send(x.base, frame_received{payload(bytes{1, 2, 3}), -60}); // no frame of TinyOS
+  x.world.send(x.base, frame_received{payload(bytes{1, 2, 3}), -60}); // of another layout
   x.world.run_for(1s);
   const auto frames = test::frames_in(x.line.all<serial_write>());
-  REQUIRE(frames.size() == 1);
+  REQUIRE(frames.size() == 2);
   CHECK(frames[0].type == serial::frame_type::packet); // it asks for no ack
   CHECK(frames[0].packet == bytes{0, 0, 9, 0, 7, 4, 0x22, 6, 0, 7, 0, 1});
+  CHECK(frames[1].type == serial::frame_type::packet);
+  CHECK(frames[1].packet == serial::wrap_raw(bytes{1})); // without its FCS
 }
 
 TEST_CASE("a base station sends what comes over the line, one after the other",
