@@ -1,10 +1,8 @@
 #include "cli/imports/import_command.hpp"
 
-#include <cerrno>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -12,6 +10,7 @@
 
 #include "cli/ecology_file.hpp"
 #include "cli/print/console.hpp"
+#include "cli/print/new_file.hpp"
 #include "core/text/printable.hpp"
 #include "core/text/shell_word.hpp"
 
@@ -28,19 +27,6 @@ std::optional<std::string> octets_of(const std::string& path) {
     return std::nullopt;
   out.resize(static_cast<std::size_t>(file.gcount()));
   return out;
-}
-
-/// @returns why it is not written; empty: it is
-std::string write_new(const std::string& path, std::string_view text, bool replaces) {
-  struct closer {
-    void operator()(std::FILE* x) const { static_cast<void>(std::fclose(x)); }
-  };
-  const auto reason = [&path] { return path + ": " + std::generic_category().message(errno); };
-  std::unique_ptr<std::FILE, closer> file(std::fopen(path.c_str(), replaces ? "w" : "wx"));
-  if (!file)
-    return errno == EEXIST ? path + " exists already; --force overwrites it" : reason();
-  const bool written = std::fwrite(text.data(), 1, text.size(), file.get()) == text.size();
-  return std::fflush(file.get()) != 0 || !written ? reason() : std::string();
 }
 
 /// The imported file as the new one refers to it.
@@ -80,7 +66,7 @@ exit_status perform(const import_command& x) {
   static_cast<void>(print(stderr, imports::notes_text(found, printable(x.file))));
   if (to == standard_input) // here: standard output
     return print(stdout, toml) ? exit_status::good : exit_status::refused;
-  if (const auto why = write_new(to, toml, x.is_forced); !why.empty())
+  if (const auto why = write_new_file(to, toml, x.is_forced); !why.empty())
     return refuse(why);
   return print(stdout, "wrote " + to + "\nNext: rubicon run " + shell_word(to) + '\n')
              ? exit_status::good

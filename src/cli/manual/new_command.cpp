@@ -1,10 +1,7 @@
 #include "cli/manual/new_command.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,6 +11,7 @@
 #include "cli/ecology_file.hpp"
 #include "cli/manual/templates.hpp"
 #include "cli/print/console.hpp"
+#include "cli/print/new_file.hpp"
 #include "core/text/shell_word.hpp"
 #include "core/text/spelling.hpp"
 
@@ -46,21 +44,6 @@ std::vector<std::string> template_names() {
   return out;
 }
 
-/// @returns why it is not written; empty: it is
-std::string write(const std::string& path, std::string_view text, bool replaces) {
-  struct closer {
-    void operator()(std::FILE* x) const { static_cast<void>(std::fclose(x)); }
-  };
-  const auto reason = [&path] { return path + ": " + std::generic_category().message(errno); };
-  std::unique_ptr<std::FILE, closer> file(std::fopen(path.c_str(), replaces ? "w" : "wx"));
-  if (!file)
-    return errno == EEXIST ? path + " exists already; --force overwrites it" : reason();
-  const bool written = std::fwrite(text.data(), 1, text.size(), file.get()) == text.size();
-  if (std::fflush(file.get()) != 0 || !written)
-    return reason();
-  return {};
-}
-
 /// Names as a sentence has them: `a, b and c`.
 std::string list_of_names(std::span<const project_file> files) {
   std::string out;
@@ -80,7 +63,8 @@ exit_status write_project(const std::string& name, std::span<const project_file>
   if (error)
     return refuse(name + ": " + error.message());
   for (const auto& each : files)
-    if (const auto why = write((folder / each.name).string(), each.text, replaces); !why.empty())
+    if (const auto why = write_new_file((folder / each.name).string(), each.text, replaces);
+        !why.empty())
       return refuse(why);
   return print(stdout, "wrote " + list_of_names(files) + " in " + name + "\nNext: " + next + '\n')
              ? exit_status::good
@@ -113,7 +97,7 @@ exit_status perform(const new_command& x) {
   if (x.file == standard_input) // here: standard output
     return print(stdout, found->text) ? exit_status::good : exit_status::refused;
   const auto path = x.file.empty() ? x.name + ".toml" : x.file;
-  if (const auto why = write(path, found->text, x.is_forced); !why.empty())
+  if (const auto why = write_new_file(path, found->text, x.is_forced); !why.empty())
     return refuse(why);
   return print(stdout, "wrote " + path + "\nNext: rubicon run " + shell_word(path) + '\n')
              ? exit_status::good
