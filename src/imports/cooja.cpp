@@ -17,13 +17,18 @@ namespace {
 constexpr std::string_view blanks = " \t\r\n";
 constexpr double udgm_default_range_m = 50;
 
+/// The text of an element without blanks around it.
+std::string_view text_of(const pugi::xml_node& x) {
+  const std::string_view text = x.child_value();
+  const auto begin = text.find_first_not_of(blanks);
+  return begin == std::string_view::npos
+             ? std::string_view()
+             : text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
+}
+
 /// The last part of a class's name, which stands in front of an element's children.
 std::string_view class_of(const pugi::xml_node& x) {
-  std::string_view text = x.child_value();
-  const auto begin = text.find_first_not_of(blanks);
-  if (begin == std::string_view::npos)
-    return {};
-  text = text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
+  const auto text = text_of(x);
   const auto dot = text.rfind('.');
   return dot == std::string_view::npos ? text : text.substr(dot + 1);
 }
@@ -53,9 +58,7 @@ public:
       notes_.add(at(plugin), "plugin " + quoted(class_of(plugin)));
     for (const auto& child : simulation.children())
       note_other(child);
-    motes_.give(out_.plan);
-    out_.notes = notes_.sorted();
-    return std::move(out_);
+    return finished(std::move(out_), motes_, notes_);
   }
 
 private:
@@ -63,14 +66,9 @@ private:
     return place_of(text_, static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, x.offset_debug())));
   }
 
-  /// The text of an element without blanks around it.
   [[nodiscard]] field content(const pugi::xml_node& x) const {
-    std::string_view value = x.child_value();
-    const auto begin = value.find_first_not_of(blanks);
-    if (begin == std::string_view::npos)
-      return {{}, at(x)};
-    value = value.substr(begin, value.find_last_not_of(blanks) - begin + 1);
-    return {value, at(x.first_child())};
+    const auto text = text_of(x);
+    return {text, at(text.empty() ? x : x.first_child())};
   }
 
   [[nodiscard]] double number(const pugi::xml_node& parent, const char* name, double otherwise,

@@ -44,9 +44,7 @@ public:
       refuse(lines.end(), "there is no measurement");
     plan_links();
     out_.plan.air = listed_links{};
-    motes_.give(out_.plan);
-    out_.notes = notes_.sorted();
-    return std::move(out_);
+    return finished(std::move(out_), motes_, notes_);
   }
 
 private:

@@ -28,9 +28,7 @@ public:
     while (lines.next())
       take(lines);
     out_.plan.air = listed_links{};
-    motes_.give(out_.plan);
-    out_.notes = notes_.sorted();
-    return std::move(out_);
+    return finished(std::move(out_), motes_, notes_);
   }
 
 private:

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <numeric>
 #include <utility>
+
+#include "core/text/decimal.hpp"
 
 namespace rubicon::imports {
 
@@ -65,16 +66,6 @@ void line_fields::split_at_commas() {
   }
 }
 
-std::optional<double> number_in(std::string_view x) {
-  double out = 0;
-  if (x.starts_with('+'))
-    x.remove_prefix(1);
-  const auto [end, error] = std::from_chars(x.data(), x.data() + x.size(), out);
-  if (error != std::errc() || end != x.data() + x.size() || !std::isfinite(out))
-    return std::nullopt;
-  return out;
-}
-
 std::optional<std::uint64_t> whole_in(std::string_view x) {
   std::uint64_t out = 0;
   const auto [end, error] = std::from_chars(x.data(), x.data() + x.size(), out);
@@ -84,7 +75,7 @@ std::optional<std::uint64_t> whole_in(std::string_view x) {
 }
 
 double real_of(const field& x, std::string_view what, double least, double most) {
-  const auto found = number_in(x.text);
+  const auto found = number_in(x.text.substr(x.text.starts_with('+') ? 1 : 0));
   if (!found || *found < least || *found > most)
     refuse(x.at, std::string(what) + " must be a number from " +
                      std::to_string(static_cast<long>(least)) + " to " +
@@ -158,6 +149,12 @@ void mote_list::give(ecology_plan& to) {
     x.from = place[x.from];
     x.to = place[x.to];
   }
+}
+
+imported finished(imported x, mote_list& motes, const note_list& notes) {
+  motes.give(x.plan);
+  x.notes = notes.sorted();
+  return x;
 }
 
 } // namespace rubicon::imports

@@ -66,7 +66,6 @@ private:
 };
 
 /// The whole text is a finite number, without blanks.
-[[nodiscard]] std::optional<double> number_in(std::string_view x);
 [[nodiscard]] std::optional<std::uint64_t> whole_in(std::string_view x);
 
 /// Such a number within limits; refuses all others. @param what it is: `x`
@@ -106,5 +105,8 @@ private:
   std::map<std::uint32_t, std::size_t> numbers_;
   std::map<std::string, std::size_t, std::less<>> names_;
 };
+
+/// What a reader has found, with its motes and notes in place. Refuses an empty list of motes.
+[[nodiscard]] imported finished(imported x, mote_list& motes, const note_list& notes);
 
 } // namespace rubicon::imports

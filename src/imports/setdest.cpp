@@ -42,9 +42,7 @@ public:
                  duration(std::chrono::ceil<std::chrono::minutes>(after_seconds(last_s_))));
     for (const auto& [index, walk] : walkers_)
       corner(index, walk.arrives_s, walk.to);
-    motes_.give(out_.plan);
-    out_.notes = notes_.sorted();
-    return std::move(out_);
+    return finished(std::move(out_), motes_, notes_);
   }
 
 private:

@@ -64,9 +64,7 @@ public:
           key.text != "nodes" && key.text != "network")
         notes_.add(key.at, quoted(key.text));
     out_.plan.air = range_;
-    motes_.give(out_.plan);
-    out_.notes = notes_.sorted();
-    return std::move(out_);
+    return finished(std::move(out_), motes_, notes_);
   }
 
 private:
@@ -109,10 +107,8 @@ public:
       refuse({1, 1}, "there is no list of nodes, nor a list `items`");
     for (const auto& each : items)
       read_node(each);
-    motes_.give(out_.plan);
     notes_.add({}, "what radios receive there: a disk of 50 m instead");
-    out_.notes = notes_.sorted();
-    return std::move(out_);
+    return finished(std::move(out_), motes_, notes_);
   }
 
 private:

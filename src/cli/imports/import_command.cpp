@@ -1,8 +1,6 @@
 #include "cli/imports/import_command.hpp"
 
 #include <filesystem>
-#include <fstream>
-#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -11,23 +9,13 @@
 #include "cli/ecology_file.hpp"
 #include "cli/print/console.hpp"
 #include "cli/print/new_file.hpp"
+#include "config/load.hpp"
 #include "core/text/printable.hpp"
 #include "core/text/shell_word.hpp"
 
 namespace rubicon::cli {
 
 namespace {
-
-/// The file's octets, one more than may be imported at most.
-std::optional<std::string> octets_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string out(imports::file_octets_max + 1, '\0');
-  file.read(out.data(), static_cast<std::streamsize>(out.size()));
-  if (file.bad() || !file.is_open() || (file.gcount() == 0 && !file.eof()))
-    return std::nullopt;
-  out.resize(static_cast<std::size_t>(file.gcount()));
-  return out;
-}
 
 /// The imported file as the new one refers to it.
 std::string seen_from(const std::string& to, const std::string& file) {
@@ -48,9 +36,10 @@ std::string placed(const std::string& file, const imports::import_problem& x) {
 } // namespace
 
 exit_status perform(const import_command& x) {
-  const auto text = octets_of(x.file);
-  if (!text)
-    return refuse(x.file + ": cannot be read");
+  const auto read = config::read_file(x.file, imports::file_octets_max);
+  if (!read.text)
+    return refuse(x.file + ": " + read.reason);
+  const auto& text = read.text;
   const auto from = x.format ? x.format : imports::format_of(x.file, *text);
   if (!from)
     return refuse(x.file + ": its format is not known: --format names it");
