@@ -164,8 +164,8 @@ mqtt_outputs mqtt_bridge::on_tuple(const components::news& x, instant now) {
       removals_.erase(each.name);
       unnamed_.erase(discovery_topic(names_, each.name));
     }
-    if (!connected_ || announce_at_)
-      continue; // all of it is published at once
+    if (!is_announced_)
+      continue; // all of it is published after the connection
     if (each.what == change_kind::appeared) {
       announce(*of);
       list_at_ = earliest(list_at_, now + list_pause);
@@ -192,6 +192,7 @@ mqtt_outputs mqtt_bridge::on_connected(instant now) {
   ++counters_.connections;
   queue_.clear();
   connected_ = true;
+  is_announced_ = false;
   sweep_ends_ = now + sweep_time;
   announce_at_.reset();
   plan_announcement(now);
@@ -209,6 +210,7 @@ mqtt_outputs mqtt_bridge::on_connected(instant now) {
 
 void mqtt_bridge::on_disconnected() {
   connected_ = false;
+  is_announced_ = false;
   queue_.clear();
   announce_at_.reset();
   sweep_ends_.reset();
@@ -339,6 +341,7 @@ mqtt_outputs mqtt_bridge::on_time(instant now) {
   if (announce_at_ && *announce_at_ <= now) {
     announce_at_.reset();
     announced_ = now;
+    is_announced_ = true;
     announce_all();
   }
   if (sweep_ends_ && *sweep_ends_ <= now) {

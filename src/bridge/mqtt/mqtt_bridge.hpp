@@ -141,6 +141,7 @@ private:
   random_stream rng_;
   publication_queue queue_;
   bool connected_ = false;
+  bool is_announced_ = false; ///< all was, since the connection
   std::optional<instant> announce_at_;
   std::optional<instant> sweep_ends_; ///< set: retained topics are being read
   std::optional<instant> list_at_;
