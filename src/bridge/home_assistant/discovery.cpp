@@ -298,7 +298,7 @@ std::string discovery_topic(const discovery_names& names, std::string_view objec
 }
 
 std::string discovery_document(const discovery_names& names, const class_model& of, const object& x,
-                               const platform_table& given) {
+                               const platform_table& given, std::string_view called) {
   json components = json::object();
   for (const auto& each : of.fields)
     components[each.name] = entity_of(names, of, x, each, platform_of(of, each, given));
@@ -312,7 +312,7 @@ std::string discovery_document(const discovery_names& names, const class_model& 
   }
   const json out = {
       {"dev",
-       {{"ids", device_id(names, x.name)}, {"name", x.name}, {"mdl", of.name}, {"mf", "Rubicon"}}},
+       {{"ids", device_id(names, x.name)}, {"name", called}, {"mdl", of.name}, {"mf", "Rubicon"}}},
       {"o", {{"name", "rubicon"}}},
       {"cmps", std::move(components)},
       {"stat_t", names.base + '/' + x.name},

@@ -51,9 +51,11 @@ struct discovery_names {
 /// `homeassistant/device/ID/config`
 [[nodiscard]] std::string discovery_topic(const discovery_names& names, std::string_view object);
 
+/// @param called the name of the device
 /// @returns JSON on one line
 [[nodiscard]] std::string discovery_document(const discovery_names& names, const class_model& of,
-                                             const object& x, const platform_table& given);
+                                             const object& x, const platform_table& given,
+                                             std::string_view called);
 
 /// What `BASE/NAME` has: readings, acknowledged inputs and outcomes of requests, as one JSON
 /// object.

@@ -115,10 +115,13 @@ void mqtt_bridge::publish_list() {
 }
 
 void mqtt_bridge::announce(const object& x) {
-  if (!config_.discovery.empty())
+  if (config_.home_assistant) {
+    const auto label = config_.labels.find(folded(x.name));
     queue_.add(urgency::announcement,
                {discovery_topic(names_, x.name),
-                discovery_document(names_, table_.model(x), x, config_.platforms)});
+                discovery_document(names_, table_.model(x), x, config_.platforms,
+                                   label == config_.labels.end() ? x.name : label->second)});
+  }
   publish_availability(x.name, x.is_available());
   publish_state(x);
 }
@@ -138,7 +141,7 @@ void mqtt_bridge::plan_announcement(instant now) {
 
 void mqtt_bridge::remove(const std::string& name) {
   ++counters_.removed;
-  if (!config_.discovery.empty() && table_.find(name) == nullptr) // else in another spelling
+  if (config_.home_assistant && table_.find(name) == nullptr) // else in another spelling
     queue_.add(urgency::announcement, {discovery_topic(names_, name), {}});
   queue_.add(urgency::availability, {topic_of(name) + std::string(availability_end), {}});
   queue_.add(urgency::state, {topic_of(name), {}});
@@ -180,7 +183,7 @@ mqtt_outputs mqtt_bridge::on_tuple(const components::news& x, instant now) {
 mqtt_outputs mqtt_bridge::on_written(std::uint64_t token, std::string_view cause, instant now) {
   const auto found = open_.find(token);
   if (found != open_.end() && !cause.empty()) {
-    ++counters_.commands_refused;
+    ++counters_.writes_failed;
     if (const auto* of = table_.find(found->second.name)) // the state is published as it was
       publish_state(*of);
     open_.erase(found);
@@ -199,7 +202,7 @@ mqtt_outputs mqtt_bridge::on_connected(instant now) {
   mqtt_outputs out;
   for (const auto* rest : {"+/set", "+/set/+", "+/get", "+/availability"})
     out.emplace_back(subscription{topic_of(rest)});
-  if (!config_.discovery.empty()) {
+  if (config_.home_assistant) {
     out.emplace_back(subscription{config_.discovery + "/status"});
     out.emplace_back(subscription{config_.discovery + "/device/+/config"});
   }
@@ -216,11 +219,24 @@ void mqtt_bridge::on_disconnected() {
   sweep_ends_.reset();
 }
 
+/// What is retained comes at once after a subscription, and once.
+bool mqtt_bridge::is_flood(const delivery& x, instant now) {
+  if (x.retained)
+    return false;
+  if (now >= second_begins_ + 1s) {
+    second_begins_ = now;
+    in_second_ = 0;
+  }
+  return ++in_second_ > received_max;
+}
+
 mqtt_outputs mqtt_bridge::on_message(const delivery& x, instant now) {
   ++counters_.received;
   mqtt_outputs out;
   if (x.topic.size() > topic_max || x.payload.size() > payload_max)
     ++counters_.oversized;
+  else if (is_flood(x, now))
+    ++counters_.flooded;
   else if (convert(x, out))
     return out;
   else if (x.topic == config_.discovery + "/status")
@@ -349,7 +365,7 @@ mqtt_outputs mqtt_bridge::on_time(instant now) {
     for (const auto* each : table_.all())
       unnamed_.erase(discovery_topic(names_, each->name));
     out.emplace_back(unsubscription{topic_of("+/availability")});
-    if (!config_.discovery.empty())
+    if (config_.home_assistant)
       out.emplace_back(unsubscription{config_.discovery + "/device/+/config"});
   }
   std::erase_if(removals_, [&](const auto& each) {

@@ -46,15 +46,18 @@ struct mqtt_counters {
   std::uint64_t received = 0;
   std::uint64_t commands = 0;
   std::uint64_t commands_refused = 0; ///< not of the input's words and range, or too many in flight
+  std::uint64_t writes_failed = 0;    ///< commands whose tuple could not be written
   std::uint64_t commands_retained = 0; ///< published before the subscription: never executed
   std::uint64_t unknown_topics = 0;    ///< of no object or input; dropped
   std::uint64_t oversized = 0;         ///< dropped
+  std::uint64_t flooded = 0;           ///< more than received_max in a second; dropped
   std::uint64_t bad_payloads = 0;      ///< of topics that become tuples: not of their type; dropped
   std::uint64_t births = 0;            ///< of Home Assistant
   std::uint64_t removed = 0;           ///< objects whose announcement has been removed
 };
 RUBICON_FIELDS(mqtt_counters, connections, published, received, commands, commands_refused,
-               commands_retained, unknown_topics, oversized, bad_payloads, births, removed);
+               writes_failed, commands_retained, unknown_topics, oversized, flooded, bad_payloads,
+               births, removed);
 
 /// Topics, all retained, below `base`:
 ///   bridge/state        {"state":"online"}; the last will of the connection says `offline`
@@ -79,6 +82,7 @@ public:
   static constexpr std::size_t topic_max = 256;         ///< octets
   static constexpr std::size_t command_max = 1024;      ///< octets
   static constexpr std::size_t open_commands_max = 256;
+  static constexpr std::size_t received_max = 1000; ///< messages of a second, without retained ones
   static constexpr duration jitter = 1s;
   static constexpr duration sweep_time = 5s; ///< for which retained topics are read
   static constexpr duration birth_pause = 10s;
@@ -121,6 +125,7 @@ private:
   [[nodiscard]] mqtt_outputs sent(instant now);
   void announce_all();
   void announce(const object& x);
+  [[nodiscard]] bool is_flood(const delivery& x, instant now);
   void publish_availability(std::string_view name, bool available);
   void publish_state(const object& x);
   void publish_list();
@@ -150,6 +155,8 @@ private:
   std::map<std::string, instant> unnamed_;     ///< the same, by topic of an announcement
   std::map<std::uint64_t, open_command> open_; ///< commands by token
   std::uint64_t last_token_ = 0;
+  instant second_begins_{}; ///< in which messages are counted
+  std::size_t in_second_ = 0;
   mqtt_counters counters_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,12 +25,14 @@ struct topic_rule {
 
 struct mqtt_config {
   std::string base = "rubicon";            ///< first part of all own topics
-  std::string discovery = "homeassistant"; ///< of Home Assistant's; empty: nothing is announced
+  bool home_assistant = true;              ///< objects are announced to it
+  std::string discovery = "homeassistant"; ///< first part of its topics
   duration remove_after =
       10min;                ///< an object without tuples for so long is removed from the broker
   std::uint32_t rate = 190; ///< messages that the bridge publishes in any second, at most
   std::vector<topic_rule> topics;
   platform_table platforms;
+  std::map<std::string, std::string> labels; ///< of objects, by name in lower case
 };
 
 } // namespace rubicon::bridge

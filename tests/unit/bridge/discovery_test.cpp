@@ -19,7 +19,7 @@ nlohmann::json document_of(std::size_t model, const platform_table& given = {}) 
   object x;
   x.name = "kitchen.climate-7";
   return nlohmann::json::parse(
-      discovery_document(usual_names, bridged_classes().at(model), x, given));
+      discovery_document(usual_names, bridged_classes().at(model), x, given, x.name));
 }
 
 } // namespace

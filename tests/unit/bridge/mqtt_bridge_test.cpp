@@ -124,6 +124,40 @@ TEST_CASE("retained, unknown, refused and oversized commands are counted, not wr
   CHECK(x.counters().commands == 0);
 }
 
+TEST_CASE("a write that fails is counted apart from refused commands", "[bridge][mqtt]") {
+  auto x = with_fan();
+  const auto now = start + 10s;
+  const auto writes = writes_in(x.on_message({"rubicon/kitchen.f/set/switch", "on"}, now));
+  REQUIRE(writes.size() == 1);
+  const auto outputs = x.on_written(writes[0].token, "no route", now);
+  CHECK(x.counters().writes_failed == 1);
+  CHECK(x.counters().commands_refused == 0);
+  REQUIRE(outputs.size() == 1); // the state as it was
+  CHECK(std::get<publication>(outputs[0]).topic == "rubicon/kitchen.f");
+}
+
+TEST_CASE("of a flood the first thousand messages of a second are read", "[bridge][mqtt]") {
+  auto x = with_fan();
+  const auto now = start + 10s;
+  for (std::size_t i = 0; i < mqtt_bridge::received_max + 5; ++i)
+    static_cast<void>(x.on_message({"rubicon/kitchen.f/get", "x"}, now));
+  CHECK(x.counters().flooded == 5);
+  CHECK(writes_in(x.on_message({"rubicon/kitchen.f/set/switch", "on"}, now)).empty());
+  CHECK(writes_in(x.on_message({"rubicon/kitchen.f/set/switch", "on"}, now + 1s)).size() == 1);
+}
+
+TEST_CASE("a label is the name of the device", "[bridge][mqtt]") {
+  mqtt_config config;
+  config.labels["kitchen.f"] = "Küche / Lüfter";
+  auto x = bridge_of(config);
+  static_cast<void>(x.on_connected(start));
+  static_cast<void>(x.on_tuple(bridged_news("Kitchen.F.class", "fan"), start));
+  const auto sent = run_until(x, start + 4s);
+  const auto at = place_of(sent, "homeassistant/device/rubicon-skitchen_f/config");
+  REQUIRE(at);
+  CHECK(sent[*at].what.payload.find("\"name\":\"Küche / Lüfter\"") != std::string::npos);
+}
+
 TEST_CASE("commands in flight are limited, and forgotten after a minute", "[bridge][mqtt]") {
   auto x = with_fan();
   const auto now = start + 10s;
