@@ -39,7 +39,10 @@ using test::bridged_news;
 
 namespace {
 
-using clock = std::chrono::steady_clock;
+using steady = std::chrono::steady_clock; // not `clock`: <ctime> has a function of that name
+
+/// Far too long a wait is a failure.
+constexpr auto wait_max = std::chrono::seconds(20);
 
 constexpr const char* mosquitto_path = "/usr/sbin/mosquitto";
 constexpr std::string_view online_text = R"({"state":"online"})";
@@ -179,7 +182,7 @@ public:
 
 private:
   [[nodiscard]] instant now() const {
-    return test::start + std::chrono::duration_cast<duration>(clock::now() - began_);
+    return test::start + std::chrono::duration_cast<duration>(steady::now() - began_);
   }
 
   void perform(mqtt_outputs todo) {
@@ -193,21 +196,21 @@ private:
           each);
   }
 
-  clock::time_point began_ = clock::now();
+  steady::time_point began_ = steady::now();
   mqtt_bridge core_;
   std::unique_ptr<io::mqtt_client> client_;
 };
 
 /// Whether `done` is so within that time.
-bool within(clock::duration most, bell& on_event, const std::function<void()>& work,
+bool within(steady::duration most, bell& on_event, const std::function<void()>& work,
             const std::function<bool()>& done) {
-  const auto end = clock::now() + most;
+  const auto end = steady::now() + most;
   while (true) {
     work();
     if (done())
       return true;
     std::unique_lock lock(on_event.mutex);
-    if (clock::now() >= end)
+    if (steady::now() >= end)
       return false;
     on_event.rings.wait_for(lock, std::chrono::milliseconds(20));
   }
@@ -222,7 +225,7 @@ bool is_broker_installed() {
 
 } // namespace
 
-TEST_CASE("all is at a real broker again within 5 s of each of its starts", "[bridge][mqtt]") {
+TEST_CASE("all is at a real broker again after each of its starts", "[bridge][mqtt]") {
   if (!is_broker_installed())
     return;
   const auto port = free_tcp_port();
@@ -240,7 +243,7 @@ TEST_CASE("all is at a real broker again within 5 s of each of its starts", "[br
     INFO("life " << life);
     broker.begin();
     bridge.set("kitchen.f.rssi", std::to_string(-life));
-    CHECK(within(std::chrono::seconds(5), events, work, [&] {
+    CHECK(within(wait_max, events, work, [&] {
       const auto state = home.seen.find("rubicon/kitchen.f");
       return home.connections == life && state != home.seen.end() &&
              state->second.find("\"rssi\":-" + std::to_string(life)) != std::string::npos &&
@@ -249,10 +252,10 @@ TEST_CASE("all is at a real broker again within 5 s of each of its starts", "[br
              home.seen.contains("homeassistant/device/rubicon-skitchen_f/config");
     }));
     home.client().publish("rubicon/kitchen.f/set/switch", "on"); // retained, as all of this client
-    CHECK(within(std::chrono::seconds(5), events, work,
+    CHECK(within(wait_max, events, work,
                  [&] { return bridge.written.size() == static_cast<std::size_t>(life); }));
     broker.kill();
-    CHECK(within(std::chrono::seconds(5), events, work, [&] { return !home.cause.empty(); }));
+    CHECK(within(wait_max, events, work, [&] { return !home.cause.empty(); }));
     home.cause.clear();
   }
   CHECK(bridge.written.size() == 5);
@@ -273,16 +276,15 @@ TEST_CASE("the will of a bridge that ends is published, and payloads of 10 MB do
     if (other)
       other->work();
   };
-  REQUIRE(within(std::chrono::seconds(5), events, work,
+  REQUIRE(within(wait_max, events, work,
                  [&] { return home.connections == 1 && other->connections == 1; }));
   other->client().publish("large", std::string(10'000'000, 'x'));
   other->client().publish("small", "x");
-  CHECK(within(std::chrono::seconds(5), events, work, [&] { return home.seen.contains("small"); }));
+  CHECK(within(wait_max, events, work, [&] { return home.seen.contains("small"); }));
   CHECK(!home.seen.contains("large"));
   CHECK(home.longest < io::mqtt_client::payload_max);
   other.reset();
-  CHECK(within(std::chrono::seconds(5), events, work,
-               [&] { return home.seen.contains("other/ended"); }));
+  CHECK(within(wait_max, events, work, [&] { return home.seen.contains("other/ended"); }));
 }
 
 TEST_CASE("a client without the password is refused, and says so once", "[bridge][mqtt]") {
@@ -295,6 +297,6 @@ TEST_CASE("a client without the password is refused, and says so once", "[bridge
   observer home(port, "home", events);
   const auto work = [&] { home.work(); };
   // It may have tried before the broker listened.
-  CHECK(within(std::chrono::seconds(5), events, work, [&] { return !home.cause.empty(); }));
+  CHECK(within(wait_max, events, work, [&] { return !home.cause.empty(); }));
   CHECK(home.connections == 0);
 }
