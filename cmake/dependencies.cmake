@@ -15,6 +15,13 @@ add_library(pcap::pcap UNKNOWN IMPORTED)
 set_target_properties(pcap::pcap PROPERTIES
   IMPORTED_LOCATION ${PCAP_LIBRARY}
   INTERFACE_INCLUDE_DIRECTORIES ${PCAP_INCLUDE_DIR})
+# Neither has libmosquitto.
+find_path(MOSQUITTO_INCLUDE_DIR mosquitto.h REQUIRED)
+find_library(MOSQUITTO_LIBRARY mosquitto REQUIRED)
+add_library(mosquitto::mosquitto UNKNOWN IMPORTED)
+set_target_properties(mosquitto::mosquitto PROPERTIES
+  IMPORTED_LOCATION ${MOSQUITTO_LIBRARY}
+  INTERFACE_INCLUDE_DIRECTORIES ${MOSQUITTO_INCLUDE_DIR})
 # Debian's Lua has no CMake package. This one is compiled as C++: its errors are exceptions.
 find_path(LUA_INCLUDE_DIR lua5.4/lua.h REQUIRED)
 find_library(LUA_LIBRARY lua5.4-c++ REQUIRED)

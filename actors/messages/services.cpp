@@ -11,6 +11,7 @@ template void define_messages<proxy_interface>();
 template void define_messages<proxy_manager_interface>();
 template void define_messages<peer_app_interface>();
 template void define_messages<timed_peer_app_interface>();
+template void define_messages<component_interface>();
 template void define_messages<pc_interface>();
 
 } // namespace rubicon::scheduler

@@ -114,6 +114,15 @@ using peer_app_actor = ref<peer_app_interface>;
 /// that use it.
 struct timed_peer_app_interface : extends<peer_app_interface, timer_expired> {};
 using timed_peer_app_actor = ref<timed_peer_app_interface>;
+
+/// By a thread of its own: what it waits for outside the ecology has come.
+struct outside_input {};
+RUBICON_FIELDS(outside_input);
+
+/// A component beside a kernel.
+struct component_interface : extends<timed_peer_app_interface, outside_input> {};
+using component_actor = ref<component_interface>;
+
 struct pc_interface
     : extends<timed_peer_app_interface, clock_changed, attach_program, program_commands> {};
 using pc_actor = ref<pc_interface>;

@@ -15,7 +15,7 @@ namespace rubicon {
 
 namespace {
 
-using component_pointer = scheduler::actor_pointer<component_state, timed_peer_app_actor>;
+using component_pointer = scheduler::actor_pointer<component_state, component_actor>;
 
 struct component_performer {
   component_pointer self;
@@ -85,19 +85,25 @@ void send_status(component_pointer self) {
 
 } // namespace
 
-timed_peer_app_actor::behavior_type component_behavior(component_pointer self,
-                                                       component_arguments arguments) {
+component_actor::behavior_type component_behavior(component_pointer self,
+                                                  component_arguments arguments) {
   self->set_exit_handler([self](const caf::exit_msg& x) {
     if (self->state.arguments.number > 0) // a life that a fault has ended counts as well
       send_status(self);
     self->quit(x.reason);
   });
   self->state.arguments = std::move(arguments);
+  if (auto* const outside = self->state.arguments.outside)
+    outside->attach([me = handle_of<component_actor>(self)] { post(me, outside_input{}); });
   perform(self, self->state.arguments.core->start(now(self)));
   return {
       [self](const timer_expired& x) {
         if (self->state.wake.accepts(x))
           perform(self, self->state.arguments.core->on_time(now(self)));
+      },
+      [self](outside_input) {
+        if (auto* const outside = self->state.arguments.outside)
+          perform(self, outside->on_input(now(self)));
       },
       [self](const tuple_event& x) { on_tuple(self, x); },
       [](const peis_message&) {}, // hooks no port

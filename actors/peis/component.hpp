@@ -25,6 +25,7 @@ struct component_arguments {
   peer_id self;             ///< of its kernel
   peis_peer_actor peer;
   ecology_actor ecology;
+  components::outside_component* outside = nullptr; ///< the core, if it has a thread of its own
 };
 
 struct component_state {
@@ -33,8 +34,8 @@ struct component_state {
   timer wake;
 };
 
-timed_peer_app_actor::behavior_type
-component_behavior(scheduler::actor_pointer<component_state, timed_peer_app_actor> self,
+component_actor::behavior_type
+component_behavior(scheduler::actor_pointer<component_state, component_actor> self,
                    component_arguments arguments);
 
 } // namespace rubicon

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "actors/bridge/mqtt_component.hpp"
 #include "actors/island/mote.hpp"
 #include "actors/messages/programs.hpp"
 #include "actors/messages/services.hpp"
@@ -17,6 +18,8 @@
 #include "actors/services/proxy_manager.hpp"
 #include "actors/supervision/assembly.hpp"
 #include "apps/tables.hpp"
+#include "bridge/mqtt/mqtt_settings.hpp"
+#include "bridge/mqtt/simulated_component.hpp"
 #include "goal/component.hpp"
 #include "peis/wire/host_record.hpp"
 #include "peis/wire/link_url.hpp"
@@ -242,6 +245,28 @@ struct peer_app_spawner {
         "goal", goal::pursuer(x, random_stream(self->state.description.seed, life)), peer.id);
   }
 
+  /// In virtual time the broker is simulated.
+  void operator()(const config::mqtt_app& x) const {
+    const auto& all = self->state.description;
+    std::vector<bridge::class_model> classes;
+    for (const auto& each : all.proxies)
+      classes.push_back(bridge::model_of(each));
+    bridge::mqtt_bridge core(
+        x.settings->bridge, std::move(classes),
+        random_stream(all.seed, path("mqtt") + '#' + std::to_string(peer.incarnation)));
+    if (all.mode == config::run_mode::virtual_time)
+      return add_component<bridge::simulated_component>("mqtt", std::move(core));
+    auto client = client_settings(*x.settings);
+    if (auto* why = std::get_if<std::string>(&client)) {
+      post(ecology_handle(self), request_unmet{path("mqtt"), std::move(*why)});
+      return;
+    }
+    auto real = std::make_shared<mqtt_component>(
+        std::move(core), std::get<io::mqtt_client_settings>(std::move(client)));
+    auto* const outside = real.get();
+    spawn_component("mqtt", 0, std::move(real), outside);
+  }
+
   void operator()(const config::init_app& x) const {
     init_arguments arguments;
     arguments.name = peer.name;
@@ -285,11 +310,13 @@ struct peer_app_spawner {
   }
 
   /// @param lives number under which its lives are added up, or 0
+  /// @param outside the core, if it has a thread of its own
   void spawn_component(const std::string& kind, std::uint32_t lives,
-                       std::shared_ptr<components::component> core) const {
+                       std::shared_ptr<components::component> core,
+                       components::outside_component* outside = nullptr) const {
     add(spawn_child(*self->state.pcs, self, path(kind), component_behavior,
                     component_arguments{std::move(core), peer.name, kind, lives, peer.id,
-                                        peer.handle, ecology_handle(self)}));
+                                        peer.handle, ecology_handle(self), outside}));
   }
 
   template <class Handle>

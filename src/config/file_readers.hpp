@@ -116,6 +116,9 @@ read_proxies(table_reader& root, const proxy::program_registry& programs,
 void check_object_manager(const table_reader& root, const std::vector<peer_description>& peers,
                           const std::vector<proxy::proxy_class>& classes);
 
+/// [mqtt], as an app of its peer. @param out has its peers, proxies and labels
+void read_mqtt(table_reader& root, ecology_description& out);
+
 /// app = "rfid_reader" of a peer.
 [[nodiscard]] rfid::reader_config read_rfid_reader(table_reader& in, std::string_view peer_name);
 

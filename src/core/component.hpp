@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -120,6 +121,14 @@ protected:
   component(component&&) = default;
   component& operator=(const component&) = default;
   component& operator=(component&&) = default;
+};
+
+/// One that also waits for what comes from outside the ecology, in wall time.
+class outside_component : public component {
+public:
+  /// Before start(). @param wake asks for a call of on_input(); for any thread
+  virtual void attach(std::function<void()> wake) = 0;
+  [[nodiscard]] virtual outputs on_input(instant now) = 0; ///< harmless if nothing has come
 };
 
 } // namespace rubicon::components

@@ -4,6 +4,8 @@
 #include <utility>
 #include <variant>
 
+#include "bridge/mqtt/mqtt_settings.hpp"
+
 namespace rubicon::deploy {
 
 namespace {
@@ -71,6 +73,21 @@ void judge_island(const config::island_description& x, const host_access& access
     to.push_back("island `" + x.name + "`: " + how_to_allow(pty));
 }
 
+/// Passwords, keys and certificates, which are shown to a broker that the file names.
+std::vector<std::string> files_of_bridges(const config::ecology_description& part) {
+  std::vector<std::string> out;
+  for (const auto& peer : part.peers)
+    for (const auto& app : peer.apps)
+      if (const auto* found = std::get_if<config::mqtt_app>(&app)) {
+        const auto& broker = found->settings->broker;
+        for (const auto* path :
+             {&broker.password_file, &broker.authority, &broker.certificate, &broker.key})
+          if (!path->empty())
+            out.push_back(*path);
+      }
+  return out;
+}
+
 bool has_firmware(const config::mote_description& x) {
   return std::ranges::any_of(x.apps, [](const auto& app) {
     return std::holds_alternative<firmware::program_config>(app);
@@ -130,6 +147,10 @@ std::vector<std::string> refusals(const config::ecology_description& part,
   if (has_commands && !access.commands)
     out.emplace_back("the file starts commands here, which this host does not allow: start "
                      "`rubicon host` with --allow-commands if you trust the coordinators");
+  for (const auto& path : files_of_bridges(part))
+    if (!is_inside(path))
+      out.push_back('`' + path +
+                    "` of [mqtt] would be read outside the part's folder: give a path within it");
   if (auto why = firmware_refusal(part, access); !why.empty())
     out.push_back(std::move(why));
   return out;

@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "bridge/mqtt/mqtt_settings.hpp"
 #include "config/plan/uniqueness.hpp"
 #include "core/tuples/device_keys.hpp"
 #include "proxy/classes/class_table.hpp"
@@ -150,6 +151,10 @@ struct app_keys {
         keys.add(to + ".history", peer.name);
     }
   }
+  void operator()(const mqtt_app& x) const {
+    for (const auto& rule : x.settings->bridge.topics)
+      keys.add(rule.key, peer.name);
+  }
   template <class Other>
   void operator()(const Other&) const {}
 };
@@ -195,6 +200,22 @@ std::string prefix_of(const proxy::proxy_class& what, const island_description& 
   const auto known = std::ranges::find(what.objects, to_string(address), &proxy::known_object::id);
   const auto& name = known != what.objects.end() && !known->name.empty() ? known->name : mote.name;
   return proxy::key_prefix(what.prefix, {address, island.name, name});
+}
+
+std::map<std::string, std::string> object_labels(const ecology_description& x) {
+  std::map<std::string, std::string> out;
+  if (x.labels.empty())
+    return out;
+  mote_classes classes(x);
+  for_each_island(x, [&](const island_description& island) {
+    for (const auto& mote : island.motes) {
+      auto label = x.labels.of(label_table::kind::mote, island.name + '/' + mote.name);
+      const auto* what = label.empty() ? nullptr : classes.of(mote);
+      if (what != nullptr)
+        out.emplace(folded(prefix_of(*what, island, mote)), std::move(label));
+    }
+  });
+  return out;
 }
 
 std::vector<known_key> tuple_keys(const ecology_description& x) {

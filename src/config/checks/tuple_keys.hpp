@@ -18,8 +18,8 @@ struct known_key {
   std::string owner; ///< name of a peer or gateway
 };
 
-/// Of gateways, proxies, readers of tags, goals and translations, in the order of their owners'
-/// ids. What kernels and inits say about themselves is not among them.
+/// Of gateways, proxies, readers of tags, goals, translations and bridges, in the order of their
+/// owners' ids. What kernels and inits say about themselves is not among them.
 [[nodiscard]] std::vector<known_key> tuple_keys(const ecology_description& x);
 
 /// Whether a key, in which parts may be `*`, may be one of the pattern.
@@ -50,6 +50,9 @@ private:
 /// run.
 [[nodiscard]] std::string prefix_of_any(const proxy::proxy_class& what,
                                         const island_description& island);
+
+/// Labels of motes that have a class, by what the keys of their proxies begin with, in lower case.
+[[nodiscard]] std::map<std::string, std::string> object_labels(const ecology_description& x);
 
 /// What the keys of a mote's proxy begin with.
 [[nodiscard]] std::string prefix_of(const proxy::proxy_class& what,

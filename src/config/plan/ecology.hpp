@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -32,6 +33,10 @@
 #include "rfid/reader_config.hpp"
 #include "smepp/member_config.hpp"
 #include "translate/translation.hpp"
+
+namespace rubicon::bridge {
+struct mqtt_settings; // bridge/mqtt/mqtt_settings.hpp
+}
 
 namespace rubicon::config {
 
@@ -66,9 +71,14 @@ struct init_app {
   std::string lock; ///< path of the file that says so in wall time; empty: one of the host
 };
 
+/// Publishes tuples of proxies at an MQTT broker, and writes inputs as others request there.
+struct mqtt_app {
+  std::shared_ptr<const bridge::mqtt_settings> settings; ///< not nullptr
+};
+
 using peer_app =
     std::variant<proxy_manager_app, proxy::rules_config, collector_app, rfid::reader_config,
-                 goal::pursuer_config, apps::app_config, init_app, translate_app>;
+                 goal::pursuer_config, apps::app_config, init_app, translate_app, mqtt_app>;
 
 /// Where a peer takes links over real TCP.
 struct tcp_listener {

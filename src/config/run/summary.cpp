@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "bridge/mqtt/mqtt_settings.hpp"
 #include "config/summary_parts.hpp"
 #include "config/toml/document.hpp"
 #include "core/text/printable.hpp"
@@ -189,6 +190,10 @@ struct app_text {
   std::string operator()(const apps::app_config& x) const { return std::string(kind_of(x)); }
   std::string operator()(const translate_app& x) const {
     return "translate (" + counted(x.rules.size(), "rule") + ')';
+  }
+  std::string operator()(const mqtt_app& x) const {
+    return "MQTT bridge (" +
+           (all.mode == run_mode::wall ? x.settings->broker.address : "simulated broker") + ')';
   }
   std::string operator()(const init_app& x) const {
     std::vector<std::string> names;

@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <string>
+#include <variant>
+
+#include "bridge/mqtt/mqtt_settings.hpp"
+#include "config/checks/tuple_keys.hpp"
+#include "config/run/summary.hpp"
+#include "support/catch.hpp"
+#include "unit/config/sample.hpp"
+
+using namespace rubicon;
+using namespace rubicon::config;
+using rubicon::test::check_mistakes;
+using rubicon::test::good;
+using rubicon::test::proxy_head;
+
+namespace {
+
+const std::string fan_head = proxy_head + "[[proxy.input]]\nname = \"i\"\nchannel = 2\n"
+                                          "words = { on = \"01\", off = \"00\" }\n";
+
+} // namespace
+
+TEST_CASE("[mqtt] is a bridge beside the kernel of its peer", "[config][mqtt]") {
+  const auto x = good(fan_head + R"([mqtt]
+peer = "pc"
+broker = "broker.local:8883"
+user = "rubicon"
+password_file = "secret"
+remove_after = "1h"
+platforms = { "p.i" = "select" }
+tls.authority = "ca.crt"
+topic = [{ topic = "zigbee2mqtt/lamp", key = "lamp.power", type = "number", member = "power" }]
+)");
+  const auto& app = std::get<mqtt_app>(x.peers.at(0).apps.at(0));
+  CHECK(app.settings->broker.address == "broker.local:8883");
+  CHECK(app.settings->broker.client == "rubicon-pc");
+  CHECK(app.settings->broker.tls);
+  CHECK(app.settings->bridge.remove_after == 1h);
+  CHECK(app.settings->bridge.platforms.at("p.i") == bridge::platform::select);
+  REQUIRE(app.settings->bridge.topics.size() == 1);
+  CHECK(app.settings->bridge.topics[0].type == bridge::payload_type::number);
+  CHECK(summary(x).find("MQTT bridge (simulated broker)") != std::string::npos);
+  CHECK(std::ranges::any_of(tuple_keys(x),
+                            [](const auto& each) { return each.pattern == "lamp.power"; }));
+}
+
+TEST_CASE("labels of motes are names of their devices", "[config][mqtt]") {
+  const auto x = good(std::string(test::island_head) +
+                      "[[island.mote]]\nid = 2\nname = \"Fan\"\nlabel = \"Küche / Lüfter\"\n"
+                      "type = \"c\"\nposition_m = [1, 2]\n"
+                      "[[proxy]]\nname = \"p\"\ntypes = [7]\n"
+                      "[mqtt]\npeer = \"pc\"\n");
+  const auto& app = std::get<mqtt_app>(x.peers.at(0).apps.at(0));
+  CHECK(app.settings->bridge.labels.at("k.fan") == "Küche / Lüfter");
+}
+
+TEST_CASE("mistakes in [mqtt] are reported where they are", "[config][mqtt]") {
+  check_mistakes(fan_head, R"(
+[mqtt]
+peer = "robot"
+#      ^ no peer is named `robot`: there is pc
+
+[mqtt]
+peer = "pc"
+broker = "localhost"
+#        ^ `broker` must be HOST:PORT, as in "127.0.0.1:1883"
+
+[mqtt]
+peer = "pc"
+password_file = "secret"
+#               ^ `password_file` needs `user`
+
+[mqtt]
+peer = "pc"
+platforms = { "p.i" = "number" }
+#             ^ `p.i` cannot be a number: its words and numbers do not fit
+
+[mqtt]
+peer = "pc"
+platforms = { "p.x" = "number" }
+#             ^ `platforms`: class `p` has no field or input `x`
+
+[mqtt]
+peer = "pc"
+[[mqtt.topic]]
+topic = "rubicon/x"
+#       ^ `rubicon/x` has a wildcard, or is below `base`: only topics of others become tuples
+key = "x"
+)");
+}
