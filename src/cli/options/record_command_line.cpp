@@ -1,5 +1,6 @@
 #include "cli/options/record_command_line.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -22,7 +23,8 @@ void record_command_line::add_explain() {
       ->type_name("");
   explain_app_
       .add_option("WHAT", explain_.what,
-                  "A message such as kitchen/fan#3, or a tuple such as kitchen.fan.state")
+                  "A message such as kitchen/fan#3, or a tuple such as kitchen.fan.state; with "
+                  "--when words of a violation")
       ->type_name("");
   add_parsed(explain_app_, "--at", "TIME", "The value of the tuple at this time, not the newest",
              [&](const auto& text) { explain_.at = parse_length(text, "--at"); });
@@ -39,8 +41,39 @@ void record_command_line::add_explain() {
                explain_.list.limit = *limit;
              });
   explain_app_.add_flag("--json", explain_.json, "Print JSON only");
+  add_when();
   explain_app_.footer("Without WHAT it lists the messages with their outcomes, and the tuples.");
   explain_app_.final_callback([this] { check_explain(); });
+}
+
+void record_command_line::add_when() {
+  auto* const when = explain_app_.add_flag(
+      "--when", explain_.when,
+      "Since when the violation WHAT, or the first, was inevitable: repeats the run with other "
+      "random numbers from some time on");
+  for (const auto* other : {"--at", "--all", "--lost", "--from", "--limit"})
+    when->excludes(explain_app_.get_option(other));
+  add_parsed(explain_app_, "--futures", "N", "Runs that each time is judged by; default: 20",
+             [&](const auto& text) {
+               const auto count = parse_whole(text);
+               if (!count || *count < 1 || *count > 10'000)
+                 throw CLI::ValidationError("--futures",
+                                            "not a number from 1 to 10000: '" + text + "'");
+               explain_.futures = *count;
+             })
+      ->needs(when);
+  add_parsed(explain_app_, "--within", "TIME", "How exact that time is; default: 100ms",
+             [&](const auto& text) {
+               explain_.within = std::max<duration>(1ms, parse_length(text, "--within"));
+             })
+      ->needs(when);
+  add_parsed(explain_app_, "--jobs", "N", "Number of parallel runs; default: one per core",
+             [&](const auto& text) { explain_.jobs = parse_jobs(text); })
+      ->needs(when);
+  add_parsed(explain_app_, "--timeout", "TIME",
+             "Real time after which a run is aborted; default: 5min",
+             [&](const auto& text) { explain_.timeout = parse_length(text, "--timeout"); })
+      ->needs(when);
 }
 
 void record_command_line::add_view() {

@@ -23,6 +23,7 @@ public:
 
 private:
   void add_explain();
+  void add_when();
   void add_view();
   void check_explain() const;
 

@@ -44,7 +44,7 @@ private:
   void add_checks();
   void check_combination() const;
   void check_determinism() const;
-  [[nodiscard]] std::string repeated_options() const;
+  [[nodiscard]] std::vector<std::string> repeated_options() const;
 
   CLI::App& app_;
   run_command run_;

@@ -43,8 +43,8 @@ struct run_command {
   std::string part_file; ///< with `host`: reports go there, as deploy reads them; empty: printed
   std::string log_level = "warn"; ///< trace, debug, info, warn, error or off
   original_options original;      ///< --peis-id and so on
-  /// The options that decide what runs, as they were given, but --seed and --for.
-  std::string deciding;
+  /// The options that decide what runs, word by word as they were given, but --seed and --for.
+  std::vector<std::string> deciding;
 };
 
 /// `rubicon check FILE`
@@ -224,6 +224,12 @@ struct explain_command {
   bool all = false;           ///< of a tuple: all its values
   explain::listing list;
   bool json = false;
+  bool when = false; ///< since when a violation was inevitable; `what`: which
+  config::extensions known;
+  std::size_t futures = 20;          ///< with `when`: runs that each time is judged by
+  duration within = 100ms;           ///< with `when`: how exact the time is
+  std::optional<std::uint64_t> jobs; ///< with `when`, as of swarm
+  duration timeout = 5min;           ///< the same
 };
 
 /// `rubicon certs list`

@@ -1,0 +1,132 @@
+#include "cli/record/when_text.hpp"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "core/text/printable.hpp"
+#include "core/text/shell_word.hpp"
+#include "report/figures.hpp"
+#include "report/print/text_layout.hpp"
+
+namespace rubicon::cli {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string time_text(duration x) {
+  return report::run_time(instant(x));
+}
+
+std::string share_text(const study::future_count& x) {
+  return std::to_string(x.with) + " of " + std::to_string(x.of);
+}
+
+/// The command of a future without the violation; empty: none is known.
+std::string other_future(const when_answer& x) {
+  const auto& before = x.found.before();
+  if (!before || !before->without)
+    return {};
+  return "rubicon run" + shell_words(x.words) + " --reseed " +
+         reseed_text(before->at, *before->without);
+}
+
+/// Events from shortly before the violation was certain until then.
+struct events_between {
+  std::vector<const explain::record*> all;
+  bool are_before = false; ///< there are none: it is the last one before
+};
+
+events_between events_of(const when_answer& x, const explain::traces& all) {
+  events_between found;
+  if (!x.found.before())
+    return found;
+  const instant from(x.found.before()->at);
+  const instant to(x.found.certain_from());
+  const explain::record* last = nullptr;
+  for (const auto& each : all.events) {
+    if (each.time <= from)
+      last = &each;
+    else if (each.time <= to)
+      found.all.push_back(&each);
+  }
+  if (found.all.empty() && last != nullptr) {
+    found.all.push_back(last);
+    found.are_before = true;
+  }
+  return found;
+}
+
+std::string events_text(const events_between& x, const explain::text_style& style) {
+  constexpr std::size_t rows_max = 20;
+  if (x.all.empty())
+    return {};
+  report::table rows(
+      {{x.are_before ? "last before" : "between", report::align::right}, {"who"}, {"what"}});
+  for (std::size_t i = 0; i < std::min(rows_max, x.all.size()); ++i)
+    rows.add({report::run_time(x.all[i]->time), explain::names::of(x.all[i]->from),
+              printable(x.all[i]->text)});
+  if (x.all.size() > rows_max)
+    rows.add_note("and " + report::counted(x.all.size() - rows_max, "event") + " more");
+  return '\n' + rows.render(style.room, style.colour);
+}
+
+std::string verdict(const when_answer& x) {
+  const auto all = std::to_string(x.futures) + " of " + std::to_string(x.futures);
+  const auto& before = x.found.before();
+  if (!before)
+    return "from the start " + all + " futures have it\n";
+  auto text = x.found.only_at_end()
+                  ? "it depends on chance until the run ends\n"
+                  : "from " + time_text(x.found.certain_from()) + " on " + all +
+                        " futures have it\n";
+  if (before->at > 0s)
+    text += "from " + time_text(before->at) + " on " + share_text(*before) + '\n';
+  return text + "from the start " + share_text(x.found.at_start()) + '\n';
+}
+
+} // namespace
+
+std::string reseed_text(duration at, std::uint64_t key) {
+  return std::to_string(at / 1ms) + "ms:" + std::to_string(key);
+}
+
+std::string when_text(const when_answer& x, const explain::traces& all,
+                      const explain::text_style& style) {
+  auto text = "violation at " + report::run_time(x.what.at) + ": " + printable(x.what.invariant) +
+              ": " + printable(x.what.detail) + "\n\n" + verdict(x) +
+              events_text(events_of(x, all), style);
+  if (const auto other = other_future(x); !other.empty())
+    text += "\na future without it: " + printable(other) + '\n';
+  return text;
+}
+
+std::string when_json(const when_answer& x, const explain::traces& all) {
+  const auto share = [](const study::future_count& count) {
+    return ordered_json{{"at_s", seconds(count.at)}, {"with", count.with}, {"of", count.of}};
+  };
+  const auto& before = x.found.before();
+  ordered_json object{
+      {"violation",
+       {{"at_s", seconds(x.what.at.time_since_epoch())},
+        {"invariant", x.what.invariant},
+        {"detail", x.what.detail}}},
+      {"futures", x.futures},
+      {"certain_from_s", x.found.only_at_end() ? ordered_json()
+                                               : ordered_json(seconds(x.found.certain_from()))},
+      {"before", before ? share(*before) : ordered_json()},
+      {"start", share(x.found.at_start())},
+      {"events", ordered_json::array()}};
+  const auto events = events_of(x, all);
+  if (!events.are_before)
+    for (const auto* each : events.all)
+      object["events"].push_back({{"at_s", seconds(each->time.time_since_epoch())},
+                                  {"who", explain::names::of(each->from)},
+                                  {"what", each->text}});
+  const auto other = other_future(x);
+  object["other_future"] = other.empty() ? ordered_json() : ordered_json(other);
+  return object.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
+}
+
+} // namespace rubicon::cli
