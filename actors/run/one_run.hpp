@@ -94,7 +94,7 @@ private:
   std::string ended_early_; ///< why; empty while nothing is wrong
   bool over_ = false;
   std::optional<reseeding> reseeded_; ///< once its time has come
-  std::uint64_t timers_ = 0; ///< that waited at the end
+  std::uint64_t timers_ = 0;          ///< that waited at the end
   scheduler::world world_;
   lifetime lifetime_;
   bool inits_run_;

@@ -95,8 +95,8 @@ RUBICON_FIELDS(island_names, id, name, sink, gateway, motes, aliases, doubles);
 struct header {
   std::string ecology;
   std::uint64_t seed = 0;
-  std::string file;   ///< that describes the ecology
-  std::string digest; ///< of its text
+  std::string file;                 ///< that describes the ecology
+  std::string digest;               ///< of its text
   std::vector<std::string> options; ///< of the command line that decide what runs beside these
   duration length{};                ///< of the run, as planned
   bool wall = false;                ///< in wall time: the run cannot be repeated

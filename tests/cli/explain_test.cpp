@@ -238,7 +238,8 @@ TEST_CASE("explain refuses to repeat what cannot be repeated", "[cli][explain]")
   const recorded_run here(room, "--seed 3 --set loss=0.6");
   const auto unknown = here.rubicon("explain --when run.rec frogs");
   CHECK(unknown.status == 2);
-  CHECK(contains(unknown.out, "no violation has `frogs` in its text; there is: expected: delivery"));
+  CHECK(
+      contains(unknown.out, "no violation has `frogs` in its text; there is: expected: delivery"));
   CHECK(here.rubicon("run run.toml --for 20s --record short.rec").status == 0);
   CHECK(contains(here.rubicon("explain --when short.rec").out, "its run has no violation"));
   CHECK(here.rubicon("run run.toml --for 20s --reseed 1s:1 --record again.rec").status == 0);

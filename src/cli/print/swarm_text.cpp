@@ -1,7 +1,6 @@
 #include "cli/print/swarm_text.hpp"
 
 #include <algorithm>
-#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -42,19 +41,6 @@ std::string speed(double simulated_s, duration real) {
                               seconds(real));
 }
 
-/// By kind of fault; nothing after an interruption, when seeds between others are missing.
-std::map<std::string, std::uint64_t> runs_with_faults(const swarm& x, const swarm_words& words,
-                                                      bool interrupted) {
-  std::map<std::string, std::uint64_t> out;
-  if (interrupted)
-    return out;
-  const auto first = x.seeds().first;
-  for (const auto& kind : words.fault_kinds)
-    for (std::uint64_t i = 0; i < x.so_far().runs; ++i)
-      out[kind] += config::leaves_out(first + i, kind) ? 0 : 1;
-  return out;
-}
-
 ordered_json situations_json(const swarm& x) {
   auto all = ordered_json::array();
   for (const auto& each : x.so_far().situations) {
@@ -66,6 +52,18 @@ ordered_json situations_json(const swarm& x) {
 }
 
 } // namespace
+
+std::map<std::string, std::uint64_t> runs_with_faults(const swarm& x, const swarm_words& words,
+                                                      bool interrupted) {
+  std::map<std::string, std::uint64_t> out;
+  if (interrupted)
+    return out;
+  const auto first = x.seeds().first;
+  for (const auto& kind : words.fault_kinds)
+    for (std::uint64_t i = 0; i < x.so_far().runs; ++i)
+      out[kind] += config::leaves_out(first + i, kind) ? 0 : 1;
+  return out;
+}
 
 std::string setting_options(const swarm_words& x) {
   std::string text;
@@ -117,10 +115,10 @@ std::string swarm_summary(const swarm& x, const swarm_words& words, duration rea
     text += "  " + printable(invariant) + ": " + report::with_thousands(count) + '\n';
   for (const auto& each : totals.situations)
     text += "  " + std::string(report::sometimes) + printable(each.name) + ": " +
-            (each.first_seed ? report::with_thousands(each.runs) + " of " +
-                                   counted(totals.runs, "run") + ", first seed " +
-                                   std::to_string(*each.first_seed)
-                             : std::string("NEVER reached")) +
+            (each.first_seed
+                 ? report::with_thousands(each.runs) + " of " + counted(totals.runs, "run") +
+                       ", first seed " + std::to_string(*each.first_seed)
+                 : std::string("NEVER reached")) +
             '\n';
   for (const auto& [kind, runs] : runs_with_faults(x, words, interrupted))
     text += "  fault " + printable(kind) + ": " + report::with_thousands(runs) + " of " +

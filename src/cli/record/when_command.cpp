@@ -75,8 +75,7 @@ public:
   repeated_runs(const explain_command& x, const explain::header& about)
       : jobs_(std::max<std::uint64_t>(1, x.jobs.value_or(std::thread::hardware_concurrency()))),
         futures_(x.futures), seed_(about.seed),
-        words_(run_words(about.file, about.seed, option_text(about.length))),
-        runs_(x.timeout) {
+        words_(run_words(about.file, about.seed, option_text(about.length))), runs_(x.timeout) {
     const auto options = options_of(about);
     words_.insert(words_.end(), options.begin(), options.end());
   }
@@ -149,9 +148,8 @@ std::variant<report::violation, std::string> chosen(std::vector<report::violatio
   if (all.empty())
     return "its run has no violation";
   std::ranges::stable_sort(all, {}, &report::violation::at);
-  const auto found = std::ranges::find_if(all, [&](const auto& each) {
-    return text_of(each).find(words) != std::string::npos;
-  });
+  const auto found = std::ranges::find_if(
+      all, [&](const auto& each) { return text_of(each).find(words) != std::string::npos; });
   if (found != all.end())
     return *found;
   std::string known;
@@ -165,8 +163,7 @@ std::vector<std::string> replay_words(const explain::header& x) {
   std::vector<std::string> words{x.file};
   const auto options = options_of(x);
   words.insert(words.end(), options.begin(), options.end());
-  words.insert(words.end(),
-               {"--seed", std::to_string(x.seed), "--for", option_text(x.length)});
+  words.insert(words.end(), {"--seed", std::to_string(x.seed), "--for", option_text(x.length)});
   return words;
 }
 

@@ -77,10 +77,9 @@ std::string verdict(const when_answer& x) {
   const auto& before = x.found.before();
   if (!before)
     return "from the start " + all + " futures have it\n";
-  auto text = x.found.only_at_end()
-                  ? "it depends on chance until the run ends\n"
-                  : "from " + time_text(x.found.certain_from()) + " on " + all +
-                        " futures have it\n";
+  auto text = x.found.only_at_end() ? "it depends on chance until the run ends\n"
+                                    : "from " + time_text(x.found.certain_from()) + " on " + all +
+                                          " futures have it\n";
   if (before->at > 0s)
     text += "from " + time_text(before->at) + " on " + share_text(*before) + '\n';
   return text + "from the start " + share_text(x.found.at_start()) + '\n';
@@ -107,17 +106,17 @@ std::string when_json(const when_answer& x, const explain::traces& all) {
     return ordered_json{{"at_s", seconds(count.at)}, {"with", count.with}, {"of", count.of}};
   };
   const auto& before = x.found.before();
-  ordered_json object{
-      {"violation",
-       {{"at_s", seconds(x.what.at.time_since_epoch())},
-        {"invariant", x.what.invariant},
-        {"detail", x.what.detail}}},
-      {"futures", x.futures},
-      {"certain_from_s", x.found.only_at_end() ? ordered_json()
-                                               : ordered_json(seconds(x.found.certain_from()))},
-      {"before", before ? share(*before) : ordered_json()},
-      {"start", share(x.found.at_start())},
-      {"events", ordered_json::array()}};
+  ordered_json object{{"violation",
+                       {{"at_s", seconds(x.what.at.time_since_epoch())},
+                        {"invariant", x.what.invariant},
+                        {"detail", x.what.detail}}},
+                      {"futures", x.futures},
+                      {"certain_from_s", x.found.only_at_end()
+                                             ? ordered_json()
+                                             : ordered_json(seconds(x.found.certain_from()))},
+                      {"before", before ? share(*before) : ordered_json()},
+                      {"start", share(x.found.at_start())},
+                      {"events", ordered_json::array()}};
   const auto events = events_of(x, all);
   if (!events.are_before)
     for (const auto* each : events.all)

@@ -73,8 +73,7 @@ TEST_CASE("each option of run reaches the run", "[cli][GEN-07][NFR-01]") {
   CHECK(!parse_run({"--pcap", "captures"}).options.pcap_lost);
   CHECK(parse_run({"--pcap-lost", "--pcap", "captures"}).options.pcap_lost);
   CHECK(parse_run({"--reseed", "0s:0"}).options.reseed == reseeding::settings{instant(), 0});
-  CHECK(parse_run({"--reseed", "1.5min:7"}).options.reseed ==
-        reseeding::settings{instant(90s), 7});
+  CHECK(parse_run({"--reseed", "1.5min:7"}).options.reseed == reseeding::settings{instant(90s), 7});
   CHECK(parse_run({"--topology", "grid.txt"}).instead.topology == "grid.txt");
   CHECK(parse_run({"--noise-trace", "meyer.txt"}).instead.noise_trace == "meyer.txt");
   CHECK(parse_run({"--seed", "7"}).instead.seed == 7U);
