@@ -1,6 +1,7 @@
 #include "cli/record/when_text.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
@@ -32,44 +33,35 @@ std::string other_future(const when_answer& x) {
          reseed_text(before->at, *before->without);
 }
 
-/// Events from shortly before the violation was certain until then.
-struct events_between {
-  std::vector<const explain::record*> all;
-  bool are_before = false; ///< there are none: it is the last one before
-};
-
-events_between events_of(const when_answer& x, const explain::traces& all) {
-  events_between found;
+/// Events from shortly before the violation was certain until then, with the one before and the
+/// one after.
+std::vector<const explain::record*> events_of(const when_answer& x, const explain::traces& all) {
+  std::vector<const explain::record*> found;
   if (!x.found.before())
     return found;
   const instant from(x.found.before()->at);
   const instant to(x.found.certain_from());
-  const explain::record* last = nullptr;
-  for (const auto& each : all.events) {
-    if (each.time <= from)
-      last = &each;
-    else if (each.time <= to)
-      found.all.push_back(&each);
-  }
-  if (found.all.empty() && last != nullptr) {
-    found.all.push_back(last);
-    found.are_before = true;
-  }
+  const auto begin = std::ranges::upper_bound(all.events, from, {}, &explain::record::time);
+  const auto end = std::ranges::upper_bound(all.events, to, {}, &explain::record::time);
+  if (begin != all.events.begin())
+    found.push_back(&*std::prev(begin));
+  for (auto each = begin; each != end; ++each)
+    found.push_back(&*each);
+  if (end != all.events.end())
+    found.push_back(&*end);
   return found;
 }
 
-std::string events_text(const events_between& x, const explain::text_style& style) {
+std::string events_text(const std::vector<const explain::record*>& all,
+                        const explain::text_style& style) {
   constexpr std::size_t rows_max = 20;
-  if (x.all.empty())
-    return {};
-  report::table rows(
-      {{x.are_before ? "last before" : "between", report::align::right}, {"who"}, {"what"}});
-  for (std::size_t i = 0; i < std::min(rows_max, x.all.size()); ++i)
-    rows.add({report::run_time(x.all[i]->time), explain::names::of(x.all[i]->from),
-              printable(x.all[i]->text)});
-  if (x.all.size() > rows_max)
-    rows.add_note("and " + report::counted(x.all.size() - rows_max, "event") + " more");
-  return '\n' + rows.render(style.room, style.colour);
+  report::table rows({{"around then", report::align::right}, {"who"}, {"what"}});
+  for (std::size_t i = 0; i < std::min(rows_max, all.size()); ++i)
+    rows.add({report::run_time(all[i]->time), explain::names::of(all[i]->from),
+              printable(all[i]->text)});
+  if (all.size() > rows_max)
+    rows.add_note("and " + report::counted(all.size() - rows_max, "event") + " more");
+  return rows.empty() ? "" : '\n' + rows.render(style.room, style.colour);
 }
 
 std::string verdict(const when_answer& x) {
@@ -117,12 +109,10 @@ std::string when_json(const when_answer& x, const explain::traces& all) {
                       {"before", before ? share(*before) : ordered_json()},
                       {"start", share(x.found.at_start())},
                       {"events", ordered_json::array()}};
-  const auto events = events_of(x, all);
-  if (!events.are_before)
-    for (const auto* each : events.all)
-      object["events"].push_back({{"at_s", seconds(each->time.time_since_epoch())},
-                                  {"who", explain::names::of(each->from)},
-                                  {"what", each->text}});
+  for (const auto* each : events_of(x, all))
+    object["events"].push_back({{"at_s", seconds(each->time.time_since_epoch())},
+                                {"who", explain::names::of(each->from)},
+                                {"what", each->text}});
   const auto other = other_future(x);
   object["other_future"] = other.empty() ? ordered_json() : ordered_json(other);
   return object.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
