@@ -1,7 +1,6 @@
 #include "cli/record/when_text.hpp"
 
 #include <algorithm>
-#include <iterator>
 
 #include <nlohmann/json.hpp>
 
@@ -36,20 +35,20 @@ std::string other_future(const when_answer& x) {
 /// Events from shortly before the violation was certain until then, with the one before and the
 /// one after.
 std::vector<const explain::record*> events_of(const when_answer& x, const explain::traces& all) {
-  std::vector<const explain::record*> found;
   if (!x.found.before())
-    return found;
-  const instant from(x.found.before()->at);
-  const instant to(x.found.certain_from());
-  const auto begin = std::ranges::upper_bound(all.events, from, {}, &explain::record::time);
-  const auto end = std::ranges::upper_bound(all.events, to, {}, &explain::record::time);
-  if (begin != all.events.begin())
-    found.push_back(&*std::prev(begin));
-  for (auto each = begin; each != end; ++each)
-    found.push_back(&*each);
-  if (end != all.events.end())
-    found.push_back(&*end);
-  return found;
+    return {};
+  std::vector<const explain::record*> by_time;
+  for (const auto& each : all.events)
+    by_time.push_back(&each);
+  const auto time_of = [](const explain::record* each) { return each->time; };
+  std::ranges::stable_sort(by_time, {}, time_of);
+  auto begin = std::ranges::upper_bound(by_time, instant(x.found.before()->at), {}, time_of);
+  auto end = std::ranges::upper_bound(by_time, instant(x.found.certain_from()), {}, time_of);
+  if (begin != by_time.begin())
+    --begin;
+  if (end != by_time.end())
+    ++end;
+  return {begin, end};
 }
 
 std::string events_text(const std::vector<const explain::record*>& all,
