@@ -1,4 +1,5 @@
 // Runs with other random numbers from some time on.
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
