@@ -477,8 +477,8 @@ struct expectations::judge_one {
       out.at = instant{} + run.simulated;
       return;
     }
-    decide(true, "reached " + counted(found.times(), "time") + ", the first " +
-                     at_text(*found.first()),
+    decide(true,
+           "reached " + counted(found.times(), "time") + ", the first " + at_text(*found.first()),
            *found.first());
   }
 };

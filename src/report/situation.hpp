@@ -22,7 +22,8 @@ namespace rubicon::report {
 /// What the text of an expectation of a situation begins with; its name follows.
 inline constexpr std::string_view sometimes = "sometimes ";
 
-/// Whether and when a run has come into one. Receives tuples and lines of the event log in the order of their times.
+/// Whether and when a run has come into one. Receives tuples and lines of the event log in the
+/// order of their times.
 class situation {
 public:
   /// @param text nullptr: the tuple is not there

@@ -7,14 +7,14 @@ namespace rubicon::study {
 
 namespace {
 
-duration whole(duration x) {
+duration whole_ms(duration x) {
   return std::chrono::ceil<std::chrono::milliseconds>(x);
 }
 
 } // namespace
 
 turning_point::turning_point(duration seen, duration end, duration within)
-    : seen_(whole(seen)), end_(whole(end)), within_(within), certain_from_(end_) {
+    : seen_(whole_ms(seen)), end_(whole_ms(end)), within_(within), certain_from_(end_) {
   assert(within >= 1ms);
 }
 

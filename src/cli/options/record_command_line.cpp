@@ -48,7 +48,7 @@ void record_command_line::add_explain() {
 
 void record_command_line::add_when() {
   auto* const when = explain_app_.add_flag(
-      "--when", explain_.when,
+      "--when", asks_when_,
       "Since when the violation WHAT, or the first, was inevitable: repeats the run with other "
       "random numbers from some time on");
   for (const auto* other : {"--at", "--all", "--lost", "--from", "--limit"})
@@ -59,20 +59,20 @@ void record_command_line::add_when() {
                if (!count || *count < 1 || *count > 10'000)
                  throw CLI::ValidationError("--futures",
                                             "not a number from 1 to 10000: '" + text + "'");
-               explain_.futures = *count;
+               when_.futures = *count;
              })
       ->needs(when);
   add_parsed(explain_app_, "--within", "TIME", "How exact that time is; default: 100ms",
              [&](const auto& text) {
-               explain_.within = std::max<duration>(1ms, parse_length(text, "--within"));
+               when_.within = std::max<duration>(1ms, parse_length(text, "--within"));
              })
       ->needs(when);
   add_parsed(explain_app_, "--jobs", "N", "Number of parallel runs; default: one per core",
-             [&](const auto& text) { explain_.jobs = parse_jobs(text); })
+             [&](const auto& text) { when_.jobs = parse_jobs(text); })
       ->needs(when);
   add_parsed(explain_app_, "--timeout", "TIME",
              "Real time after which a run is aborted; default: 5min",
-             [&](const auto& text) { explain_.timeout = parse_length(text, "--timeout"); })
+             [&](const auto& text) { when_.timeout = parse_length(text, "--timeout"); })
       ->needs(when);
 }
 
@@ -98,6 +98,13 @@ void record_command_line::check_explain() const {
 }
 
 std::optional<command> record_command_line::parsed() const {
+  if (explain_app_.parsed() && asks_when_) {
+    auto x = when_;
+    x.record = explain_.record;
+    x.what = explain_.what;
+    x.json = explain_.json;
+    return x;
+  }
   if (explain_app_.parsed())
     return explain_;
   if (view_app_.parsed())

@@ -30,6 +30,8 @@ private:
   CLI::App& explain_app_;
   CLI::App& view_app_;
   explain_command explain_;
+  bool asks_when_ = false;
+  when_command when_;
   view_command view_;
 };
 

@@ -4,7 +4,6 @@
 
 #include "cli/print/console.hpp"
 #include "cli/record/read_record.hpp"
-#include "cli/record/when_command.hpp"
 #include "core/text/printable.hpp"
 #include "core/text/spelling.hpp"
 
@@ -68,8 +67,6 @@ exit_status perform(const explain_command& x) {
   if (const auto* why = std::get_if<std::string>(&found))
     return not_found(*why);
   const auto& all = std::get<explain::traces>(found);
-  if (x.when)
-    return explain_when(x, all);
   const auto output = console_of(stdout);
   const explain::text_style style{output.width, output.colour, output.room()};
   if (!x.what.empty())

@@ -224,12 +224,18 @@ struct explain_command {
   bool all = false;           ///< of a tuple: all its values
   explain::listing list;
   bool json = false;
-  bool when = false; ///< since when a violation was inevitable; `what`: which
+};
+
+/// `rubicon explain --when RECORD [VIOLATION]`
+struct when_command {
+  std::string record;
+  std::string what; ///< words of the violation; empty: the first
   config::extensions known;
-  std::size_t futures = 20;          ///< with `when`: runs that each time is judged by
-  duration within = 100ms;           ///< with `when`: how exact the time is
-  std::optional<std::uint64_t> jobs; ///< with `when`, as of swarm
+  std::uint64_t futures = 20;        ///< runs that each time is judged by
+  duration within = 100ms;           ///< how exact the time is
+  std::optional<std::uint64_t> jobs; ///< as of swarm
   duration timeout = 5min;           ///< the same
+  bool json = false;
 };
 
 /// `rubicon certs list`
@@ -263,7 +269,7 @@ using command =
     std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
                  check_command, explain_key_command, new_command, schema_command,
                  completion_command, pages_command, swarm_command, sweep_command, compare_command,
-                 shrink_command, query_command, explain_command, view_command, certs_command,
-                 network_command, serial_command, show_command, refused_command>;
+                 shrink_command, query_command, explain_command, when_command, view_command,
+                 certs_command, network_command, serial_command, show_command, refused_command>;
 
 } // namespace rubicon::cli

@@ -81,9 +81,9 @@ void check(table_reader& in, sometimes_expectation& x) {
   in.table("after", "after of an expectation",
            {"a line of the event log at most `within` before it", "none"},
            [&x](table_reader& part) {
-             part.all(x.after.emplace(), of(required("text", &event_line::text, text{},
-                                                     "text that the line contains"),
-                                            who_key()));
+             part.all(x.after.emplace(),
+                      of(required("text", &event_line::text, text{}, "text that the line contains"),
+                         who_key()));
            });
   if (in.walks())
     return;

@@ -436,8 +436,8 @@ TEST_CASE("with varied faults each seed leaves out kinds of them", "[config][ACT
 }
 
 TEST_CASE("a fault that a seed leaves out is checked all the same", "[config][GEN-06]") {
-  const auto toml = std::string(peers_head) +
-                    "[[fault]]\nat = \"1s\"\nkind = \"kill\"\npeer = \"nobody\"\n";
+  const auto toml =
+      std::string(peers_head) + "[[fault]]\nat = \"1s\"\nkind = \"kill\"\npeer = \"nobody\"\n";
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     overrides instead;
     instead.seed = seed;

@@ -255,8 +255,7 @@ TEST_CASE("lines of the event log count that the report has left out", "[report]
   CHECK(x.result(run).measured == "3 lines, the last at 0:02.000");
 }
 
-TEST_CASE("a run that does not come into a situation has done nothing wrong",
-          "[report][expect]") {
+TEST_CASE("a run that does not come into a situation has done nothing wrong", "[report][expect]") {
   const sometimes_expectation gone{"a lamp leaves", {"left", "lamp"}, {}, {}, 1s};
   one x(gone);
   x.judge.on_event({at(1s), "kitchen/fan", "left: silence"});

@@ -194,10 +194,10 @@ TEST_CASE("a host without a last word is a violation", "[report][GEN-05]") {
 
 TEST_CASE("what parts have judged is judged, the rest is found in the whole", "[report]") {
   auto description = house();
-  description.expectations = {config::joined_expectation{{}, 10s}, config::delivery_expectation{},
-                              config::tuple_expectation{},
-                              config::sometimes_expectation{
-                                  "lit", {}, config::tuple_condition{"a.b", {"on"}, {}, {}}, {}}};
+  description.expectations = {
+      config::joined_expectation{{}, 10s}, config::delivery_expectation{},
+      config::tuple_expectation{},
+      config::sometimes_expectation{"lit", {}, config::tuple_condition{"a.b", {"on"}, {}, {}}, {}}};
   auto part = part_with(house_fan, "kitchen");
   part.report.islands[0].motes[0].name = "fan";
   auto& sent = part.counters.messages[house_fan];

@@ -1,4 +1,4 @@
-#include "cli/record/when_command.hpp"
+#include "cli/study/when_command.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -12,9 +12,10 @@
 
 #include "cli/ecology_file.hpp"
 #include "cli/print/console.hpp"
-#include "cli/record/when_text.hpp"
+#include "cli/record/read_record.hpp"
 #include "cli/run/child_runs.hpp"
 #include "cli/study/shrink_command.hpp"
+#include "cli/study/when_text.hpp"
 #include "cli/swarm.hpp"
 #include "cli/words/option_text.hpp"
 #include "core/hash.hpp"
@@ -72,7 +73,7 @@ std::vector<std::string> options_of(const explain::header& x) {
 /// Runs of the record's ecology, as many at a time as there may be.
 class repeated_runs {
 public:
-  repeated_runs(const explain_command& x, const explain::header& about)
+  repeated_runs(const when_command& x, const explain::header& about)
       : jobs_(std::max<std::uint64_t>(1, x.jobs.value_or(std::thread::hardware_concurrency()))),
         futures_(x.futures), seed_(about.seed),
         words_(run_words(about.file, about.seed, option_text(about.length))), runs_(x.timeout) {
@@ -138,23 +139,23 @@ private:
   child_runs runs_;
 };
 
-std::string text_of(const report::violation& x) {
+std::string violation_text(const report::violation& x) {
   return x.invariant + ": " + x.detail;
 }
 
 /// The first by time that has the words; of all without words. Else what there is.
-std::variant<report::violation, std::string> chosen(std::vector<report::violation> all,
-                                                    const std::string& words) {
+std::variant<report::violation, std::string> chosen_violation(std::vector<report::violation> all,
+                                                              const std::string& words) {
   if (all.empty())
     return "its run has no violation";
   std::ranges::stable_sort(all, {}, &report::violation::at);
   const auto found = std::ranges::find_if(
-      all, [&](const auto& each) { return text_of(each).find(words) != std::string::npos; });
+      all, [&](const auto& each) { return violation_text(each).find(words) != std::string::npos; });
   if (found != all.end())
     return *found;
   std::string known;
   for (const auto& each : all)
-    known += (known.empty() ? "" : "; ") + text_of(each);
+    known += (known.empty() ? "" : "; ") + violation_text(each);
   return "no violation has `" + words + "` in its text; there is: " + known;
 }
 
@@ -167,9 +168,26 @@ std::vector<std::string> replay_words(const explain::header& x) {
   return words;
 }
 
+/// @returns false: it was interrupted
+bool find_turn(when_answer& to, repeated_runs& runs) {
+  while (const auto next = to.found.next()) {
+    const auto count = runs.count(*next, to.what);
+    if (!count)
+      return false;
+    to.found.take(*count);
+  }
+  return true;
+}
+
 } // namespace
 
-exit_status explain_when(const explain_command& x, const explain::traces& all) {
+exit_status perform(const when_command& x) {
+  const auto recorded = read_record(x.record);
+  if (const auto* why = std::get_if<std::string>(&recorded)) {
+    say(*why);
+    return exit_status::refused;
+  }
+  const auto& all = std::get<explain::traces>(recorded);
   const auto& about = all.about;
   if (const auto why = why_not_repeated(about); !why.empty())
     return refuse(x.record + ' ' + why);
@@ -183,19 +201,15 @@ exit_status explain_when(const explain_command& x, const explain::traces& all) {
   const auto whole = runs.repeat();
   if (!whole)
     return exit_status::interrupted;
-  const auto found = chosen(whole->violations, x.what);
+  const auto found = chosen_violation(whole->violations, x.what);
   if (const auto* why = std::get_if<std::string>(&found))
     return refuse(x.record + ": " + *why);
   const auto& what = std::get<report::violation>(found);
   when_answer answer{what, x.futures,
                      study::turning_point(what.at.time_since_epoch(), about.length, x.within),
                      replay_words(about)};
-  while (const auto next = answer.found.next()) {
-    const auto count = runs.count(*next, what);
-    if (!count)
-      return exit_status::interrupted;
-    answer.found.take(*count);
-  }
+  if (!find_turn(answer, runs))
+    return exit_status::interrupted;
   const auto output = console_of(stdout);
   const explain::text_style style{output.width, output.colour, output.room()};
   return print(stdout, x.json ? when_json(answer, all) : when_text(answer, all, style))

@@ -1,4 +1,4 @@
-#include "cli/record/when_text.hpp"
+#include "cli/study/when_text.hpp"
 
 #include <algorithm>
 
@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-std::string time_text(duration x) {
+std::string moment_text(duration x) {
   return report::run_time(instant(x));
 }
 
@@ -63,16 +63,16 @@ std::string events_text(const std::vector<const explain::record*>& all,
   return rows.empty() ? "" : '\n' + rows.render(style.room, style.colour);
 }
 
-std::string verdict(const when_answer& x) {
+std::string verdict_text(const when_answer& x) {
   const auto all = std::to_string(x.futures) + " of " + std::to_string(x.futures);
   const auto& before = x.found.before();
   if (!before)
     return "from the start " + all + " futures have it\n";
   auto text = x.found.only_at_end() ? "it depends on chance until the run ends\n"
-                                    : "from " + time_text(x.found.certain_from()) + " on " + all +
+                                    : "from " + moment_text(x.found.certain_from()) + " on " + all +
                                           " futures have it\n";
   if (before->at > 0s)
-    text += "from " + time_text(before->at) + " on " + share_text(*before) + '\n';
+    text += "from " + moment_text(before->at) + " on " + share_text(*before) + '\n';
   return text + "from the start " + share_text(x.found.at_start()) + '\n';
 }
 
@@ -85,7 +85,7 @@ std::string reseed_text(duration at, std::uint64_t key) {
 std::string when_text(const when_answer& x, const explain::traces& all,
                       const explain::text_style& style) {
   auto text = "violation at " + report::run_time(x.what.at) + ": " + printable(x.what.invariant) +
-              ": " + printable(x.what.detail) + "\n\n" + verdict(x) +
+              ": " + printable(x.what.detail) + "\n\n" + verdict_text(x) +
               events_text(events_of(x, all), style);
   if (const auto other = other_future(x); !other.empty())
     text += "\na future without it: " + printable(other) + '\n';
