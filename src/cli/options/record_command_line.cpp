@@ -51,8 +51,6 @@ void record_command_line::add_when() {
       "--when", asks_when_,
       "Since when the violation WHAT, or the first, was inevitable: repeats the run with other "
       "random numbers from some time on");
-  for (const auto* other : {"--at", "--all", "--lost", "--from", "--limit"})
-    when->excludes(explain_app_.get_option(other));
   add_parsed(explain_app_, "--futures", "N", "Runs that each time is judged by; default: 20",
              [&](const auto& text) {
                const auto count = parse_whole(text);
@@ -88,6 +86,9 @@ void record_command_line::add_view() {
 }
 
 void record_command_line::check_explain() const {
+  for (const auto* other : {"--at", "--all", "--lost", "--from", "--limit"})
+    if (asks_when_ && explain_app_.count(other) > 0)
+      throw CLI::ValidationError(other, "not with --when");
   if (explain_.what.empty() && (explain_.at || explain_.all))
     throw CLI::ValidationError(explain_.at ? "--at" : "--all", "of which tuple?");
   if (explain_.at && explain_.all)
