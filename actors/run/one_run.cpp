@@ -153,6 +153,16 @@ void one_run::measure() {
 }
 
 scheduler::stop_cause one_run::run_to(instant end) {
+  if (options_.reseed && !reseeded_ && options_.reseed->since < end) {
+    if (const auto cause = run_on(options_.reseed->since);
+        cause != scheduler::stop_cause::reached_end)
+      return cause;
+    reseeded_.emplace(*options_.reseed);
+  }
+  return run_on(end);
+}
+
+scheduler::stop_cause one_run::run_on(instant end) {
   progress_steps steps(world_, end, options_, speed_);
   standstill still(speed_);
   const auto next_still_look = [&] {

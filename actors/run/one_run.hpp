@@ -48,9 +48,12 @@ public:
   void measure();
 
 private:
+  /// With other random numbers from the time on that was asked for.
+  scheduler::stop_cause run_to(instant end);
+
   /// Stops to look whether frames of motes are received and motes know the time, and to take a
   /// sample where one is wanted.
-  scheduler::stop_cause run_to(instant end);
+  scheduler::stop_cause run_on(instant end);
   void note_standstill(duration length);
   /// In wall time, when report_every has passed.
   void report_on_time();
@@ -90,7 +93,8 @@ private:
   const double speed_;
   std::string ended_early_; ///< why; empty while nothing is wrong
   bool over_ = false;
-  std::uint64_t timers_ = 0; ///< that waited at the end
+  std::optional<reseeding> reseeded_; ///< once its time has come
+  std::uint64_t timers_ = 0;          ///< that waited at the end
   scheduler::world world_;
   lifetime lifetime_;
   bool inits_run_;

@@ -42,10 +42,8 @@ std::string command_for(const report::expectation_report& x, const report::run_r
                         const run_options& options, const std::string& host) {
   const auto file = options.source.file.empty() ? "FILE" : shell_word(options.source.file);
   const auto& given = options.source.options;
-  auto text = "rubicon run " + file;
-  if (!given.empty())
-    text += ' ' + given;
-  else if (!host.empty())
+  auto text = "rubicon run " + file + shell_words(given);
+  if (given.empty() && !host.empty())
     text += " --host " + shell_word(host);
   text += " --seed " + std::to_string(report.seed);
   if (x.at < instant{} + report.simulated)
@@ -55,9 +53,7 @@ std::string command_for(const report::expectation_report& x, const report::run_r
   if (x.explain.empty())
     return text + " --log info";
   text += " --record run.rec && rubicon explain run.rec";
-  for (const auto& word : x.explain)
-    text += ' ' + shell_word(word);
-  return text;
+  return text + shell_words(x.explain);
 }
 
 void judge_run(report::run_report& report, const report::expectations& judge,

@@ -8,6 +8,7 @@
 
 #include "actors/run/run_source.hpp"
 #include "config/plan/ecology.hpp"
+#include "core/numbers/random.hpp"
 #include "io/loop.hpp"
 #include "report/history.hpp"
 #include "report/report.hpp"
@@ -41,8 +42,9 @@ struct run_options {
   std::optional<duration> length;
   std::optional<std::uint64_t> seed;
   std::optional<config::run_mode> mode;
-  double speed = 0;         ///< ecology seconds per real second; 0: virtual as fast as possible,
-                            ///< wall 1
+  double speed = 0; ///< ecology seconds per real second; 0: virtual as fast as possible,
+                    ///< wall 1
+  std::optional<reseeding::settings> reseed; ///< in virtual time: other random numbers from then on
   unsigned threads = 1;     ///< that execute islands and PCs at the same time, in virtual time;
                             ///< what comes out is the same for any number
   std::string debug_folder; ///< NFR-01; empty: no debug logs

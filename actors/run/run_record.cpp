@@ -257,6 +257,9 @@ explain::header header_of(const config::ecology_description& ecology, const run_
   x.seed = ecology.seed;
   x.file = source.file;
   x.digest = source.digest;
+  x.options = source.options;
+  x.length = ecology.length;
+  x.wall = ecology.mode == config::run_mode::wall;
   for (const auto& island : ecology.islands) {
     explain::island_names named;
     named.id = island.id.value;

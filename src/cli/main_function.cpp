@@ -31,6 +31,7 @@
 #include "cli/study/query_command.hpp"
 #include "cli/study/shrink_command.hpp"
 #include "cli/study/sweep_command.hpp"
+#include "cli/study/when_command.hpp"
 #include "cli/words/exit_status.hpp"
 #include "cli/words/hint.hpp"
 #include "core/text/printable.hpp"

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "core/hash.hpp"
 #include "core/numbers/random.hpp"
 
 namespace rubicon::device {
@@ -14,14 +15,12 @@ constexpr std::int64_t step_ns = std::int64_t{1} << 20U;
 
 /// The deviate that belongs to one point of time.
 double deviate(std::uint64_t seed, std::int64_t time_ns) {
-  return random_stream(seed + static_cast<std::uint64_t>(time_ns)).normal();
+  return random_stream::fixed_normal(seed + static_cast<std::uint64_t>(time_ns));
 }
-
-} // namespace
 
 /// Lévy's construction: the middle of an interval is the mean of its ends and a deviate whose
 /// variance is a quarter of its length.
-double brownian(std::uint64_t seed, duration time) {
+double path_at(std::uint64_t seed, duration time) {
   const auto t = std::clamp(time, duration(0), random_walk_end).count();
   std::int64_t from = 0;
   std::int64_t to = random_walk_end.count();
@@ -35,6 +34,18 @@ double brownian(std::uint64_t seed, duration time) {
     (t < middle ? at_to : at_from) = at_middle;
   }
   return at_from + (at_to - at_from) * static_cast<double>(t - from) / static_cast<double>(step_ns);
+}
+
+} // namespace
+
+/// What is drawn anew begins where the walk was.
+double brownian(std::uint64_t seed, duration time) {
+  const auto anew = reseeding::current();
+  if (!anew || time <= anew->since.time_since_epoch())
+    return path_at(seed, time);
+  const auto since = anew->since.time_since_epoch();
+  const auto other = fold64(seed).add(anew->key).value();
+  return path_at(seed, since) + path_at(other, time) - path_at(other, since);
 }
 
 double reflected(double x, double min, double max) {

@@ -76,6 +76,9 @@ void write(std::string& out, const bytes& x) {
 void write(std::string& out, instant x) {
   write(out, x.time_since_epoch().count());
 }
+void write(std::string& out, duration x) {
+  write(out, x.count());
+}
 void write(std::string& out, kind x) {
   ((out += '"') += to_string(x)) += '"';
 }
@@ -177,6 +180,11 @@ void read(const json& from, std::string_view name, instant& x) {
   duration::rep count = 0;
   read(from, name, count);
   x = instant(duration(count));
+}
+void read(const json& from, std::string_view name, duration& x) {
+  duration::rep count = 0;
+  read(from, name, count);
+  x = duration(count);
 }
 void read(const json& from, std::string_view name, kind& x) {
   std::string word;

@@ -95,15 +95,18 @@ RUBICON_FIELDS(island_names, id, name, sink, gateway, motes, aliases, doubles);
 struct header {
   std::string ecology;
   std::uint64_t seed = 0;
-  std::string file;   ///< that describes the ecology
-  std::string digest; ///< of its text
+  std::string file;                 ///< that describes the ecology
+  std::string digest;               ///< of its text
+  std::vector<std::string> options; ///< of the command line that decide what runs beside these
+  duration length{};                ///< of the run, as planned
+  bool wall = false;                ///< in wall time: the run cannot be repeated
   std::vector<island_names> islands;
   std::map<std::int32_t, std::string> peers; ///< gateways are peers too
   std::map<std::string, std::string> labels; ///< by names: `kitchen/fan`, `kitchen`, `care-pc`
 
   friend bool operator==(const header&, const header&) = default;
 };
-RUBICON_FIELDS(header, ecology, seed, file, digest, islands, peers, labels);
+RUBICON_FIELDS(header, ecology, seed, file, digest, options, length, wall, islands, peers, labels);
 
 /// A line, ending in a newline.
 [[nodiscard]] std::string encode(const header& x);

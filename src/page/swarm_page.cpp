@@ -140,6 +140,26 @@ std::string violations_of(const swarm_page& x) {
   return section("violations", "Violations", out);
 }
 
+/// What the runs have come into, and which kinds of faults they had.
+std::string coverage_of(const swarm_page& x) {
+  std::string out;
+  if (!x.situations.empty()) {
+    auto rows = head_row({{"situation"}, {"runs", true}, {"first seed", true}});
+    for (const auto& each : x.situations)
+      rows += row({{each.name, false, each.runs == 0 ? "long bad" : "long"},
+                   {report::with_thousands(each.runs), true},
+                   {each.first_seed ? std::to_string(*each.first_seed) : "never", true}});
+    out += wide("<table>" + rows + "</table>");
+  }
+  if (!x.faults.empty()) {
+    auto rows = head_row({{"kind of fault"}, {"runs with it", true}});
+    for (const auto& [kind, runs] : x.faults)
+      rows += row({{kind}, {report::with_thousands(runs), true}});
+    out += wide("<table>" + rows + "</table>");
+  }
+  return section("coverage", "Situations and faults", out);
+}
+
 } // namespace
 
 void seed_figures::add(std::uint64_t seed, const std::map<std::string, double>& figures) {
@@ -149,12 +169,16 @@ void seed_figures::add(std::uint64_t seed, const std::map<std::string, double>& 
 }
 
 std::string html_of(const swarm_page& x) {
-  const bool good = x.failures == 0 && !x.interrupted;
-  const auto verdict =
+  const auto missed = static_cast<std::uint64_t>(
+      std::ranges::count(x.situations, std::uint64_t{0}, &wanted_situation::runs));
+  const bool good = x.failures == 0 && !x.interrupted && missed == 0;
+  auto verdict =
       x.failures == 0
           ? std::string(x.interrupted ? "no violations until it was interrupted" : "no violations")
           : report::with_thousands(x.failures) + " of " + report::counted(x.runs, "run") +
                 " with violations";
+  if (missed > 0)
+    verdict += ", " + report::counted(missed, "situation") + " never reached";
   auto out = "<header>\n" + element("h1", x.file + ", seeds " + x.seeds) + '\n' +
              element("span", (good ? "✓ " : "✗ ") + verdict,
                      good ? "class='verdict'" : "class='verdict no'") +
@@ -164,7 +188,8 @@ std::string html_of(const swarm_page& x) {
                          report::counted(x.events, "event"),
                      "class='soft'") +
              '\n' + element("pre", x.command) + "</header>\n";
-  return document(x.file + ", seeds " + x.seeds, out + violations_of(x) + distributions_of(x));
+  return document(x.file + ", seeds " + x.seeds,
+                  out + violations_of(x) + coverage_of(x) + distributions_of(x));
 }
 
 } // namespace rubicon::page

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,13 @@ struct failed_seed {
   std::string command; ///< that repeats it
 };
 
+/// A situation that some run is to come into ([[expect]] kind = "sometimes").
+struct wanted_situation {
+  std::string name;
+  std::uint64_t runs = 0;                  ///< that have
+  std::optional<std::uint64_t> first_seed; ///< of these
+};
+
 struct swarm_page {
   std::string file;
   std::string seeds; ///< `1..100`
@@ -47,6 +55,8 @@ struct swarm_page {
   double real_s = 0;
   std::uint64_t events = 0;
   bool interrupted = false;
+  std::vector<wanted_situation> situations = {};
+  std::map<std::string, std::uint64_t> faults = {}; ///< runs with each kind, if runs leave them out
 };
 
 /// The whole document.

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "support/catch.hpp"
+#include "support/scratch_folder.hpp"
 #include "support/shell.hpp"
 
 using rubicon::test::outcome;
@@ -126,4 +127,130 @@ TEST_CASE("a record that was cut off is explained as far as it goes", "[cli][exp
   std::filesystem::remove(half);
   CHECK(x.status == 0);
   CHECK(contains(x.out, "The record ends in the middle of a line"));
+}
+
+namespace {
+
+/// Three motes of which the barn connects the others; at 1 min one of them, drawn, is flat.
+constexpr const char* yard = R"([ecology]
+name = "yard"
+duration = "5min"
+[radio]
+range = "24m"
+[[island]]
+id = 1
+name = "yard"
+[[island.mote]]
+id = 2
+name = "gate"
+type = 101
+position_m = [1, 3]
+[[island.mote]]
+id = 3
+name = "barn"
+type = 101
+position_m = [15, 5]
+[[island.mote]]
+id = 4
+name = "well"
+type = 101
+position_m = [30, 7]
+[[fault]]
+at = "1min"
+kind = "battery_end"
+mote = "*"
+)";
+
+/// A mote behind a bad link, of whose messages nine in ten are to arrive.
+constexpr const char* room = R"([ecology]
+name = "room"
+duration = "1min"
+[parameters]
+loss = 0
+[radio]
+loss = "${loss}"
+retries = 0
+[[island]]
+id = 1
+name = "room"
+[[island.mote]]
+id = 2
+name = "meter"
+type = 101
+position_m = [5, 0]
+transducers.temperature = { model = "sine", mean = 20, amplitude = 3 }
+apps = [{ app = "sampler", transducers = ["temperature"], every = "2s" }]
+[[expect]]
+kind = "delivery"
+at_least = "90%"
+)";
+
+struct recorded_run : rubicon::test::scratch_folder {
+  recorded_run(const char* text, const std::string& options) {
+    std::ofstream(file("run.toml")) << text;
+    CHECK(rubicon("run run.toml --record run.rec " + options).status == 1);
+  }
+  [[nodiscard]] outcome rubicon(const std::string& words) const {
+    return shell("cd '" + path.string() + "' && '" + binary + "' " + words + " 2>&1");
+  }
+};
+
+} // namespace
+
+TEST_CASE("explain finds since when a violation was inevitable", "[cli][explain]") {
+  const recorded_run here(yard, "--seed 4");
+  const auto x = here.rubicon("explain --when run.rec yard/well --within 1ms --json");
+  INFO(x.out);
+  REQUIRE(x.status == 0);
+  const auto found = nlohmann::json::parse(x.out);
+  const auto detail = found.at("violation").at("detail").get<std::string>();
+  CHECK(contains(detail, "yard/well: left: silence"));
+  CHECK(found.at("certain_from_s") == 60); // when the mote was drawn
+  const auto& before = found.at("before");
+  CHECK(before.at("at_s").get<double>() == Approx(59.999));
+  CHECK(before.at("of") == 20);
+  const auto with = before.at("with").get<int>(); // one mote of three
+  CHECK((with > 0 && with < 20));
+  CHECK(found.at("start").at("with").get<int>() < 20);
+  REQUIRE(found.at("events").size() == 2); // the last before it, and what came of it
+  CHECK(found.at("events").at(0).at("what") == "joined");
+  CHECK(found.at("events").at(1).at("who") == "yard/barn");
+  CHECK(found.at("events").at(1).at("what") == "battery flat");
+  const auto other = found.at("other_future").get<std::string>();
+  REQUIRE(other.starts_with("rubicon run run.toml --seed 4 --for 5min --reseed 59999ms:"));
+  CHECK(!contains(here.rubicon(other.substr(8)).out, "left: silence"));
+}
+
+TEST_CASE("explain shows how likely a violation was before", "[cli][explain]") {
+  const recorded_run here(room, "--seed 3 --set loss=0.6");
+  const auto x =
+      here.rubicon("explain --when run.rec delivery --json --futures 40 --within 1s --jobs 2");
+  INFO(x.out);
+  REQUIRE(x.status == 0);
+  const auto found = nlohmann::json::parse(x.out);
+  CHECK(found.at("violation").at("invariant") == "expected: delivery >= 90%");
+  CHECK(found.at("futures") == 40);
+  CHECK(found.at("start").at("of") == 40);
+  const auto with = found.at("start").at("with").get<int>();
+  CHECK((with > 0 && with < 40));
+  CHECK(found.at("before").at("with").get<int>() < 40);
+  CHECK(contains(found.at("other_future").get<std::string>(), "--set loss=0.6"));
+}
+
+TEST_CASE("explain refuses to repeat what cannot be repeated", "[cli][explain]") {
+  const recorded_run here(room, "--seed 3 --set loss=0.6");
+  const auto unknown = here.rubicon("explain --when run.rec frogs");
+  CHECK(unknown.status == 2);
+  CHECK(
+      contains(unknown.out, "no violation has `frogs` in its text; there is: expected: delivery"));
+  CHECK(here.rubicon("run run.toml --for 20s --record short.rec").status == 0);
+  CHECK(contains(here.rubicon("explain --when short.rec").out, "its run has no violation"));
+  CHECK(here.rubicon("run run.toml --for 20s --reseed 1s:1 --record again.rec").status == 0);
+  CHECK(contains(here.rubicon("explain --when again.rec").out, "a run with --reseed"));
+  CHECK(contains(here.rubicon("run run.toml --mode wall --reseed 1s:1").out,
+                 "only virtual runs are reproducible"));
+  std::ofstream(here.file("run.toml"), std::ios::app) << "[peis]\n";
+  const auto changed = here.rubicon("explain --when run.rec");
+  CHECK(changed.status == 2);
+  CHECK(contains(changed.out, "run.toml has changed since run.rec was written"));
 }

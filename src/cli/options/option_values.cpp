@@ -35,6 +35,17 @@ double parse_speed(const std::string& text) {
   return speed;
 }
 
+reseeding::settings parse_reseeding(const std::string& text) {
+  const auto colon = text.rfind(':');
+  const auto since = config::parse_duration(text.substr(0, colon));
+  const auto key = colon == std::string::npos
+                       ? std::nullopt
+                       : parse_whole(std::string_view(text).substr(colon + 1));
+  if (!since || *since < 0s || !key)
+    throw CLI::ValidationError("--reseed", "not a time and a number: '" + text + "' (say 90s:1)");
+  return {instant(*since), *key};
+}
+
 std::uint64_t parse_seed(const std::string& text) {
   if (const auto seed = parse_whole(text))
     return *seed;

@@ -8,6 +8,7 @@
 
 #include "cli/swarm.hpp"
 #include "cli/words/watch_options.hpp"
+#include "core/numbers/random.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::cli {
@@ -20,6 +21,7 @@ namespace rubicon::cli {
 
 /// More than zero.
 [[nodiscard]] double parse_speed(const std::string& text);
+[[nodiscard]] reseeding::settings parse_reseeding(const std::string& text); ///< `90s:7`
 
 [[nodiscard]] std::uint64_t parse_seed(const std::string& text);
 

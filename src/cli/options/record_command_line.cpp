@@ -1,5 +1,6 @@
 #include "cli/options/record_command_line.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -22,7 +23,8 @@ void record_command_line::add_explain() {
       ->type_name("");
   explain_app_
       .add_option("WHAT", explain_.what,
-                  "A message such as kitchen/fan#3, or a tuple such as kitchen.fan.state")
+                  "A message such as kitchen/fan#3, or a tuple such as kitchen.fan.state; with "
+                  "--when words of a violation")
       ->type_name("");
   add_parsed(explain_app_, "--at", "TIME", "The value of the tuple at this time, not the newest",
              [&](const auto& text) { explain_.at = parse_length(text, "--at"); });
@@ -39,8 +41,37 @@ void record_command_line::add_explain() {
                explain_.list.limit = *limit;
              });
   explain_app_.add_flag("--json", explain_.json, "Print JSON only");
+  add_when();
   explain_app_.footer("Without WHAT it lists the messages with their outcomes, and the tuples.");
   explain_app_.final_callback([this] { check_explain(); });
+}
+
+void record_command_line::add_when() {
+  auto* const when = explain_app_.add_flag(
+      "--when", asks_when_,
+      "Since when the violation WHAT, or the first, was inevitable: repeats the run with other "
+      "random numbers from some time on");
+  add_parsed(explain_app_, "--futures", "N", "Runs that each time is judged by; default: 20",
+             [&](const auto& text) {
+               const auto count = parse_whole(text);
+               if (!count || *count < 1 || *count > 10'000)
+                 throw CLI::ValidationError("--futures",
+                                            "not a number from 1 to 10000: '" + text + "'");
+               when_.futures = *count;
+             })
+      ->needs(when);
+  add_parsed(explain_app_, "--within", "TIME", "How exact that time is; default: 100ms",
+             [&](const auto& text) {
+               when_.within = std::max<duration>(1ms, parse_length(text, "--within"));
+             })
+      ->needs(when);
+  add_parsed(explain_app_, "--jobs", "N", "Number of parallel runs; default: one per core",
+             [&](const auto& text) { when_.jobs = parse_jobs(text); })
+      ->needs(when);
+  add_parsed(explain_app_, "--timeout", "TIME",
+             "Real time after which a run is aborted; default: 5min",
+             [&](const auto& text) { when_.timeout = parse_length(text, "--timeout"); })
+      ->needs(when);
 }
 
 void record_command_line::add_view() {
@@ -55,6 +86,9 @@ void record_command_line::add_view() {
 }
 
 void record_command_line::check_explain() const {
+  for (const auto* other : {"--at", "--all", "--lost", "--from", "--limit"})
+    if (asks_when_ && explain_app_.count(other) > 0)
+      throw CLI::ValidationError(other, "not with --when");
   if (explain_.what.empty() && (explain_.at || explain_.all))
     throw CLI::ValidationError(explain_.at ? "--at" : "--all", "of which tuple?");
   if (explain_.at && explain_.all)
@@ -65,6 +99,13 @@ void record_command_line::check_explain() const {
 }
 
 std::optional<command> record_command_line::parsed() const {
+  if (explain_app_.parsed() && asks_when_) {
+    auto x = when_;
+    x.record = explain_.record;
+    x.what = explain_.what;
+    x.json = explain_.json;
+    return x;
+  }
   if (explain_app_.parsed())
     return explain_;
   if (view_app_.parsed())

@@ -23,12 +23,15 @@ public:
 
 private:
   void add_explain();
+  void add_when();
   void add_view();
   void check_explain() const;
 
   CLI::App& explain_app_;
   CLI::App& view_app_;
   explain_command explain_;
+  bool asks_when_ = false;
+  when_command when_;
   view_command view_;
 };
 

@@ -10,7 +10,6 @@
 
 #include "cli/options/add_option.hpp"
 #include "cli/options/option_values.hpp"
-#include "core/text/shell_word.hpp"
 
 namespace rubicon::cli {
 
@@ -78,6 +77,10 @@ void run_command_line::add_clock() {
                            text == "wall" ? config::run_mode::wall : config::run_mode::virtual_time;
                      }))
       ->check(CLI::IsMember({"virtual", "wall"}));
+  decides(add_parsed(app_, "--reseed", "TIME:K",
+                     "Draw all random numbers after this time anew: another future for each K; "
+                     "in virtual time",
+                     [&](const auto& text) { options.reseed = parse_reseeding(text); }));
   decides(add_parsed(app_, "--speed", "X", "Ecology seconds per real second",
                      [&](const auto& text) { options.speed = parse_speed(text); }));
   shows(app_.add_option("--threads", options.threads,
@@ -213,6 +216,8 @@ void run_command_line::check_combination() const {
   if (!run_.host.empty() && run_.check_determinism)
     throw CLI::ValidationError("--check-determinism",
                                "only virtual runs are reproducible, not --host");
+  if (run_.options.reseed && !run_.host.empty())
+    throw CLI::ValidationError("--reseed", "only virtual runs are reproducible, not --host");
   if (!run_.host.empty() && run_.options.mode == config::run_mode::virtual_time)
     throw CLI::ValidationError("--host",
                                "its part is linked to those of other hosts: in wall time only");
@@ -245,14 +250,15 @@ void run_command_line::check_determinism() const {
     throw CLI::ValidationError("--check-determinism", "runs twice, --view shows one run");
 }
 
-/// As a shell takes them.
-std::string run_command_line::repeated_options() const {
-  std::string text;
+std::vector<std::string> run_command_line::repeated_options() const {
+  std::vector<std::string> words;
   for (const auto* option : deciding_)
-    for (const auto& value : option->results())
-      text += (text.empty() ? "--" : " --") + option->get_lnames().front() +
-              (is_flag(*option) ? "" : ' ' + shell_word(value));
-  return text;
+    for (const auto& value : option->results()) {
+      words.push_back("--" + option->get_lnames().front());
+      if (!is_flag(*option))
+        words.push_back(value);
+    }
+  return words;
 }
 
 std::optional<run_command> run_command_line::parsed(const original_options& original) const {
@@ -265,8 +271,7 @@ std::optional<run_command> run_command_line::parsed(const original_options& orig
   run.instead.mode = run.options.mode;
   run.deciding = repeated_options();
   run.original = original;
-  for (const auto& word : original.said)
-    run.deciding += (run.deciding.empty() ? "" : " ") + shell_word(word);
+  run.deciding.insert(run.deciding.end(), original.said.begin(), original.said.end());
   return run;
 }
 

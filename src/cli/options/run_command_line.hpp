@@ -45,7 +45,7 @@ private:
   void check_combination() const;
   void check_steer() const;
   void check_determinism() const;
-  [[nodiscard]] std::string repeated_options() const;
+  [[nodiscard]] std::vector<std::string> repeated_options() const;
 
   CLI::App& app_;
   run_command run_;

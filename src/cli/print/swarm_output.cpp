@@ -83,6 +83,9 @@ bool swarm_output::write_page(bool interrupted) {
   x.real_s = seconds(elapsed());
   x.events = totals.events;
   x.interrupted = interrupted;
+  for (const auto& each : totals.situations)
+    x.situations.push_back({each.name, each.runs, each.first_seed});
+  x.faults = runs_with_faults(seeds_, words_, interrupted);
   page_ << page::html_of(x);
   if (page_.flush())
     return true;

@@ -1,7 +1,6 @@
 #include "cli/print/swarm_text.hpp"
 
 #include <algorithm>
-#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -42,19 +41,6 @@ std::string speed(double simulated_s, duration real) {
                               seconds(real));
 }
 
-/// By kind of fault; nothing after an interruption, when seeds between others are missing.
-std::map<std::string, std::uint64_t> runs_with_faults(const swarm& x, const swarm_words& words,
-                                                      bool interrupted) {
-  std::map<std::string, std::uint64_t> out;
-  if (interrupted)
-    return out;
-  const auto first = x.seeds().first;
-  for (const auto& kind : words.fault_kinds)
-    for (std::uint64_t i = 0; i < x.so_far().runs; ++i)
-      out[kind] += config::leaves_out(first + i, kind) ? 0 : 1;
-  return out;
-}
-
 ordered_json situations_json(const swarm& x) {
   auto all = ordered_json::array();
   for (const auto& each : x.so_far().situations) {
@@ -66,6 +52,18 @@ ordered_json situations_json(const swarm& x) {
 }
 
 } // namespace
+
+std::map<std::string, std::uint64_t> runs_with_faults(const swarm& x, const swarm_words& words,
+                                                      bool interrupted) {
+  std::map<std::string, std::uint64_t> out;
+  if (interrupted)
+    return out;
+  const auto first = x.seeds().first;
+  for (const auto& kind : words.fault_kinds)
+    for (std::uint64_t i = 0; i < x.so_far().runs; ++i)
+      out[kind] += config::leaves_out(first + i, kind) ? 0 : 1;
+  return out;
+}
 
 std::string setting_options(const swarm_words& x) {
   std::string text;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -33,6 +35,11 @@ struct swarm_words {
 
 /// `84 of 200 runs  42%  3 with violations: 7 12 90  12 s left`, at most `width` characters.
 [[nodiscard]] std::string swarm_progress(const swarm& x, duration real, std::size_t width);
+
+/// Of kinds that runs leave out by chance, how many runs have each; nothing after an interruption,
+/// when seeds between others are missing.
+[[nodiscard]] std::map<std::string, std::uint64_t>
+runs_with_faults(const swarm& x, const swarm_words& words, bool interrupted);
 
 /// The lines at the end.
 [[nodiscard]] std::string swarm_summary(const swarm& x, const swarm_words& words, duration real,

@@ -107,9 +107,7 @@ report::run_report run_watched(config::ecology_description ecology, run_options 
 std::string command_of(const run_command& x, std::uint64_t seed) {
   if (x.file == standard_input)
     return {};
-  auto text = "rubicon run " + shell_word(x.file);
-  if (!x.deciding.empty())
-    text += ' ' + x.deciding;
+  auto text = "rubicon run " + shell_word(x.file) + shell_words(x.deciding);
   text += " --seed " + std::to_string(seed);
   if (x.options.length)
     text += " --for " + option_text(*x.options.length);
@@ -488,6 +486,11 @@ exit_status perform(const run_command& wanted) {
   if (x.watch.metrics && x.options.mode.value_or(file->ecology.mode) != config::run_mode::wall) {
     static_cast<void>(print(
         stderr, "--metrics: a virtual run ends before anybody collects them: add --mode wall\n"));
+    return exit_status::refused;
+  }
+  if (x.options.reseed && x.options.mode.value_or(file->ecology.mode) == config::run_mode::wall) {
+    static_cast<void>(
+        print(stderr, "--reseed: only virtual runs are reproducible; add --mode virtual\n"));
     return exit_status::refused;
   }
   std::optional<running_note> note; // for commands that look into it

@@ -103,11 +103,6 @@ private:
   std::string problem_;
 };
 
-bool is_same(const report::violation& x, const report::violation& y) {
-  return x.invariant == y.invariant &&
-         subject_of_violation(x.invariant, x.detail) == subject_of_violation(y.invariant, y.detail);
-}
-
 /// The first by time.
 std::optional<report::violation> first_of(const seed_outcome& x) {
   const auto first = std::ranges::min_element(x.violations, {}, &report::violation::at);
@@ -179,6 +174,11 @@ std::string subject_of_violation(std::string_view invariant, std::string_view de
   if (std::ranges::count(before, ' ') <= 1) // `island 3: not listed 7`
     return std::string(before);
   return std::string(detail.substr(0, detail.find(' ')));
+}
+
+bool is_same(const report::violation& x, const report::violation& y) {
+  return x.invariant == y.invariant &&
+         subject_of_violation(x.invariant, x.detail) == subject_of_violation(y.invariant, y.detail);
 }
 
 exit_status perform(const shrink_command& x) {

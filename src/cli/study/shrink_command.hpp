@@ -6,6 +6,7 @@
 
 #include "cli/words/command_line.hpp"
 #include "cli/words/exit_status.hpp"
+#include "report/report.hpp"
 
 namespace rubicon::cli {
 
@@ -15,5 +16,8 @@ namespace rubicon::cli {
 /// Whom a violation is about: `kitchen/shelf` of `kitchen/shelf: never joined`, `a` of `a was
 /// silent for 3 min`; empty for one of an expectation, whose text is in the invariant.
 [[nodiscard]] std::string subject_of_violation(std::string_view invariant, std::string_view detail);
+
+/// The same invariant is violated about the same subject.
+[[nodiscard]] bool is_same(const report::violation& x, const report::violation& y);
 
 } // namespace rubicon::cli

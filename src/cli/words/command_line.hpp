@@ -44,8 +44,8 @@ struct run_command {
   std::string part_file; ///< with `host`: reports go there, as deploy reads them; empty: printed
   std::string log_level = "warn"; ///< trace, debug, info, warn, error or off
   original_options original;      ///< --peis-id and so on
-  /// The options that decide what runs, as they were given, but --seed and --for.
-  std::string deciding;
+  /// The options that decide what runs, word by word as they were given, but --seed and --for.
+  std::vector<std::string> deciding;
   std::string steer; ///< a socket or file with requests; empty: nobody steers the run
 };
 
@@ -238,6 +238,18 @@ struct explain_command {
   bool json = false;
 };
 
+/// `rubicon explain --when RECORD [VIOLATION]`
+struct when_command {
+  std::string record;
+  std::string what; ///< words of the violation; empty: the first
+  config::extensions known;
+  std::uint64_t futures = 20;        ///< runs that each time is judged by
+  duration within = 100ms;           ///< how exact the time is
+  std::optional<std::uint64_t> jobs; ///< as of swarm
+  duration timeout = 5min;           ///< the same
+  bool json = false;
+};
+
 /// `rubicon certs list`
 struct list_certificates {
   bool json = false;
@@ -269,7 +281,7 @@ using command =
     std::variant<run_command, deploy_command, host_command, deployed_command, doctor_command,
                  check_command, explain_key_command, new_command, import_command, schema_command,
                  completion_command, pages_command, swarm_command, sweep_command, compare_command,
-                 shrink_command, query_command, explain_command, view_command, certs_command,
-                 network_command, serial_command, show_command, refused_command>;
+                 shrink_command, query_command, explain_command, when_command, view_command,
+                 certs_command, network_command, serial_command, show_command, refused_command>;
 
 } // namespace rubicon::cli

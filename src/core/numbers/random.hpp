@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "core/time.hpp"
@@ -19,6 +20,7 @@ public:
   /// mote does not shift another's random numbers.
   random_stream(std::uint64_t ecology_seed, std::string_view path);
 
+  /// While a reseeding lives, mixed with its key.
   [[nodiscard]] std::uint64_t next();
 
   /// Uniform in 0..bound-1, unbiased. @pre bound > 0
@@ -36,8 +38,35 @@ public:
   /// Standard normal deviate.
   [[nodiscard]] double normal();
 
+  /// The deviate that belongs to a seed, whatever reseeding there is.
+  [[nodiscard]] static double fixed_normal(std::uint64_t seed);
+
 private:
+  [[nodiscard]] std::uint64_t draw();
+
   std::array<std::uint64_t, 4> state_;
+};
+
+/// Another future of a run: while it lives, all streams of the process, those there are and those
+/// to come, give other numbers than their seeds say (docs/architecture.md, Time). One at a time,
+/// begun and ended while no other thread draws.
+class reseeding {
+public:
+  /// What is drawn anew.
+  struct settings {
+    instant since;
+    std::uint64_t key = 0; ///< equal keys give equal futures
+
+    friend bool operator==(const settings&, const settings&) = default;
+  };
+
+  explicit reseeding(const settings& x);
+  ~reseeding();
+  reseeding(const reseeding&) = delete;
+  reseeding& operator=(const reseeding&) = delete;
+
+  /// Of the one that lives, for what is computed from a seed at any time.
+  [[nodiscard]] static std::optional<settings> current();
 };
 
 } // namespace rubicon

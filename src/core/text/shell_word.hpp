@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace rubicon {
 
@@ -16,6 +17,14 @@ namespace rubicon {
   for (const char c : x)
     quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";
+}
+
+/// Words after others: ` --mode wall`; nothing for none.
+[[nodiscard]] inline std::string shell_words(const std::vector<std::string>& all) {
+  std::string text;
+  for (const auto& each : all)
+    text += ' ' + shell_word(each);
+  return text;
 }
 
 } // namespace rubicon

@@ -72,6 +72,8 @@ TEST_CASE("each option of run reaches the run", "[cli][GEN-07][NFR-01]") {
   CHECK(parse_run({"--pcap", "captures"}).options.pcap_folder == "captures");
   CHECK(!parse_run({"--pcap", "captures"}).options.pcap_lost);
   CHECK(parse_run({"--pcap-lost", "--pcap", "captures"}).options.pcap_lost);
+  CHECK(parse_run({"--reseed", "0s:0"}).options.reseed == reseeding::settings{instant(), 0});
+  CHECK(parse_run({"--reseed", "1.5min:7"}).options.reseed == reseeding::settings{instant(90s), 7});
   CHECK(parse_run({"--topology", "grid.txt"}).instead.topology == "grid.txt");
   CHECK(parse_run({"--noise-trace", "meyer.txt"}).instead.noise_trace == "meyer.txt");
   CHECK(parse_run({"--seed", "7"}).instead.seed == 7U);
@@ -79,15 +81,43 @@ TEST_CASE("each option of run reaches the run", "[cli][GEN-07][NFR-01]") {
   CHECK(parse_run({"--check-determinism"}).check_determinism);
 }
 
-TEST_CASE("what decides what runs is repeated, in any order, and quoted", "[cli]") {
+TEST_CASE("a reseeding is a time and a number, in virtual time", "[cli]") {
+  for (const auto* wrong : {"90s", "90s:", ":1", "soon:1", "90s:-1", "90s:x"})
+    CHECK(contains(refusal({"run", "a.toml", "--reseed", wrong}), "not a time and a number"));
+  CHECK(contains(refusal({"run", "a.toml", "--reseed", "1s:1", "--host", "kitchen"}),
+                 "only virtual runs"));
+}
+
+TEST_CASE("explain takes what --when needs with it alone", "[cli][explain]") {
+  const auto x = parse({"explain", "--when", "a.rec", "every mote", "--futures", "40", "--within",
+                        "1us", "--jobs", "3", "--timeout", "9s", "--json"});
+  REQUIRE(std::holds_alternative<when_command>(x));
+  const auto& when = std::get<when_command>(x);
+  CHECK(when.record == "a.rec");
+  CHECK(when.what == "every mote");
+  CHECK(when.futures == 40);
+  CHECK(when.within == 1ms); // the finest
+  CHECK(when.jobs == 3U);
+  CHECK(when.timeout == 9s);
+  CHECK(when.json);
+  CHECK(contains(refusal({"explain", "a.rec", "--futures", "40"}), "--when"));
+  CHECK(contains(refusal({"explain", "--when", "a.rec", "--futures", "0"}), "not a number"));
+  CHECK(contains(refusal({"explain", "--when", "a.rec", "--lost"}), "not with --when"));
+  CHECK(contains(refusal({"explain", "--when", "a.rec", "x", "--all"}), "not with --when"));
+}
+
+TEST_CASE("what decides what runs is repeated, in any order", "[cli]") {
+  using words = std::vector<std::string>;
   CHECK(parse_run({}).deciding.empty());
   CHECK(
       parse_run({"--seed", "3", "--for", "10s", "--record", "x", "--log", "off"}).deciding.empty());
   CHECK(parse_run({"--speed", "5", "--mode=wall", "--seed", "3"}).deciding ==
-        "--mode wall --speed 5");
+        words{"--mode", "wall", "--speed", "5"});
   CHECK(parse_run({"--noise-trace", "a b.txt", "--topology", "grid.txt"}).deciding ==
-        "--topology grid.txt --noise-trace 'a b.txt'");
-  CHECK(parse_run({"--host", "kitchen", "--starts", "n"}).deciding == "--host kitchen --starts n");
+        words{"--topology", "grid.txt", "--noise-trace", "a b.txt"});
+  CHECK(parse_run({"--host", "kitchen", "--starts", "n"}).deciding ==
+        words{"--host", "kitchen", "--starts", "n"});
+  CHECK(parse_run({"--reseed", "1500ms:3"}).deciding == words{"--reseed", "1500ms:3"});
 }
 
 TEST_CASE("what only shows a run, or is set anew, is not repeated", "[cli]") {
@@ -494,7 +524,8 @@ TEST_CASE("settings are kept in their order, and repeated", "[cli]") {
   const std::vector<std::string> all{"radio.loss=0.2", "island.*.sink.position_m=[3, 4]"};
   const auto run = parse_run({"--set", all[0].c_str(), "--set", all[1].c_str()});
   CHECK(run.instead.settings == all);
-  CHECK(run.deciding == "--set radio.loss=0.2 --set 'island.*.sink.position_m=[3, 4]'");
+  CHECK(run.deciding == std::vector<std::string>{"--set", "radio.loss=0.2", "--set",
+                                                 "island.*.sink.position_m=[3, 4]"});
   const auto check = parse({"check", "a.toml", "--set", all[1].c_str()});
   REQUIRE(std::holds_alternative<check_command>(check));
   CHECK(std::get<check_command>(check).instead.settings == std::vector{all[1]});

@@ -55,3 +55,43 @@ TEST_CASE("normal deviates have mean 0 and variance 1", "[core][random]") {
   CHECK(std::abs(sum / n) < 0.02);
   CHECK(squares / n == Approx(1).epsilon(0.02));
 }
+
+TEST_CASE("a reseeding changes what is drawn while it lives", "[core][random]") {
+  const auto drawn = [](std::uint64_t key) {
+    const reseeding anew({instant(5s), key});
+    return random_stream(7).next();
+  };
+  random_stream a(7);
+  random_stream b(7);
+  CHECK(a.next() == b.next());
+  std::uint64_t during = 0;
+  {
+    const reseeding anew({instant(5s), 1});
+    CHECK(reseeding::current() == reseeding::settings{instant(5s), 1});
+    during = a.next();
+  }
+  CHECK(during != b.next());
+  CHECK(a.next() == b.next()); // where the streams are is the same
+  CHECK(!reseeding::current());
+  CHECK(drawn(1) == drawn(1));
+  CHECK(drawn(1) != drawn(2));
+  CHECK(drawn(0) != random_stream(7).next());
+}
+
+TEST_CASE("what is drawn anew is as even as before", "[core][random]") {
+  const reseeding anew({instant(), 3});
+  random_stream rng(5);
+  std::array<int, 10> counts{};
+  for (int i = 0; i < 100'000; ++i)
+    ++counts[rng.below(10)];
+  for (const auto count : counts)
+    CHECK(std::abs(count - 10'000) < 500); // 5 sigma
+}
+
+TEST_CASE("the deviate of a seed is fixed", "[core][random]") {
+  const auto x = random_stream(9).normal();
+  CHECK(random_stream::fixed_normal(9) == x);
+  const reseeding anew({instant(), 1});
+  CHECK(random_stream::fixed_normal(9) == x);
+  CHECK(random_stream(9).normal() != x);
+}

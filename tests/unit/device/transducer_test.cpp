@@ -1,6 +1,7 @@
 #include <limits>
 #include <memory>
 
+#include "core/numbers/random.hpp"
 #include "device/random_walk.hpp"
 #include "device/transducer.hpp"
 #include "support/catch.hpp"
@@ -114,6 +115,25 @@ TEST_CASE("the changes of a random walk have the variance of their length", "[de
   }
   CHECK(squares / count == Approx(seconds(length)).epsilon(0.15));
   CHECK(std::abs(sum / count) < 5 * std::sqrt(seconds(length) / count));
+}
+
+TEST_CASE("a random walk that is drawn anew goes on from where it was", "[device][STR-21]") {
+  constexpr auto since = 100s;
+  const auto before = brownian(11, 99s);
+  const auto then = brownian(11, since);
+  const auto later = brownian(11, 200s);
+  const reseeding anew({instant(since), 1});
+  CHECK(brownian(11, 99s) == before);
+  CHECK(brownian(11, since) == then);
+  CHECK(std::abs(brownian(11, since + 1ms) - then) < 0.5); // 15 sigma
+  CHECK(brownian(11, 200s) != later);
+  double squares = 0;
+  constexpr int count = 2000;
+  for (int i = 0; i < count; ++i) {
+    const auto change = brownian(11, since + 10s * (i + 1)) - brownian(11, since + 10s * i);
+    squares += change * change;
+  }
+  CHECK(squares / count == Approx(10).epsilon(0.15));
 }
 
 TEST_CASE("a random walk stays within its bounds and reaches them", "[device][STR-21]") {

@@ -13,6 +13,9 @@ header sample_header() {
   x.seed = 18446744073709551615U;
   x.file = "config/home.toml";
   x.digest = "0123";
+  x.options = {"--set", "radio.loss=0.2"};
+  x.length = 90s;
+  x.wall = true;
   x.islands = {{1,
                 "kitchen",
                 1,

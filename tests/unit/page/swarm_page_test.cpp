@@ -65,3 +65,19 @@ TEST_CASE("figures of very many seeds are bounded", "[page]") {
     figures.add(seed, {{"events", 1.0}});
   CHECK(figures.all().at("events").size() == seed_figures::seeds_max);
 }
+
+TEST_CASE("a swarm's page shows situations, and which faults runs had", "[page]") {
+  const std::map<std::string, std::uint64_t> none;
+  const seed_figures figures;
+  const std::vector<failed_seed> failed;
+  swarm_page x{"home.toml", "1..50", 50, 0, none, figures, failed, "rubicon swarm"};
+  CHECK_FALSE(contains(html_of(x), "<section id='coverage'>"));
+  x.situations = {{"a <hand-over>", 12, 3}, {"a reboot", 0, std::nullopt}};
+  x.faults = {{"crash", 26}};
+  const auto html = html_of(x);
+  CHECK(contains(html, "<section id='coverage'>"));
+  CHECK(contains(html, "a &lt;hand-over&gt;"));
+  CHECK(contains(html, "✗ no violations, 1 situation never reached"));
+  CHECK(contains(html, "crash"));
+  CHECK(contains(html, ">26<"));
+}
