@@ -39,6 +39,14 @@ void record_command_line::add_explain() {
                explain_.list.limit = *limit;
              });
   explain_app_.add_flag("--json", explain_.json, "Print JSON only");
+  explain_app_
+      .add_option("--perfetto", explain_.trace_events,
+                  "Write the record into this file as trace events, for Perfetto")
+      ->type_name("FILE");
+  explain_app_
+      .add_option("--mcap", explain_.mcap,
+                  "Write the record into this file as MCAP, for Foxglove and Rerun")
+      ->type_name("FILE");
   explain_app_.footer("Without WHAT it lists the messages with their outcomes, and the tuples.");
   explain_app_.final_callback([this] { check_explain(); });
 }
@@ -55,6 +63,11 @@ void record_command_line::add_view() {
 }
 
 void record_command_line::check_explain() const {
+  const bool exports = !explain_.trace_events.empty() || !explain_.mcap.empty();
+  if (exports && (!explain_.what.empty() || explain_.list.lost_only || explain_.json ||
+                  !explain_.list.from.empty()))
+    throw CLI::ValidationError(explain_.trace_events.empty() ? "--mcap" : "--perfetto",
+                               "writes the whole record, and prints nothing of it");
   if (explain_.what.empty() && (explain_.at || explain_.all))
     throw CLI::ValidationError(explain_.at ? "--at" : "--all", "of which tuple?");
   if (explain_.at && explain_.all)
