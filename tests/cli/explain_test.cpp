@@ -171,11 +171,11 @@ TEST_CASE("a recorded home is exported for other programs, as docs/data.md shows
   std::map<std::string, std::string> outcomes;
   for (const auto& each : messages) {
     const auto x = nlohmann::json::parse(each.data);
-    outcomes[x.at("message")] = x.at("outcome");
+    outcomes[x.at("message").get<std::string>()] = x.at("outcome").get<std::string>();
   }
   CHECK(outcomes.size() == listed.size());
   for (const auto& each : listed)
-    CHECK(outcomes[each.at("message")] == each.at("outcome"));
+    CHECK(outcomes[each.at("message").get<std::string>()] == each.at("outcome").get<std::string>());
   for (const auto* const topic : {"/tuples", "/events", "/places", "/links", "/scene"})
     CHECK(mcap.of(topic).size() >= 20);
   CHECK(nlohmann::json::parse(mcap.of("/places")[0].data).at("motes").size() == 15);
@@ -184,7 +184,7 @@ TEST_CASE("a recorded home is exported for other programs, as docs/data.md shows
   CHECK(trace.problems == std::vector<std::string>{});
   CHECK(trace.flows >= listed.size());
   for (const auto& each : listed)
-    CHECK(trace.slices.count(each.at("message")) == 1);
+    CHECK(trace.slices.contains(each.at("message").get<std::string>()));
   std::set<std::string> processes;
   for (const auto& each : trace.processes)
     processes.insert(each.second);

@@ -70,7 +70,7 @@ explain::traces small_run() {
   for (const std::uint64_t token : {1, 2}) {
     const auto number = static_cast<std::uint16_t>(token);
     const bytes content{0, static_cast<std::uint8_t>(token)};
-    const auto cause = world.program_sends(near_mote, content, false, token);
+    const auto cause = world.program_sends(near_mote, content, true, token);
     const auto packet = world.packet_up(world.reliable(7, number, content));
     world.asks_radio({near_mote, sink_actor, 7, 1, network::am::up,
                       world.up(7, number, world.whole(packet)), token},
@@ -79,7 +79,7 @@ explain::traces small_run() {
   }
   for (const std::uint64_t token : {1, 2})
     world.on_air({near_mote, sink_actor, 7, 1, network::am::up, {}, token}, "delivered");
-  const auto lost = world.program_sends(far_mote, reading, false);
+  const auto lost = world.program_sends(far_mote, reading, true);
   const explain_fixture::frame_of weak{
       far_mote,
       sink_actor,
@@ -256,7 +256,7 @@ TEST_CASE("MCAP has messages, tuples, events, places and links of a record", "[e
   std::map<std::string, std::string> outcomes;
   for (const auto& each : messages) {
     const auto y = json::parse(each.data);
-    outcomes[y.at("message")] = y.at("outcome");
+    outcomes[y.at("message").get<std::string>()] = y.at("outcome").get<std::string>();
   }
   CHECK(outcomes["kitchen/far#1"] == "lost");
   const auto tuple = json::parse(x.of("/tuples").at(0).data);
