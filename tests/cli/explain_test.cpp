@@ -1,14 +1,20 @@
 // `rubicon explain` as a user meets it.
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "support/catch.hpp"
+#include "support/mcap_file.hpp"
 #include "support/scratch_folder.hpp"
 #include "support/shell.hpp"
+#include "support/trace_event_file.hpp"
 
 using rubicon::test::outcome;
 using rubicon::test::shell;
@@ -46,6 +52,20 @@ std::string complaint(const std::string& words) {
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
+}
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// The commands of docs/data.md that export a record.
+std::string shown_commands() {
+  const auto page = text_of(RUBICON_CONFIG_DIR "/../docs/data.md");
+  const auto there = page.find("--mcap");
+  REQUIRE(there != std::string::npos);
+  const auto begin = page.rfind("```sh\n", there) + 6;
+  return page.substr(begin, page.find("```", there) - begin);
 }
 
 } // namespace
@@ -253,4 +273,61 @@ TEST_CASE("explain refuses to repeat what cannot be repeated", "[cli][explain]")
   const auto changed = here.rubicon("explain --when run.rec");
   CHECK(changed.status == 2);
   CHECK(contains(changed.out, "run.toml has changed since run.rec was written"));
+}
+
+TEST_CASE("a recorded home is exported for other programs, as docs/data.md shows",
+          "[cli][explain]") {
+  const rubicon::test::scratch_folder folder;
+  const auto at = folder.path.string();
+  std::filesystem::create_symlink(RUBICON_CONFIG_DIR, folder.path / "config");
+  std::filesystem::create_symlink(binary, folder.path / "rubicon");
+  REQUIRE(shell("cd '" + at + "' && export PATH='" + at + "':\"$PATH\" && set -e\n(" +
+                shown_commands() + ") >/dev/null 2>&1")
+              .status == 0);
+  const auto listed =
+      nlohmann::json::parse(
+          shell('"' + binary + "\" explain '" + at + "/home.rec' --json --limit 0").out)
+          .at("messages");
+
+  const auto mcap_text = text_of(folder.path / "home.mcap");
+  const rubicon::test::mcap_file mcap(mcap_text);
+  CHECK(mcap.problems == std::vector<std::string>{});
+  const auto messages = mcap.of("/messages");
+  CHECK(messages.size() == listed.size());
+  std::map<std::string, std::string> outcomes;
+  for (const auto& each : messages) {
+    const auto x = nlohmann::json::parse(each.data);
+    outcomes[x.at("message").get<std::string>()] = x.at("outcome").get<std::string>();
+  }
+  CHECK(outcomes.size() == listed.size());
+  for (const auto& each : listed)
+    CHECK(outcomes[each.at("message").get<std::string>()] == each.at("outcome").get<std::string>());
+  for (const auto* const topic : {"/tuples", "/events", "/places", "/links", "/scene"})
+    CHECK(mcap.of(topic).size() >= 20);
+  CHECK(nlohmann::json::parse(mcap.of("/places")[0].data).at("motes").size() == 15);
+
+  const rubicon::test::trace_event_file trace(text_of(folder.path / "home.json"));
+  CHECK(trace.problems == std::vector<std::string>{});
+  CHECK(trace.flows >= listed.size());
+  for (const auto& each : listed)
+    CHECK(trace.slices.contains(each.at("message").get<std::string>()));
+  std::set<std::string> processes;
+  for (const auto& each : trace.processes)
+    processes.insert(each.second);
+  CHECK(processes.size() == trace.processes.size());
+  for (const auto* const name : {"kitchen/fan", "kitchen/sink", "bedroom/pager", "care-pc"})
+    CHECK(processes.contains(name));
+}
+
+TEST_CASE("an export that cannot be made is refused", "[cli][explain]") {
+  const rubicon::test::scratch_folder folder;
+  const auto file = folder.file("x");
+  for (const auto* const option : {"--perfetto", "--mcap"}) {
+    const auto words = ' ' + std::string(option) + ' ';
+    CHECK(contains(complaint(home_record() + words + "/nonexistent/x"),
+                   "/nonexistent/x: cannot be written"));
+    for (const auto* const other : {" kitchen/button#1", " --json", " --lost", " --from kitchen"})
+      CHECK(contains(complaint(home_record() + words + file + other), "the whole record"));
+  }
+  CHECK_FALSE(std::filesystem::exists(file));
 }

@@ -1,8 +1,10 @@
-// Records of runs: no crash on any text, what is read is written back the same, and whatever it
-// tells can be followed and told.
+// Records of runs: no crash on any text, what is read is written back the same, and whatever is in
+// it can be followed, printed and exported.
 #include <cstdlib>
 
 #include "explain/print/text.hpp"
+#include "exports/mcap_file.hpp"
+#include "exports/trace_events.hpp"
 
 using namespace rubicon;
 using namespace rubicon::explain;
@@ -33,5 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   for (std::size_t i = 0; i < all.tuples.size(); ++i)
     static_cast<void>(tuple_text(all, i, {}));
+  exports::write_trace_events(all, [](std::string_view) {});
+  exports::write_mcap(all, [](std::string_view) {});
   return 0;
 }

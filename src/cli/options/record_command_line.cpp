@@ -41,6 +41,14 @@ void record_command_line::add_explain() {
                explain_.list.limit = *limit;
              });
   explain_app_.add_flag("--json", explain_.json, "Print JSON only");
+  explain_app_
+      .add_option("--perfetto", explain_.trace_events,
+                  "Write the record into this file as trace events, for Perfetto")
+      ->type_name("FILE");
+  explain_app_
+      .add_option("--mcap", explain_.mcap,
+                  "Write the record into this file as MCAP, for Foxglove and Rerun")
+      ->type_name("FILE");
   add_when();
   explain_app_.footer("Without WHAT it lists the messages with their outcomes, and the tuples.");
   explain_app_.final_callback([this] { check_explain(); });
@@ -86,9 +94,14 @@ void record_command_line::add_view() {
 }
 
 void record_command_line::check_explain() const {
-  for (const auto* other : {"--at", "--all", "--lost", "--from", "--limit"})
+  for (const auto* other : {"--at", "--all", "--lost", "--from", "--limit", "--perfetto", "--mcap"})
     if (asks_when_ && explain_app_.count(other) > 0)
       throw CLI::ValidationError(other, "not with --when");
+  const bool exports = !explain_.trace_events.empty() || !explain_.mcap.empty();
+  if (exports && (!explain_.what.empty() || explain_.list.lost_only || explain_.json ||
+                  !explain_.list.from.empty()))
+    throw CLI::ValidationError(explain_.trace_events.empty() ? "--mcap" : "--perfetto",
+                               "writes the whole record, and prints nothing of it");
   if (explain_.what.empty() && (explain_.at || explain_.all))
     throw CLI::ValidationError(explain_.at ? "--at" : "--all", "of which tuple?");
   if (explain_.at && explain_.all)

@@ -1,11 +1,17 @@
 #include "cli/record/explain_command.hpp"
 
+#include <cerrno>
+#include <fstream>
+#include <string_view>
+#include <system_error>
 #include <variant>
 
 #include "cli/print/console.hpp"
 #include "cli/record/read_record.hpp"
 #include "core/text/printable.hpp"
 #include "core/text/spelling.hpp"
+#include "exports/mcap_file.hpp"
+#include "exports/trace_events.hpp"
 
 namespace rubicon::cli {
 
@@ -60,6 +66,22 @@ struct answerer {
   }
 };
 
+/// @param write_to of the room `exports`
+/// @returns why not all of it is written; empty: it is, or there is no file
+std::string exported(const std::string& path, const explain::traces& all,
+                     void (*write_to)(const explain::traces&, const exports::octets_out&)) {
+  if (path.empty())
+    return {};
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  if (file)
+    write_to(all, [&file](std::string_view octets) {
+      file.write(octets.data(), static_cast<std::streamsize>(octets.size()));
+    });
+  file.close();
+  return file ? std::string()
+              : path + ": cannot be written: " + std::generic_category().message(errno);
+}
+
 } // namespace
 
 exit_status perform(const explain_command& x) {
@@ -67,6 +89,12 @@ exit_status perform(const explain_command& x) {
   if (const auto* why = std::get_if<std::string>(&found))
     return not_found(*why);
   const auto& all = std::get<explain::traces>(found);
+  if (!x.trace_events.empty() || !x.mcap.empty()) {
+    auto why = exported(x.trace_events, all, exports::write_trace_events);
+    if (why.empty())
+      why = exported(x.mcap, all, exports::write_mcap);
+    return why.empty() ? exit_status::good : not_found(why);
+  }
   const auto output = console_of(stdout);
   const explain::text_style style{output.width, output.colour, output.room()};
   if (!x.what.empty())

@@ -236,6 +236,8 @@ struct explain_command {
   bool all = false;           ///< of a tuple: all its values
   explain::listing list;
   bool json = false;
+  std::string trace_events; ///< file to write the whole record to; empty: none
+  std::string mcap;         ///< likewise
 };
 
 /// `rubicon explain --when RECORD [VIOLATION]`
