@@ -8,5 +8,5 @@ rubicon_unit_test(unit.radio SOURCES
   unit/radio/topology_test.cpp unit/radio/tossim_files_test.cpp
   NEEDS rubicon_radio)
 rubicon_fuzz(radio_frame SOURCE fuzz/radio_frame.cpp NEEDS rubicon_radio)
-rubicon_fuzz(tossim_noise SOURCE fuzz/tossim_noise.cpp NEEDS rubicon_radio)
-rubicon_fuzz(tossim_topology SOURCE fuzz/tossim_topology.cpp NEEDS rubicon_radio)
+rubicon_fuzz(tossim_noise SOURCE fuzz/files/tossim_noise.cpp NEEDS rubicon_radio)
+rubicon_fuzz(tossim_topology SOURCE fuzz/files/tossim_topology.cpp NEEDS rubicon_radio)

@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "imports/plan.hpp"
-#include "require.hpp"
+#include "fuzz/require.hpp"
 
 using namespace rubicon;
 using namespace rubicon::imports;
