@@ -6,8 +6,8 @@
 #include <string_view>
 #include <variant>
 
-#include "imports/plan.hpp"
 #include "fuzz/require.hpp"
+#include "imports/plan.hpp"
 
 using namespace rubicon;
 using namespace rubicon::imports;
