@@ -116,7 +116,7 @@ void add_layer(report::cause_counts& to, const communication::layer_totals& x) {
 }
 
 message_status messages_of(mote_address who, const communication::layer& x, bool ended) {
-  const auto& messages = x.messages();
+  const auto& messages = x.ports().messages.core();
   message_status status;
   status.who = who;
   status.messages = report_of(messages.counters(), x.counters(), messages.outstanding(), ended);

@@ -53,7 +53,7 @@ public:
       return;
     deadline_ = none;
     ++epoch_;
-    process_->cancel(pending_);
+    process_->timeouts().cancel(pending_);
   }
 
   /// @returns whether `x` is the expiry awaited; then follow() must be called again

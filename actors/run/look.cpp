@@ -132,7 +132,7 @@ private:
         add_network(x, state->node->packets().router());
       }
       lost_[address.island].packets += losses_of(*state->node);
-      const auto& messages = state->node->above().messages().counters();
+      const auto& messages = state->node->above().ports().messages.core().counters();
       if (const auto ended = messages.reliable_acked + messages.reliable_failed; ended > 0)
         x.delivery = static_cast<double>(messages.reliable_acked) / static_cast<double>(ended);
     }

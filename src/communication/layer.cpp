@@ -107,7 +107,7 @@ std::size_t layer::footprint() const {
 layer_totals totals_of(const layer& x) {
   const auto& ports = x.ports();
   return {x.counters(), ports.streams.core().counters(), ports.synaptic.core().counters(),
-          x.messages().counters(), ports.channels.tunnels().counters()};
+          x.ports().messages.core().counters(), ports.channels.tunnels().counters()};
 }
 
 } // namespace rubicon::communication

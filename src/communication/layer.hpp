@@ -83,7 +83,6 @@ public:
 
   [[nodiscard]] const layer_ports& ports() const { return ports_; }
   [[nodiscard]] const layer_counters& counters() const { return ports_.node.counters; }
-  [[nodiscard]] const transport::messenger& messages() const { return ports_.messages.core(); }
 
   /// Octets of all state on a mote with the default tables (SMP-30).
   [[nodiscard]] std::size_t footprint() const;

@@ -32,7 +32,7 @@ std::optional<std::uint16_t> program_port::numbering::program(int layer) const {
 remote::limits program_port::limits_of(const layer& x) {
   const auto& streams = x.ports().streams.core().config();
   const auto& synaptic = x.ports().synaptic.core().config();
-  const auto& messages = x.messages().config();
+  const auto& messages = x.ports().messages.core().config();
   remote::limits limits;
   limits.transducer_mask = x.ports().node.config.transducer_mask;
   limits.streams_max = static_cast<std::uint32_t>(streams.streams_max);

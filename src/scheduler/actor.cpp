@@ -73,7 +73,7 @@ void actor::deliver(envelope_ptr x, actor* from) {
       return;
     }
   }
-  if (its.tap() != nullptr && its.tap()->takes(*this, x, from))
+  if (auto* const tap = its.watch().tap; tap != nullptr && tap->takes(*this, x, from))
     return;
   const bool ended = has_ended();
   record(*x, from, !ended);
@@ -87,7 +87,7 @@ void actor::deliver(envelope_ptr x, actor* from) {
   mailbox_.push(std::move(x));
   if (!is_ready_) {
     is_ready_ = true;
-    its.make_ready(*this);
+    its.queue().push(*this);
   }
 }
 
@@ -126,7 +126,7 @@ void post_exit(const caf::strong_actor_ptr& to, caf::exit_reason reason) {
 
 void actor::launch(caf::execution_unit*, bool, bool) {
   is_ready_ = true;
-  where()->owner().sender_here()->make_ready(*this);
+  where()->owner().sender_here()->queue().push(*this);
 }
 
 actor::turn_result actor::take_turn(std::size_t messages_max) {

@@ -78,7 +78,7 @@ coordinator* coordinator::of(caf::actor_system& system) {
 void coordinator::trace(trace_recorder* x) {
   trace_ = x;
   for (const auto& each : processes_)
-    each->trace(x->add_part());
+    each->watch().trace = &x->add_part();
 }
 
 // -- processes
@@ -90,7 +90,7 @@ process& coordinator::add_process() {
       *processes_.emplace_back(std::make_unique<process>(*this, system(), processes_.size()));
   added.advance(supervisor().now());
   if (trace_ != nullptr)
-    added.trace(trace_->add_part());
+    added.watch().trace = &trace_->add_part();
   return added;
 }
 
@@ -153,12 +153,12 @@ stop_cause coordinator::run_alone(instant end) {
     const auto due = process.timeouts().next().value_or(parallel::never);
     const auto next = std::min(due, end);
     if (!clock_.reached(next)) {
-      if (!process.anybody_ready())
+      if (process.queue().empty())
         wait_until(next);
     } else if (due <= end && due != parallel::never) {
       process.fire_next();
       on_turn();
-    } else if (!process.anybody_ready()) {
+    } else if (process.queue().empty()) {
       process.advance(end);
       return stop_cause::reached_end;
     }
@@ -169,7 +169,7 @@ void coordinator::run_ready() {
   if (outside_.waiting())
     accept_outside();
   auto turns = wall_ ? wall_turns_per_round : std::numeric_limits<std::size_t>::max();
-  for (; turns > 0 && supervisor().anybody_ready() && processes_.size() == 1; --turns) {
+  for (; turns > 0 && !supervisor().queue().empty() && processes_.size() == 1; --turns) {
     if (stop_requested_.load(std::memory_order_relaxed))
       return;
     supervisor().give_turn();
@@ -276,13 +276,13 @@ void coordinator::follow_pace(std::chrono::steady_clock::duration round) {
 std::uint64_t coordinator::turns_so_far() const {
   std::uint64_t sum = 0;
   for (const auto& x : round_)
-    sum += x.who->turns();
+    sum += x.who->queue().turns();
   return sum;
 }
 
 void coordinator::take_over_sent() {
-  const auto take = [this](process& from) {
-    for (auto& x : from.sent()) {
+  const auto take = [this](process_output& from) {
+    for (auto& x : from.sent) {
       if (x.to->supervises()) {
         arrivals_.add(x.when, {x.from, std::move(x.what)});
       } else {
@@ -291,15 +291,15 @@ void coordinator::take_over_sent() {
         x.to->timeouts().add(x.when, std::move(x.what));
       }
     }
-    from.sent().clear();
-    if (from.sent().capacity() > sent_capacity_max)
-      from.sent().shrink_to_fit();
-    std::ranges::move(from.to_be_said(), std::back_inserter(to_be_said_));
-    from.to_be_said().clear();
+    from.sent.clear();
+    if (from.sent.capacity() > sent_capacity_max)
+      from.sent.shrink_to_fit();
+    std::ranges::move(from.remarks, std::back_inserter(to_be_said_));
+    from.remarks.clear();
   };
-  take(supervisor());
+  take(supervisor().output());
   for (const auto& x : round_)
-    take(*x.who);
+    take(x.who->output());
 }
 
 void coordinator::update_next() {
@@ -339,7 +339,7 @@ void coordinator::meet(instant at) {
 }
 
 bool coordinator::somebody_is_stuck() const {
-  return std::ranges::any_of(processes_, [](const auto& x) { return x->anybody_ready(); });
+  return std::ranges::any_of(processes_, [](const auto& x) { return !x->queue().empty(); });
 }
 
 bool coordinator::gives_up(std::uint64_t turns) const {
@@ -352,9 +352,9 @@ bool coordinator::drain(std::size_t turns_max) {
   if (processes_.size() > 1)
     return drain_together(turns_max);
   const entered here(&supervisor());
-  while (supervisor().anybody_ready() && turns_max-- > 0)
+  while (!supervisor().queue().empty() && turns_max-- > 0)
     supervisor().give_turn();
-  return !supervisor().anybody_ready();
+  return supervisor().queue().empty();
 }
 
 bool coordinator::drain_together(std::size_t turns_max) {
@@ -406,7 +406,7 @@ void coordinator::accept_outside() {
   const entered here(&supervisor());
   for (auto& x : outside_.take()) {
     if (auto* const* of_caf = std::get_if<caf::resumable*>(&x))
-      supervisor().make_ready(*of_caf);
+      supervisor().queue().push(*of_caf);
     else
       clock_.apply(std::move(std::get<add_timeout>(x)));
   }
@@ -417,7 +417,7 @@ void coordinator::accept_outside() {
 void coordinator::close_clock() {
   for (const auto& x : processes_) {
     x->timeouts().close();
-    x->sent().clear();
+    x->output().sent.clear();
   }
   arrivals_.clear();
 }
@@ -427,9 +427,9 @@ void coordinator::kill_all() {
     accept_outside();
     bool any = false;
     for (const auto& x : processes_)
-      any = x->kill_all() || any;
+      any = x->queue().kill_all() || any;
     for (const auto& x : processes_)
-      x->sent().clear();
+      x->output().sent.clear();
     if (!any)
       return;
   }
@@ -450,7 +450,7 @@ std::optional<instant> coordinator::next_timeout() const {
 statistics coordinator::stats() const {
   statistics sum;
   for (const auto& x : processes_) {
-    sum.resumes += x->turns();
+    sum.resumes += x->queue().turns();
     sum.timeouts += x->timeouts().fired();
     sum.waiting += x->timeouts().size();
   }
@@ -461,7 +461,7 @@ statistics coordinator::stats() const {
 
 void coordinator::enqueue(caf::resumable* what) {
   if (outside_.at_home())
-    supervisor().make_ready(what);
+    supervisor().queue().push(what);
   else
     outside_.post(what);
 }

@@ -10,13 +10,11 @@
 #include <vector>
 
 #include <caf/actor_control_block.hpp>
-#include <caf/execution_unit.hpp>
-#include <caf/resumable.hpp>
 
 #include "core/time.hpp"
 #include "parallel/horizons.hpp"
-#include "parallel/ready_queue.hpp"
 #include "scheduler/messages/envelope_pool.hpp"
+#include "scheduler/run_queue.hpp"
 #include "scheduler/timeout_table.hpp"
 #include "scheduler/trace.hpp"
 
@@ -50,6 +48,18 @@ struct remark_later {
   std::function<void()> say;
 };
 
+/// What a process has for others, until the coordinator takes it over.
+struct process_output {
+  std::vector<crossing> sent;
+  std::vector<remark_later> remarks;
+};
+
+/// Who sees what is delivered to the actors of a process; nullptr: nobody.
+struct delivery_watch {
+  trace_part* trace = nullptr; ///< where deliveries are folded
+  delivery_tap* tap = nullptr; ///< sees all messages before they are delivered
+};
+
 /// One thread at a time runs it; nothing in it is for others at that time. The first of a
 /// coordinator is the supervisor: it sends to all others, and all others to it, without delay.
 class process {
@@ -75,7 +85,7 @@ public:
 
   /// When it does something next, if nobody sends it anything.
   [[nodiscard]] instant next() const {
-    return !ready_.empty() ? now() : timeouts_.next().value_or(parallel::never);
+    return !queue_.empty() ? now() : timeouts_.next().value_or(parallel::never);
   }
 
   /// Executes every event before `end`, but goes no further than an instant at which it has sent
@@ -88,20 +98,13 @@ public:
   /// Hands out what is due next, but gives nobody a turn. @pre it is due before never
   void fire_next();
 
-  /// @pre anybody_ready()
+  /// @pre somebody waits in the queue
   void give_turn();
 
-  [[nodiscard]] bool anybody_ready() const { return !ready_.empty(); }
-  void make_ready(actor& what);
-
-  /// Of CAF's own kinds. @param what with one reference count
-  void make_ready(caf::resumable* what) { ready_.push({nullptr, what}); }
+  [[nodiscard]] run_queue& queue() { return queue_; }
 
   /// The place of something that comes from the actor that has its turn. Not before now().
   [[nodiscard]] parallel::event_order order_of(instant due);
-
-  /// The same for who sees a process as one: what it has done is in the order in which it was done.
-  [[nodiscard]] parallel::event_order order_as_one(instant due);
 
   /// Delivers `content` at `due`, or now if that is past, unless it is moved or taken back before.
   /// It comes from nothing but the time. @pre the receiver is one of its own
@@ -114,78 +117,38 @@ public:
     return timeouts_.move(x, order_of(due));
   }
 
-  /// Takes it back; harmless if it was delivered.
-  void cancel(const movable_message& x) { timeouts_.cancel(x); }
-
   [[nodiscard]] timeout_table& timeouts() { return timeouts_; }
-  [[nodiscard]] const timeout_table& timeouts() const { return timeouts_; }
 
   /// Hands something to another process. @param due nothing: as soon as may be
   /// @throws std::logic_error if that process could be ahead of it already
   void send(process& to, timeout what, std::optional<instant> due);
 
-  [[nodiscard]] std::vector<crossing>& sent() { return sent_; }
-
   /// Says something to people in the order of time, whoever is ahead: now or soon.
   void say(std::function<void()> what);
-  [[nodiscard]] std::vector<remark_later>& to_be_said() { return to_be_said_; }
 
-  [[nodiscard]] caf::execution_unit& unit() { return unit_; }
-  [[nodiscard]] std::uint64_t turns() const { return turns_; }
-
-  /// Where deliveries to its actors are folded. @pre one was given
-  [[nodiscard]] trace_part& trace() { return *trace_; }
-  void trace(trace_part& x) { trace_ = &x; }
+  [[nodiscard]] process_output& output() { return output_; }
+  [[nodiscard]] delivery_watch& watch() { return watch_; }
+  [[nodiscard]] envelope_pool& envelopes() { return envelopes_; }
 
   /// Who has its turn, until the caller ends it.
   [[nodiscard]] traced_base* acting(traced_base* x) { return std::exchange(acting_, x); }
 
-  /// Who sees all messages to its actors before they are delivered; nullptr: nobody.
-  [[nodiscard]] delivery_tap* tap() const { return tap_; }
-  void tap(delivery_tap* x) { tap_ = x; }
-
-  /// Ends every actor that has had a turn or is about to. @returns whether there was any
-  bool kill_all();
-
 private:
-  friend class entered;
-
-  class execution final : public caf::execution_unit {
-  public:
-    execution(process& owner, caf::actor_system& system) : execution_unit(&system), owner_(owner) {}
-    void exec_later(caf::resumable* what) override { owner_.make_ready(what); }
-
-  private:
-    process& owner_;
-  };
-
-  /// Who waits for a turn, with one reference count: an actor of ours, or one of CAF's.
-  struct turn_taker {
-    actor* own = nullptr;
-    caf::resumable* of_caf = nullptr;
-  };
-
-  void give_turn(actor& whom);
-  void give_turn(caf::resumable* whom);
-  void remember(actor& whom);
+  /// The place of what is seen as done by the process, not by an actor: in the order in which it
+  /// was done.
+  [[nodiscard]] parallel::event_order order_as_one(instant due);
 
   coordinator& owner_;
   const std::size_t number_;
-  execution unit_;
   std::atomic<std::int64_t> now_ns_ = 0;
   envelope_pool envelopes_;
-  parallel::ready_queue<turn_taker> ready_;
+  run_queue queue_;
   timeout_table timeouts_;
-  std::vector<crossing> sent_;
-  std::vector<remark_later> to_be_said_;
+  process_output output_;
+  delivery_watch watch_;
   std::optional<instant> sent_supervisor_at_; ///< when it sent it something last
   traced_base* acting_ = nullptr;
   std::uint64_t sequence_ = 0;
-  std::uint64_t turns_ = 0;
-  trace_part* trace_ = nullptr;
-  delivery_tap* tap_ = nullptr;
-  std::vector<caf::weak_actor_ptr> roster_; ///< actors that have had a turn, dead ones weeded out
-  std::size_t roster_weeded_ = 64;          ///< size at which to weed again
 };
 
 /// While this lives, its thread executes events of that process.

@@ -10,7 +10,7 @@ namespace rubicon::scheduler {
 void ship(timeout& x, process& here) {
   auto* const receiver = actor_at(x.receiver);
   if (!x.content) {
-    here.make_ready(*receiver);
+    here.queue().push(*receiver);
     return;
   }
   const acting_on sent(x.from);

@@ -96,7 +96,7 @@ void traced_base::record(envelope& x, const traced_base* from, bool received) {
 }
 
 trace_part& traced_base::part() const {
-  return process_->trace();
+  return *process_->watch().trace;
 }
 
 traced_base::turn::turn(traced_base& whose) : process_(whose.process_) {

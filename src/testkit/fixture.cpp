@@ -18,7 +18,7 @@ fixture::fixture(delivery when)
       "test", std::make_shared<spdlog::sinks::ostream_sink_st>(log_));
   logger->set_pattern("%v");
   spdlog::set_default_logger(std::move(logger));
-  world_.scheduler().supervisor().tap(&mail_);
+  world_.scheduler().supervisor().watch().tap = &mail_;
 }
 
 fixture::~fixture() {

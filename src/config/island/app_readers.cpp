@@ -128,7 +128,7 @@ placed_app read_messenger(table_reader& in) {
   messenger_app app;
   in.all(app);
   check_channel(in, "am_type", app.am_type);
-  const auto* island = in.names().find(app.to.island);
+  const auto* island = in.shared().names->find(app.to.island);
   if (island != nullptr && !island->is_joined)
     in.problems().add(
         in.at("to"),

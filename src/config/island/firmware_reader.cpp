@@ -44,7 +44,7 @@ auto table_keys() {
 /// firmware = "blink.so", or firmware = { file = "blink.so" }
 std::optional<firmware_choice> read_choice(table_reader& in) {
   firmware_choice out;
-  const auto* given = in.value("firmware");
+  const auto* given = in.content().find("firmware");
   if (given != nullptr && given->as<node_table>() == nullptr) {
     in.all(out, plain_keys());
     out.at = in.at("firmware");

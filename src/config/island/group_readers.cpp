@@ -155,7 +155,7 @@ placed_app read_member(table_reader& in) {
   smepp::member_config app;
   placed_app out;
   in.all(app, member_group_keys());
-  if (in.is_good("group") && !in.names().groups.contains(app.group))
+  if (in.is_good("group") && !in.shared().names->groups.contains(app.group))
     in.problems().add(in.at("group"), "there is no [[smepp.group]] " + in_quotes(app.group));
   in.all(app);
   uniqueness<std::string> events;

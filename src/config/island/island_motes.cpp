@@ -73,7 +73,7 @@ mote_profile island_motes::read_profile_of(table_reader& in) {
   const bool known = in.is_good("type");
   mote_profile profile;
   profile.like.type = kind.number;
-  if (const auto* given = in.value("type"); !known && given != nullptr)
+  if (const auto* given = in.content().find("type"); !known && given != nullptr)
     if (const auto* name = given->as<std::string>())
       profile.like.type_name = *name; // others name the mote by it
   if (const auto found = with_.types.find(kind.name); found != with_.types.end()) {

@@ -178,9 +178,9 @@ void read_range(table_reader& in, radio::channel_config& out) {
   if (disk == nullptr)
     in.problems().add(in.at("range"), "`range` belongs to model = \"unit_disk\": "
                                       "[radio.propagation] has another");
-  else if (in.has("propagation") && in.value("propagation")->find("range") != nullptr)
+  else if (in.has("propagation") && in.content().find("propagation")->find("range") != nullptr)
     in.problems().add(in.at("range"), "`range` is in [radio.propagation] already " +
-                                          place_text(in.value("propagation")->find("range")->at));
+                                          place_text(in.content().find("propagation")->find("range")->at));
   else
     disk->range_m = found.range_m;
 }

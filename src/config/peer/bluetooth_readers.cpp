@@ -87,7 +87,7 @@ auto device_keys() {
 
 /// bluetooth = ["hci0"], or bluetooth = { adapter = "hci0" }
 void read_adapter_names(table_reader& in, peer_description& out) {
-  const auto* given = in.value("bluetooth");
+  const auto* given = in.content().find("bluetooth");
   if (given == nullptr || given->as<node_table>() != nullptr) {
     in.table("bluetooth", "[peer.bluetooth]", bluetooth_meaning,
              [&out](table_reader& x) { x.all(out, real_adapter_keys()); });
@@ -126,7 +126,7 @@ void check_real_adapter(const table_reader& in, run_mode mode, const peer_descri
 /// What a place is for.
 void check_place(const table_reader& in, const peer_description& x) {
   const bool is_simulated = in.has("bluetooth") && x.adapter.empty() &&
-                            in.value("bluetooth")->as<node_table>() == nullptr;
+                            in.content().find("bluetooth")->as<node_table>() == nullptr;
   if (is_simulated && !in.has("position_m"))
     in.problems().add(in.at("bluetooth"), "`bluetooth` needs a `position_m`");
   if (in.has("position_m") && !in.has("bluetooth"))

@@ -117,7 +117,7 @@ void read_identity(table_reader& in, surroundings& with, peer_table& out) {
 /// tcp = true, or tcp = { port = 8000 }
 void read_tcp(table_reader& in, const peer_table& peers, peer_surroundings& all,
               std::optional<tcp_listener>& out) {
-  const auto* given = in.value("tcp");
+  const auto* given = in.content().find("tcp");
   if (given != nullptr && given->as<node_table>() == nullptr) {
     in.expect("tcp");
     const auto* on = given->as<bool>();

@@ -259,7 +259,7 @@ void check_overlaps(const std::vector<placed_range>& all, complaints& problems) 
 /// The places of the tables at `key` by their names.
 std::map<std::string, mark, std::less<>> places_of(const table_reader& in, std::string_view key) {
   std::map<std::string, mark, std::less<>> out;
-  const auto* given = in.value(key);
+  const auto* given = in.content().find(key);
   const auto* array = given == nullptr ? nullptr : given->as<node_array>();
   if (array != nullptr)
     for (const auto& each : *array)

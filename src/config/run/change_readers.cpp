@@ -203,7 +203,7 @@ private:
 
   /// @returns whether it asks for what cannot change
   static bool refuse_fixed(table_reader& in) {
-    const auto* kind = in.value("kind");
+    const auto* kind = in.content().find("kind");
     const auto* word = kind == nullptr ? nullptr : kind->as<std::string>();
     const auto why = word == nullptr ? std::string_view() : why_fixed(*word);
     if (why.empty())
@@ -233,7 +233,7 @@ private:
     }
     const auto* mote = find(x.mote);
     if (mote == nullptr) {
-      if (const auto* of = in.names().find(x.mote.island); of != nullptr && !of->is_simulated)
+      if (const auto* of = in.shared().names->find(x.mote.island); of != nullptr && !of->is_simulated)
         refuse(in, "mote", "that island has a real sink: nothing of its motes is simulated");
       return nullptr; // otherwise reported elsewhere
     }
@@ -301,7 +301,7 @@ private:
       refuse(in, "to", "a link leads from one mote to another");
     else if (air_of(x.from.island) != air_of(x.to.island))
       refuse(in, "to", "the two use different radio media, which are isolated from each other");
-    if (const auto* of = in.names().find(x.from.island); of != nullptr && !of->is_simulated)
+    if (const auto* of = in.shared().names->find(x.from.island); of != nullptr && !of->is_simulated)
       refuse(in, "from", "that island has a real sink: its radio medium is not simulated");
   }
 

@@ -95,7 +95,7 @@ auto plan_keys() {
 
 /// What the clock shows is another time in each run, and it may change.
 void take_clock(table_reader& in, const ecology_description& x) {
-  const auto* given = in.value("start");
+  const auto* given = in.content().find("start");
   const auto* word = given == nullptr ? nullptr : given->as<std::string>();
   const auto* files = in.shared().files;
   const auto mode = files == nullptr ? x.mode : files->instead.mode.value_or(x.mode);
@@ -132,7 +132,7 @@ void read_ecology(table_reader& root, ecology_description& out) {
 }
 
 void check_end(table_reader& root, const ecology_description& x) {
-  const auto* run = root.value("ecology");
+  const auto* run = root.content().find("ecology");
   const auto* until = run == nullptr ? nullptr : run->find("until");
   if (until == nullptr || x.until == run_end::duration)
     return;

@@ -15,7 +15,7 @@ template <class Expectation>
 void check(const table_reader& /*in*/, Expectation& /*x*/) {}
 
 void check(const table_reader& in, stream_expectation& x) {
-  if (const auto* to = in.value("to"); to != nullptr && to->as<std::string>() != nullptr)
+  if (const auto* to = in.content().find("to"); to != nullptr && to->as<std::string>() != nullptr)
     x.to_name = *to->as<std::string>();
 }
 
@@ -190,7 +190,7 @@ expectation read_expectation(table_reader& in) {
 
 std::vector<located<std::string>> texts_at(const table_reader& in, std::string_view key,
                                            const std::vector<std::string>& texts) {
-  const auto* given = in.value(key);
+  const auto* given = in.content().find(key);
   const auto* array = given == nullptr ? nullptr : given->as<node_array>();
   std::vector<located<std::string>> out;
   for (std::size_t i = 0; i < texts.size(); ++i)

@@ -194,7 +194,7 @@ private:
   void check(table_reader& in, move_island_fault& x) const {
     check_joining(in, x.mote);
     refuse_further_sink(in, x.mote);
-    const auto* to = in.names().find(x.to);
+    const auto* to = in.shared().names->find(x.to);
     if (!in.sound() || to == nullptr)
       return;
     const auto refuse = [&in](std::string why) {
@@ -211,7 +211,7 @@ private:
   }
 
   void check(table_reader& in, crystal_step_fault& x) const {
-    if (const auto* of = in.names().find(x.mote.island); of != nullptr && !of->is_joined)
+    if (const auto* of = in.shared().names->find(x.mote.island); of != nullptr && !of->is_joined)
       in.problems().add(
           in.at("mote"),
           "a mote of an island with stack = \"mac\" or with a base station does not use its clock");
@@ -245,8 +245,8 @@ private:
                           "mote `" + mote->name + "` is no further sink: it has no `backbone`");
     }
     if (x.gateway)
-      x.island = in.names().island_of_gateway(*x.gateway)->id;
-    if (const auto* of = in.names().find(x.island); of != nullptr && !of->has_gateway)
+      x.island = in.shared().names->island_of_gateway(*x.gateway)->id;
+    if (const auto* of = in.shared().names->find(x.island); of != nullptr && !of->has_gateway)
       in.problems().add(in.at("island"), "an island with stack = \"mac\" has no serial cable");
   }
 
@@ -267,7 +267,7 @@ private:
   }
 
   static void refuse_real(table_reader& in, std::string_view key, island_id x) {
-    if (const auto* of = in.names().find(x); of != nullptr && !of->is_simulated)
+    if (const auto* of = in.shared().names->find(x); of != nullptr && !of->is_simulated)
       in.problems().add(in.at(key), "that island has a real sink: its motes and radio medium are "
                                     "not simulated, so they cannot fail");
   }
@@ -298,7 +298,7 @@ private:
     x.access = before.access;
     x.channel = before.channel;
     x.backbone = before.backbone;
-    if (const auto* of = in.names().find(island); of != nullptr && !of->is_joined)
+    if (const auto* of = in.shared().names->find(island); of != nullptr && !of->is_joined)
       refuse("in an island with stack = \"mac\" or with a base station a mote does not report its "
              "type");
     if (has_separate_app(before.apps) || has_separate_app(x.apps))
@@ -314,7 +314,7 @@ private:
 
   /// A mote that is to join an island is of one with a gateway.
   void check_joining(table_reader& in, const mote_address& x) const {
-    if (const auto* of = in.names().find(x.island); of != nullptr && !of->is_joined)
+    if (const auto* of = in.shared().names->find(x.island); of != nullptr && !of->is_joined)
       in.problems().add(in.at("mote"), "a mote of an island with stack = \"mac\" or with a base "
                                        "station does not join anything");
     if (const auto* mote = find(x); mote != nullptr && has_separate_app(mote->apps))
@@ -380,7 +380,7 @@ std::vector<fault_description> read_faults(table_reader& root, const surrounding
                   in.problems().add(in.at("at"), "`at` has no effect with `every` or `random`");
                 read_repetition(in, x);
                 fault_reader(with, islands, x.what).read(in);
-                const auto* kind = in.value("kind");
+                const auto* kind = in.content().find("kind");
                 const auto* word = kind == nullptr ? nullptr : kind->as<std::string>();
                 if (!varies || word == nullptr || !leaves_out(with.seed, *word))
                   out.push_back(std::move(x));

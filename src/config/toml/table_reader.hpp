@@ -113,9 +113,6 @@ public:
   [[nodiscard]] mark at(std::string_view key) const;
   [[nodiscard]] mark at() const { return table_.at; }
 
-  /// The value of `key`; nullptr if it has none.
-  [[nodiscard]] const node* value(std::string_view key) const { return table_.find(key); }
-
   /// Takes `key` for known without reading it.
   void expect(std::string_view key) { static_cast<void>(ask(key)); }
 
@@ -123,7 +120,6 @@ public:
   [[nodiscard]] bool sound() const { return shared_.problems.size() == problems_before_; }
 
   [[nodiscard]] complaints& problems() const { return shared_.problems; }
-  [[nodiscard]] const directory& names() const { return *shared_.names; }
   [[nodiscard]] reading& shared() const { return shared_; }
 
 private:

@@ -9,7 +9,7 @@ void place(actor& who, std::string path, process& where) {
 }
 
 caf::execution_unit* unit_of(process& x) {
-  return &x.unit();
+  return &x.queue().unit();
 }
 
 } // namespace rubicon::scheduler

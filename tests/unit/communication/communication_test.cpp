@@ -293,7 +293,7 @@ TEST_CASE("only its owner holds an AM type", "[communication][MCK-18][NFR-04]") 
   CHECK(x.api().send(255, own_mote.value, bytes{1}, true, user_am_type) == SUCCESS);
   loop_back(x);
   CHECK(x.program.messages.size() == 1);
-  CHECK(x.core.messages().counters().throttled == 1);
+  CHECK(x.core.ports().messages.core().counters().throttled == 1);
 }
 
 TEST_CASE("a program hears octets for addresses, and 0 for what is longer",
@@ -366,8 +366,8 @@ TEST_CASE("commands return at once, and events that a program does not handle do
   x.core.vectors().on_tick(1, x.now);
   CHECK(api.provide(user_am_type) == SUCCESS);
   CHECK(api.send(255, 65534, bytes{1}, true, user_am_type) == SUCCESS);
-  CHECK(x.core.messages().counters().received == 0); // the command has only begun it
+  CHECK(x.core.ports().messages.core().counters().received == 0); // the command has only begun it
   loop_back(x);
-  CHECK(x.core.messages().counters().received == 1);
-  CHECK(x.core.messages().counters().reliable_acked == 1);
+  CHECK(x.core.ports().messages.core().counters().received == 1);
+  CHECK(x.core.ports().messages.core().counters().reliable_acked == 1);
 }

@@ -453,8 +453,8 @@ TEST_CASE("a program that takes no events gets no reliable messages and loses ti
       {1, {communication::remote::initialised{true}, communication::remote::joined{self, true}}},
       here.now);
   send();
-  CHECK(here.core.messages().counters().throttled == 1);
-  CHECK(here.core.messages().counters().received == 0);
+  CHECK(here.core.ports().messages.core().counters().throttled == 1);
+  CHECK(here.core.ports().messages.core().counters().received == 0);
   process.on_events(*batch, here.now);
   port.on_commands(*process.flush());
   here.now += 5s;
@@ -465,7 +465,7 @@ TEST_CASE("a program that takes no events gets no reliable messages and loses ti
       here.core.on_packet(island_id{3}, packet.channel, packet.segment, here.now);
     }
   }
-  CHECK(here.core.messages().counters().received == 1);
+  CHECK(here.core.ports().messages.core().counters().received == 1);
 }
 
 TEST_CASE("of a program that is gone nothing stays at its node",

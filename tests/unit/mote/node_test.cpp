@@ -284,5 +284,5 @@ TEST_CASE("a mote takes no packet that is for another, and none before it has jo
   auto apart = lonely();
   CHECK(apart.on_frame(neighbour, network::am::local, frame_for(self).payload, {}, {}).empty());
   CHECK(apart.counters().misdirected == 1);
-  CHECK(apart.above().messages().counters().received == 0);
+  CHECK(apart.above().ports().messages.core().counters().received == 0);
 }

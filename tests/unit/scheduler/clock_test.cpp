@@ -19,7 +19,7 @@ TEST_CASE("messages that may be moved are set, moved and taken back one by one",
   const auto three = set(30ms, 3);
   CHECK(here.move(one, instant(25ms)));
   CHECK(here.move(three, instant(5ms)));
-  here.cancel(two);
+  here.timeouts().cancel(two);
   CHECK(!here.move(two, instant(15ms)));
   CHECK(world.scheduler().next_timeout() == instant(5ms));
   CHECK(world.stats().waiting == 2);
@@ -39,8 +39,8 @@ TEST_CASE("a message that was delivered cannot be moved, nor can who has its pla
   const auto second = here.schedule(instant(5ms), to.strong(), make_envelope(mark{2}));
   CHECK(!here.move(first, instant(9ms)));
   CHECK(!here.move(movable_message(), instant(9ms)));
-  here.cancel(first);
-  here.cancel(movable_message());
+  here.timeouts().cancel(first);
+  here.timeouts().cancel(movable_message());
   CHECK(here.move(second, instant(6ms)));
   world.run_for(1s);
   CHECK(log == events{{1ms, 1}, {6ms, 2}});
@@ -71,7 +71,7 @@ TEST_CASE("timeouts that alone keep an actor alive can be cancelled", "[schedule
   SECTION("one by one") {
     for (const auto& x : pending) {
       CHECK(counted_state::alive == 1);
-      here.cancel(x);
+      here.timeouts().cancel(x);
     }
   }
   SECTION("all") {
