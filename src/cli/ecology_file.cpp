@@ -16,6 +16,11 @@ namespace rubicon::cli {
 
 namespace {
 
+/// @pre it is loaded
+std::uint64_t seed_of(const config::loaded& x, const config::overrides& instead) {
+  return instead.seed.value_or(x.ecology->seed);
+}
+
 std::optional<ecology_file> load_bundle(const std::string& file, const config::overrides& instead,
                                         const config::extensions& known) {
   const auto bundle = read_bundle(file);
@@ -28,9 +33,10 @@ std::optional<ecology_file> load_bundle(const std::string& file, const config::o
   if (!loaded.problems.empty())
     return std::nullopt;
   auto warnings = config::warnings_of(loaded, bundle->name);
+  auto varied = config::variation_of(bundle->toml, instead.settings, seed_of(loaded, instead));
   return ecology_file{*std::move(loaded.ecology),
                       fold64().add(std::string_view(bundle->toml)).value(), std::move(warnings),
-                      bundle->toml};
+                      bundle->toml, std::move(varied)};
 }
 
 } // namespace
@@ -74,8 +80,9 @@ std::optional<ecology_file> load_or_complain(const std::string& file,
     return std::nullopt;
   auto warnings = config::warnings_of(loaded, name);
   const auto text = config::resolved_text(*read.text, instead.settings);
+  auto varied = config::variation_of(*read.text, instead.settings, seed_of(loaded, instead));
   return ecology_file{*std::move(loaded.ecology), fold64().add(std::string_view(text)).value(),
-                      std::move(warnings), *std::move(read.text)};
+                      std::move(warnings), *std::move(read.text), std::move(varied)};
 }
 
 } // namespace rubicon::cli

@@ -8,6 +8,7 @@
 
 #include "config/load.hpp"
 #include "config/plan/ecology.hpp"
+#include "config/run/variation.hpp"
 
 namespace rubicon::cli {
 
@@ -22,6 +23,7 @@ struct ecology_file {
   std::uint64_t text_hash = 0;                ///< fold64 of the file's octets, settings in place
   std::vector<config::problem> warnings = {}; ///< valid, but probably not what is meant
   std::string text = {};                      ///< the file's octets as they were read
+  config::variation varied = {};              ///< what the seed decides of it
 };
 
 /// Prints problems and warnings on standard error, one a line, at most 50 and then their count.

@@ -125,15 +125,17 @@ std::string violations_of(const swarm_page& x) {
   auto out = wide("<table>" + rows + "</table>");
   rows = head_row({{"seed", true}, {"invariant"}, {"observed"}, {"command to replay it"}});
   std::size_t shown = 0;
-  for (const auto& seed : x.failed)
+  for (const auto& seed : x.failed) {
+    const auto varied = seed.varied.empty() ? "" : " (" + seed.varied + ')';
     for (const auto& each : seed.violations) {
       if (++shown > violations_listed)
         continue;
-      rows += row({{std::to_string(seed.seed), true},
+      rows += row({{std::to_string(seed.seed) + varied, true},
                    {each.invariant, false, "long"},
                    {each.detail, false, "long"},
                    {seed.command, false, "long"}});
     }
+  }
   out += "<h3>By seed</h3>" + wide("<table>" + rows + "</table>");
   if (shown > violations_listed || x.failed.size() < x.failures)
     out += element("p", "… and more: `--json` lists them", "class='soft'");

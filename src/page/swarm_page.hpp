@@ -33,7 +33,8 @@ private:
 struct failed_seed {
   std::uint64_t seed = 0;
   std::vector<report::violation> violations;
-  std::string command; ///< that repeats it
+  std::string command;     ///< that repeats it
+  std::string varied = {}; ///< what the seed has decided of the file, `outage=12.3s, without crash`
 };
 
 /// A situation that some run is to come into ([[expect]] kind = "sometimes").

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "config/plan/labels.hpp"
+#include "config/run/variation.hpp"
 #include "core/address.hpp"
 #include "core/describe/fields.hpp"
 #include "core/numbers/delay_histogram.hpp"
@@ -590,8 +591,9 @@ inline constexpr std::size_t event_log_max = 400;
 /// One JSON object as docs/report.md describes it, with a newline at its end.
 [[nodiscard]] std::string to_json(const run_report& x);
 
-/// The same with the labels of the file that was run.
-[[nodiscard]] std::string to_json(const run_report& x, const config::label_table& labels);
+/// The same with the labels of the file that was run, and what its seed has decided of it.
+[[nodiscard]] std::string to_json(const run_report& x, const config::label_table& labels,
+                                  const config::variation& varied = {});
 
 /// The report a person reads. `width` is the terminal's, in characters (no line is longer, below 60
 /// it counts as 60); `colour` adds ANSI escapes. Names and values are printable()

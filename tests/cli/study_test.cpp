@@ -245,8 +245,45 @@ text = "miracle"
   CHECK((crashes > 0 && crashes < 12));
   CHECK(found.at("situations").at(0).at("runs") == crashes);
   CHECK(found.at("situations").at(1).at("first_seed") == nullptr);
+  CHECK(found.at("violations").empty());
   const auto first = found.at("situations").at(0).at("first_seed").get<int>();
   const auto replay = here.rubicon("run room.toml --set ecology.vary_faults=true --json --seed " +
                                    std::to_string(first));
   CHECK(nlohmann::json::parse(replay.out).at("expectations").at(0).at("met") == true);
+}
+
+TEST_CASE("a swarm says what a violating seed has drawn, and its replay the same",
+          "[cli][ACT-04]") {
+  const study_folder here;
+  std::ofstream(here.file("room.toml"), std::ios::app) << R"([[fault]]
+at = "30s"
+kind = "crash"
+mote = "room/meter"
+[[fault]]
+at = "40s"
+kind = "unplug"
+island = "room"
+for = "5s"
+[[expect]]
+kind = "delivery"
+at_least = 1
+)";
+  const auto all = here.rubicon("swarm room.toml --seeds 1..8 --vary-faults --json "
+                                "--set 'parameters.loss={ from = 0.4, to = 0.9 }'");
+  INFO(all.out);
+  CHECK(all.status == 1);
+  const auto found = nlohmann::json::parse(all.out);
+  REQUIRE(!found.at("violations").empty());
+  bool leaves_out = false;
+  for (const auto& each : found.at("violations")) {
+    const auto& varied = each.at("varied");
+    const auto loss = std::stod(varied.at("drawn").at("loss").get<std::string>());
+    CHECK((loss >= 0.4 && loss <= 0.9));
+    leaves_out = leaves_out || !varied.at("left_out").empty();
+    const auto command = each.at("replay").get<std::string>();
+    REQUIRE(command.starts_with("rubicon "));
+    const auto replay = here.rubicon(command.substr(8) + " --json");
+    CHECK(nlohmann::json::parse(replay.out).at("varied") == varied);
+  }
+  CHECK(leaves_out);
 }

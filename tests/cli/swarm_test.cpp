@@ -12,6 +12,7 @@
 #include "cli/print/swarm_text.hpp"
 #include "cli/swarm.hpp"
 #include "config/run/fault_variation.hpp"
+#include "config/run/variation.hpp"
 #include "report/print/text_layout.hpp"
 #include "support/catch.hpp"
 
@@ -282,6 +283,30 @@ TEST_CASE("each violation is one line", "[cli]") {
   CHECK(violation_lines({"a.toml"}, x) ==
         "seed 7  rule  broken  replay: rubicon run a.toml --seed 7\n"
         "seed 7  another\\x1b  line\\none  replay: rubicon run a.toml --seed 7\n");
+}
+
+TEST_CASE("a swarm says what the seed of a violation has drawn", "[cli][ACT-04]") {
+  swarm_words words{"a.toml"};
+  words.text = "[parameters]\nloss = { from = 0.1, to = 0.5 }\n[radio]\nloss = \"${loss}\"\n"
+               "[[fault]]\nkind = \"crash\"\n";
+  words.settings = {"ecology.vary_faults=true"};
+  std::uint64_t seed = 1;
+  while (!config::leaves_out(seed, "crash"))
+    ++seed;
+  const auto varied = config::variation_of(words.text, words.settings, seed);
+  const auto loss = varied.drawn.at("loss");
+  const auto lines = violation_lines(words, bad_outcome(seed));
+  CHECK(lines == "seed " + std::to_string(seed) + "  (loss=" + loss +
+                     ", without crash)  rule  broken  replay: " + replay_command(words, seed) +
+                     '\n');
+  swarm x({seed, seed});
+  REQUIRE(x.next());
+  swarm_json listed;
+  for (const auto& outcome : x.ended(bad_outcome(seed)))
+    listed.add(words, outcome);
+  const auto found =
+      nlohmann::json::parse(listed.text(x, words, 1s, false)).at("violations").at(0).at("varied");
+  CHECK(found == nlohmann::json{{"drawn", {{"loss", loss}}}, {"left_out", {"crash"}}});
 }
 
 TEST_CASE("progress tells how far, and which seeds failed", "[cli]") {

@@ -237,7 +237,7 @@ private:
     demand(footer.content.u32() == checksum(all_.substr(at_, footer_at + 25 - at_)),
            "checksum of the summary");
     std::map<std::uint16_t, schema> known;
-    std::map<std::uint16_t, mcap_channel> ways;
+    std::map<std::uint16_t, mcap_channel> declared;
     std::size_t indexed = 0;
     for (auto at = at_; at < footer_at;) {
       auto x = record_at(all_, at);
@@ -250,9 +250,9 @@ private:
       else if (x.code == 0x0e)
         read_offset(x.content);
       else
-        read_declaration(x, known, ways);
+        read_declaration(x, known, declared);
     }
-    demand(known == schemas && ways == channels, "other schemas or channels in the summary");
+    demand(known == schemas && declared == channels, "other schemas or channels in the summary");
     demand(indexed == chunks_.size(), "not all chunks are in the summary");
   }
 

@@ -85,9 +85,8 @@ std::variant<deployed_host, std::string> find_host(const config::ecology_descrip
 }
 
 /// Kinds of faults that each seed leaves out or not.
-std::vector<std::string> kinds_in(const std::string& file, const config::overrides& instead) {
-  const auto read = config::read_file(file, config::file_octets_max);
-  const auto found = config::resolve(read.text.value_or(""), file, instead.settings, instead.seed);
+std::vector<std::string> kinds_in(const swarm_words& x, std::uint64_t seed) {
+  const auto found = config::resolve(x.text, x.file, x.settings, seed);
   const auto* root = std::get_if<config::node>(&found);
   return root == nullptr ? std::vector<std::string>() : config::varied_kinds(*root);
 }
@@ -143,7 +142,8 @@ exit_status perform(const swarm_command& x) {
   if (x.varies_faults)
     words.settings.push_back("ecology." + std::string(config::vary_faults_key) + "=true");
   instead.settings = words.settings;
-  words.fault_kinds = kinds_in(x.file, instead);
+  words.text = config::read_file(x.file, config::file_octets_max).text.value_or("");
+  words.fault_kinds = kinds_in(words, x.seeds.first);
   if (!x.hosts.empty())
     return run_on_hosts(x, instead, words);
   const auto file = load_or_complain(x.file, instead, x.known);

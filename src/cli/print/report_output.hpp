@@ -3,6 +3,7 @@
 
 #include "cli/words/exit_status.hpp"
 #include "config/plan/labels.hpp"
+#include "config/run/variation.hpp"
 #include "report/report.hpp"
 
 namespace rubicon::cli {
@@ -17,8 +18,10 @@ struct report_form {
 };
 
 /// @param labels of the file that was run
+/// @param varied what its seed has decided of that file
 /// @returns its status; refused if it cannot be written
 [[nodiscard]] exit_status print_report(const report::run_report& x, const report_form& form,
-                                       const config::label_table& labels);
+                                       const config::label_table& labels,
+                                       const config::variation& varied = {});
 
 } // namespace rubicon::cli

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cli/print/progress_bar.hpp"
+#include "config/run/variation.hpp"
 #include "core/text/printable.hpp"
 #include "core/text/shell_word.hpp"
 
@@ -29,7 +30,8 @@ void swarm_output::add(const std::vector<seed_outcome>& due) {
     if (!command_.page_file.empty()) {
       figures_.add(x.seed, x.figures);
       if (!x.violations.empty() && failed_.size() < swarm::listed_max)
-        failed_.push_back({x.seed, x.violations, replay_command(words_, x.seed)});
+        failed_.push_back({x.seed, x.violations, replay_command(words_, x.seed),
+                           to_text(config::variation_of(words_.text, words_.settings, x.seed))});
     }
     if (command_.json)
       json_.add(words_, x);

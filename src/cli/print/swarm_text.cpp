@@ -5,10 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "config/run/fault_variation.hpp"
+#include "config/run/variation.hpp"
 #include "core/text/printable.hpp"
 #include "core/text/shell_word.hpp"
 #include "report/figures.hpp"
 #include "report/print/text_layout.hpp"
+#include "report/print/variation_json.hpp"
 #include "report/situation.hpp"
 
 namespace rubicon::cli {
@@ -80,9 +82,12 @@ std::string replay_command(const swarm_words& x, std::uint64_t seed) {
 
 std::string violation_lines(const swarm_words& x, const seed_outcome& outcome) {
   std::string text;
+  auto varied = to_text(config::variation_of(x.text, x.settings, outcome.seed));
+  if (!varied.empty())
+    varied = "  (" + printable(varied) + ')';
   for (const auto& found : outcome.violations)
-    text += "seed " + std::to_string(outcome.seed) + "  " + printable(found.invariant) + "  " +
-            printable(found.detail) + "  replay: " + replay_command(x, outcome.seed) + '\n';
+    text += "seed " + std::to_string(outcome.seed) + varied + "  " + printable(found.invariant) +
+            "  " + printable(found.detail) + "  replay: " + replay_command(x, outcome.seed) + '\n';
   return text;
 }
 
@@ -137,6 +142,9 @@ swarm_json::swarm_json() = default;
 swarm_json::~swarm_json() = default;
 
 void swarm_json::add(const swarm_words& words, const seed_outcome& x) {
+  if (x.violations.empty())
+    return;
+  const auto varied = config::variation_of(words.text, words.settings, x.seed);
   for (const auto& found : x.violations) {
     if (violations_.size() == swarm::listed_max) {
       ++left_out_;
@@ -147,6 +155,8 @@ void swarm_json::add(const swarm_words& words, const seed_outcome& x) {
                            {"invariant", found.invariant},
                            {"detail", found.detail},
                            {"replay", replay_command(words, x.seed)}});
+    if (!varied.empty())
+      violations_.back()["varied"] = report::variation_json(varied);
   }
 }
 

@@ -20,6 +20,7 @@ struct swarm_words {
   std::uint64_t jobs = 1;
   bool from_wall = false;                 ///< the file says wall: a replay must say virtual
   std::vector<std::string> settings = {}; ///< of --set
+  std::string text = {};                  ///< the file's octets
   /// That each run leaves out by chance ([ecology] vary_faults).
   std::vector<std::string> fault_kinds = {};
 };

@@ -72,6 +72,7 @@ std::string exported(const std::string& path, const explain::traces& all,
                      void (*write_to)(const explain::traces&, const exports::octets_out&)) {
   if (path.empty())
     return {};
+  errno = 0;
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   if (file)
     write_to(all, [&file](std::string_view octets) {
@@ -79,7 +80,8 @@ std::string exported(const std::string& path, const explain::traces& all,
     });
   file.close();
   return file ? std::string()
-              : path + ": cannot be written: " + std::generic_category().message(errno);
+              : path + ": cannot be written: " +
+                    std::generic_category().message(errno != 0 ? errno : EIO);
 }
 
 } // namespace

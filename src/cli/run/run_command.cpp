@@ -259,10 +259,11 @@ exit_status report_run(const run_command& x, ecology_file file) {
     viewed->attach(options, file.ecology);
   }
   const auto labels = file.ecology.labels;
+  const auto varied = file.varied;
   auto report = run_watched(std::move(file.ecology), std::move(options), console_of(stderr),
                             x.log_level != "off");
   watch.finish(report, command_of(x, report.seed), digest);
-  const auto status = print_report(report, {x.json, x.full, x.brief}, labels);
+  const auto status = print_report(report, {x.json, x.full, x.brief}, labels, varied);
   if (metrics)
     metrics->show(report); // a page may keep the process
   if (viewed && !report.interrupted)

@@ -52,7 +52,8 @@ class steered_run {
 public:
   steered_run(const run_command& x, ecology_file file, const io::line_socket* other)
       : known_(x.known), packed_(deploy::pack(x.file, x.instead, x.options.length, x.known).what),
-        labels_(file.ecology.labels), session_(facts_of(x, file.ecology), ports()) {
+        labels_(file.ecology.labels), varied_(file.varied),
+        session_(facts_of(x, file.ecology), ports()) {
     auto options = x.options;
     options.source = {x.file, to_hex(file.text_hash), x.deciding};
     options.handle_signals = false; // it waits for requests most of the time
@@ -76,6 +77,7 @@ public:
   }
 
   [[nodiscard]] const config::label_table& labels() const { return labels_; }
+  [[nodiscard]] const config::variation& varied() const { return varied_; }
 
 private:
   steering::run_ports ports() {
@@ -93,8 +95,8 @@ private:
                 },
             .fault = [this](const std::string& words, instant at) { return plan(words, at); },
             .look = [this] { return look_at(state_of<ecology_state>(run_->root()), now()); },
-            .report = [this] { return to_json(run_->report_so_far(), labels_); },
-            .finish = [this] { return to_json(finish(), labels_); }};
+            .report = [this] { return to_json(run_->report_so_far(), labels_, varied_); },
+            .finish = [this] { return to_json(finish(), labels_, varied_); }};
   }
 
   [[nodiscard]] instant now() { return run_->world().now(); }
@@ -122,6 +124,7 @@ private:
   config::extensions known_;
   deploy::bundle packed_;
   config::label_table labels_;
+  config::variation varied_;
   steering::session session_;
   std::optional<run_control> control_;
   std::optional<report::run_report> report_;
@@ -148,7 +151,7 @@ exit_status steer_by_file(const run_command& x, ecology_file file) {
     if (answer.find("\"ok\":false") != std::string::npos)
       return refuse(x.steer + ':' + std::to_string(number) + ": " + answer);
   }
-  return print_report(run.finish(), {x.json, x.full, x.brief}, run.labels());
+  return print_report(run.finish(), {x.json, x.full, x.brief}, run.labels(), run.varied());
 }
 
 } // namespace
@@ -169,7 +172,7 @@ exit_status run_steered(const run_command& x, ecology_file file) {
     if (!line || !other.write(run.session().on_line(*line)))
       return exit_status::interrupted; // nobody is left who could see the end
   }
-  return print_report(run.finish(), {x.json, x.full, x.brief}, run.labels());
+  return print_report(run.finish(), {x.json, x.full, x.brief}, run.labels(), run.varied());
 }
 
 } // namespace rubicon::cli

@@ -45,7 +45,7 @@ std::string why_not_repeated(const explain::header& x) {
   return {};
 }
 
-/// What the run of a record was told to replace.
+/// What the run of a record replaced in its file.
 config::overrides overrides_of(const explain::header& x) {
   config::overrides instead;
   instead.seed = x.seed;
@@ -70,6 +70,10 @@ std::vector<std::string> options_of(const explain::header& x) {
   return words;
 }
 
+std::string violation_text(const report::violation& x) {
+  return x.invariant + ": " + x.detail;
+}
+
 /// Runs of the record's ecology, as many at a time as there may be.
 class repeated_runs {
 public:
@@ -81,16 +85,16 @@ public:
     words_.insert(words_.end(), options.begin(), options.end());
   }
 
-  /// The run itself; nothing: it was interrupted.
+  /// The run itself; nothing: it was interrupted, or problem() says why.
   [[nodiscard]] std::optional<seed_outcome> repeat() {
     runs_.start(0, words_);
     while (!runs_.interrupted())
-      for (const auto& each : runs_.wait(1min))
-        return judge(seed_, each.how, each.real, each.overran);
+      if (const auto ended = runs_.wait(1min); !ended.empty())
+        return judged(ended.front());
     return std::nullopt;
   }
 
-  /// Nothing: it was interrupted.
+  /// Nothing: the same.
   [[nodiscard]] std::optional<study::future_count> count(const study::turning_point::question& x,
                                                          const report::violation& what) {
     study::future_count sum{x.at, 0, 0, std::nullopt};
@@ -110,6 +114,9 @@ public:
     return sum;
   }
 
+  /// Of a run without a report, which is neither with nor without the violation; empty: none.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+
 private:
   void start(duration at, std::uint64_t key) {
     auto words = words_;
@@ -117,14 +124,22 @@ private:
     runs_.start(key, words);
   }
 
-  /// @returns false: it was interrupted
+  std::optional<seed_outcome> judged(const child_runs::ended_run& x) {
+    auto out = judge(seed_, x.how, x.real, x.overran);
+    if (!out || !out->figures.empty())
+      return out;
+    problem_ = violation_text(out->violations.front());
+    return std::nullopt;
+  }
+
+  /// @returns false: it says nothing
   bool add(study::future_count& sum, const child_runs::ended_run& x,
            const report::violation& what) {
-    const auto judged = judge(seed_, x.how, x.real, x.overran);
-    if (!judged)
+    const auto found = judged(x);
+    if (!found)
       return false;
     ++sum.of;
-    if (std::ranges::any_of(judged->violations,
+    if (std::ranges::any_of(found->violations,
                             [&](const auto& each) { return is_same(each, what); }))
       ++sum.with;
     else
@@ -137,11 +152,8 @@ private:
   const std::uint64_t seed_;
   std::vector<std::string> words_;
   child_runs runs_;
+  std::string problem_;
 };
-
-std::string violation_text(const report::violation& x) {
-  return x.invariant + ": " + x.detail;
-}
 
 /// The first by time that has the words; of all without words. Else what there is.
 std::variant<report::violation, std::string> chosen_violation(std::vector<report::violation> all,
@@ -168,7 +180,7 @@ std::vector<std::string> replay_words(const explain::header& x) {
   return words;
 }
 
-/// @returns false: it was interrupted
+/// @returns false: a run said nothing
 bool find_turn(when_answer& to, repeated_runs& runs) {
   while (const auto next = to.found.next()) {
     const auto count = runs.count(*next, to.what);
@@ -198,9 +210,13 @@ exit_status perform(const when_command& x) {
     return refuse(about.file + " has changed since " + x.record +
                   " was written: record the run again");
   repeated_runs runs(x, about);
+  const auto stopped = [&] {
+    return runs.problem().empty() ? exit_status::interrupted
+                                  : refuse(x.record + ": " + runs.problem());
+  };
   const auto whole = runs.repeat();
   if (!whole)
-    return exit_status::interrupted;
+    return stopped();
   const auto found = chosen_violation(whole->violations, x.what);
   if (const auto* why = std::get_if<std::string>(&found))
     return refuse(x.record + ": " + *why);
@@ -209,7 +225,7 @@ exit_status perform(const when_command& x) {
                      study::turning_point(what.at.time_since_epoch(), about.length, x.within),
                      replay_words(about)};
   if (!find_turn(answer, runs))
-    return exit_status::interrupted;
+    return stopped();
   const auto output = console_of(stdout);
   const explain::text_style style{output.width, output.colour, output.room()};
   return print(stdout, x.json ? when_json(answer, all) : when_text(answer, all, style))

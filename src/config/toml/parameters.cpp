@@ -26,6 +26,12 @@ namespace {
 constexpr std::string_view opening = "${";
 constexpr std::size_t texts_octets_max = file_octets_max; ///< that parameters make, all together
 
+/// As a setting has it, and a text that names it.
+std::string value_text(const node& x) {
+  const auto* text = x.as<std::string>();
+  return text == nullptr ? describe(x) : *text;
+}
+
 /// Walks through a file, and remembers which parameters it names.
 class replacement {
 public:
@@ -85,8 +91,7 @@ private:
       const auto* value = find(x, std::string(rest.substr(at + 2, end - at - 2)));
       if (value == nullptr)
         return std::nullopt;
-      const auto* text = value->as<std::string>();
-      out += std::string(rest.substr(0, at)) + (text == nullptr ? describe(*value) : *text);
+      out += std::string(rest.substr(0, at)) + value_text(*value);
       rest.remove_prefix(end + 1);
     }
     return out + std::string(rest);
@@ -202,13 +207,16 @@ std::optional<node> drawn_parameter(const member& x, std::uint64_t seed, complai
 }
 
 /// Draws those that have a range. @returns whether all can be values of parameters
-bool check(node_table& parameters, std::uint64_t seed, complaints& problems) {
+bool check(node_table& parameters, std::uint64_t seed, complaints& problems,
+           parameter_values& drawn) {
   const auto before = problems.size();
   for (auto& each : parameters) {
     auto& x = each.value;
     if (x.as<node_table>() != nullptr) {
-      if (auto value = drawn_parameter(each, seed, problems))
+      if (auto value = drawn_parameter(each, seed, problems)) {
         x.content = std::move(value->content);
+        drawn.emplace(each.key, value_text(x));
+      }
       continue;
     }
     const auto* text = x.as<std::string>();
@@ -229,23 +237,25 @@ bool check(node_table& parameters, std::uint64_t seed, complaints& problems) {
 
 } // namespace
 
-void put_parameters(node& root, std::uint64_t seed, complaints& problems) {
+parameter_values put_parameters(node& root, std::uint64_t seed, complaints& problems) {
+  parameter_values drawn;
   const auto* found = root.find(parameters_key);
   if (found == nullptr)
-    return;
+    return drawn;
   const auto* parameters = found->as<node_table>();
   if (parameters == nullptr) {
     problems.add(found->at, "`parameters` must be a table, not " + describe(*found));
-    return;
+    return drawn;
   }
   auto known = *parameters; // it is taken out below
-  if (!check(known, seed, problems))
-    return;
+  if (!check(known, seed, problems, drawn))
+    return drawn;
   replacement all(known, problems);
   auto& members = std::get<node_table>(root.content);
   std::erase_if(members, [](const member& x) { return x.key == parameters_key; });
   all.put(root);
   all.doubt_unused();
+  return drawn;
 }
 
 } // namespace rubicon::config

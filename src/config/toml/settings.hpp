@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,10 +27,14 @@ void apply(const settings& all, node& root, complaints& problems);
 
 inline constexpr std::string_view parameters_key = "parameters";
 
+/// Names, and values as a setting has them: `outage`, `12.3s`.
+using parameter_values = std::map<std::string, std::string>;
+
 /// Puts the values of parameters where texts name them. A text that is `${NAME}` and nothing else
 /// becomes the value; within a longer text it is written as the file would, without quotes; `$${`
 /// is a plain `${`. The table itself is taken out; a file without it is left as it is.
-/// @param seed of the run, which decides those that are drawn
-void put_parameters(node& root, std::uint64_t seed, complaints& problems);
+/// @param seed of the run, which decides those that have a range
+/// @returns what these are
+parameter_values put_parameters(node& root, std::uint64_t seed, complaints& problems);
 
 } // namespace rubicon::config

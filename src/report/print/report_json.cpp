@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text/printable.hpp"
+#include "report/print/variation_json.hpp"
 #include "report/report.hpp"
 
 namespace rubicon::report {
@@ -252,8 +253,9 @@ std::string to_json(const run_report& x) {
   return to_json(x, {});
 }
 
-std::string to_json(const run_report& x, const config::label_table& labels) {
-  const json object{
+std::string to_json(const run_report& x, const config::label_table& labels,
+                    const config::variation& varied) {
+  json object{
       {"ecology", x.ecology},
       {"seed", x.seed},
       {"mode", x.mode},
@@ -295,6 +297,8 @@ std::string to_json(const run_report& x, const config::label_table& labels) {
       {"event_log_left_out", x.event_log_left_out},
       {"violations", array_of(x.violations)},
   };
+  if (!varied.empty())
+    object["varied"] = variation_json(varied);
   // Names and values may come from outside the process: octets that are not UTF-8 are replaced.
   return printable_json(object.dump(2, ' ', false, json::error_handler_t::replace)) + '\n';
 }

@@ -22,12 +22,12 @@ constexpr std::size_t least_left_shown = 5;
 constexpr std::size_t failures_shown = 10;
 constexpr std::size_t violations_shown = 40;
 
-void add_title(report_page& page, const run_report& x) {
+void add_title(report_page& page, const run_report& x, const std::string& varied) {
   page.line(x.ecology, look::strong);
   page.flow({rubicon::to_text(x.simulated) + " of " + x.mode + " time in " + real_time(x.wall_s) +
                  " (" + speed_factor(x.simulated, x.wall_s) + " real time)",
-             "seed " + std::to_string(x.seed), counted(x.events, "event"),
-             x.trace_hash.empty() ? "" : "trace " + x.trace_hash,
+             "seed " + std::to_string(x.seed) + (varied.empty() ? "" : " (" + varied + ')'),
+             counted(x.events, "event"), x.trace_hash.empty() ? "" : "trace " + x.trace_hash,
              x.ended_by.empty() ? "" : "ended by the flat battery of " + x.ended_by,
              x.interrupted ? "interrupted early" : "",
              x.reason.empty() ? "" : "not complete: " + x.reason});
@@ -523,7 +523,7 @@ std::string to_text(const run_report& x, std::size_t width, bool colour) {
 
 std::string to_text(const run_report& x, const text_options& options) {
   report_page page(options);
-  add_title(page, x);
+  add_title(page, x, to_text(options.varied));
   if (options.brief) {
     add_expectations(page, x);
     add_verdict(page, x);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "config/plan/labels.hpp"
+#include "config/run/variation.hpp"
 #include "report/report.hpp"
 
 namespace rubicon::report {
@@ -16,6 +17,7 @@ struct text_options {
   bool full = false;       ///< every row, and every line of the event log
   bool brief = false;      ///< only the verdict, with what the file expects
   config::label_table labels = {}; ///< shown beside names
+  config::variation varied = {};   ///< what the seed has decided of the file
 };
 
 /// The report a person reads. Whatever it leaves out it says so, unless it is brief.

@@ -24,13 +24,16 @@ TEST_CASE("a swarm's page shows how figures differ between seeds", "[page]") {
 
 TEST_CASE("a swarm's page shows what was violated, as data", "[page]") {
   const std::map<std::string, std::uint64_t> violations{{"<b>all joined</b>", 3}};
-  const std::vector<failed_seed> failed{
-      {19, {{instant{}, "<b>all joined</b>", "<script>"}}, "rubicon run 'a b.toml' --seed 19"}};
+  const std::vector<failed_seed> failed{{19,
+                                         {{instant{}, "<b>all joined</b>", "<script>"}},
+                                         "rubicon run 'a b.toml' --seed 19",
+                                         "loss=0.3, without crash"}};
   const auto html =
       html_of({"<i>.toml", "1..50", 50, 3, violations, seed_figures(), failed, "rubicon swarm"});
   CHECK(contains(html, "3 of 50 runs with violations"));
   CHECK(contains(html, "&lt;b&gt;all joined&lt;/b&gt;"));
   CHECK(contains(html, "rubicon run &#39;a b.toml&#39; --seed 19"));
+  CHECK(contains(html, "19 (loss=0.3, without crash)"));
   CHECK(contains(html, "… and more"));
   CHECK_FALSE(contains(html, "<script"));
   CHECK_FALSE(contains(html, "<i>"));

@@ -203,6 +203,14 @@ TEST_CASE("the text tells how fast it was, who lived and what the proxies say", 
   CHECK(contains(text, "timeout 1"));
 }
 
+TEST_CASE("a report says what the seed has drawn of the file", "[report][ACT-04]") {
+  const config::variation varied{{{"loss", "0.2"}}, {"crash"}};
+  CHECK(!json::parse(to_json(sample_report())).contains("varied"));
+  CHECK(json::parse(to_json(sample_report(), {}, varied)).at("varied") ==
+        json{{"drawn", {{"loss", "0.2"}}}, {"left_out", {"crash"}}});
+  CHECK(contains(to_text(sample_report(), {.varied = varied}), " (loss=0.2, without crash)"));
+}
+
 TEST_CASE("motes that only measure are counted apart", "[report]") {
   const auto x = test::lab_report();
   CHECK(x.motes_configured() == 5);
