@@ -158,8 +158,8 @@ void routing_table::merge(link_id link, peer_id host, route& known, const route&
     changes.push_back({host, kind::appeared});
   else if (known.magic != offered.magic)
     changes.push_back({host, kind::reborn});
-  else if (marked_.contains(host) && known.via == link && !is_sound(known, known.hops, offered) &&
-           offered.hops > known.hops)
+  else if (known.via == link && offered.hops > known.hops &&
+           !is_sound(known, known.hops, offered) && marked_.contains(host))
     changes.push_back({host, kind::moved}); // the neighbour has had to take a longer route
   take(host, known, offered);
 }

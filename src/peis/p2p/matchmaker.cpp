@@ -114,8 +114,15 @@ void matchmaker::manage(const occasion& x) {
   close_doubles(x);
   if (force_by_traffic(x))
     return;
+  const auto& config = own.config.connections;
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(
+      of_.links.all(), [](const auto& each) { return each.second.open && !each.second.always(); }));
+  if (count == config.links_suitable)
+    return; // whatever they are worth
   const auto links = link_options(x.now);
-  const auto decision = decide(links, host_options(x.now), own.config.connections, own.rng);
+  const auto hosts = count < config.links_suitable ? host_options(count < config.links_min, x.now)
+                                                   : std::vector<host_option>();
+  const auto decision = decide(links, hosts, config, own.rng);
   if (const auto* open = std::get_if<open_link_to>(&decision)) {
     static_cast<void>(of_.dials.connect(of_.hosts.find(open->host)->record, 0, x));
   } else if (const auto* worst = std::get_if<close_worst>(&decision)) {
@@ -174,18 +181,22 @@ std::vector<link_option> matchmaker::link_options(instant now) const {
   return options;
 }
 
-std::vector<host_option> matchmaker::host_options(instant now) {
+/// @param full_ones those as well that have as many links as they want
+std::vector<host_option> matchmaker::host_options(bool full_ones, instant now) {
   const auto& config = of_.own.config;
   std::vector<host_option> options;
   for (const auto& [id, x] : of_.hosts.all()) {
     const auto* way = of_.routes.routes().find(id);
-    if (way == nullptr || way->lost() || !of_.dials.may_try(id, host_wait_max, now) ||
+    if (way == nullptr || way->lost())
+      continue;
+    const unsigned connections =
+        way->connections == connections_unknown ? config.connections.links_min : way->connections;
+    const bool full = connections >= config.connections.links_suitable;
+    if ((full && !full_ones) || !of_.dials.may_try(id, host_wait_max, now) ||
         of_.dials.urls_to(x.record).empty())
       continue;
     const auto direct =
         of_.hosts.is_here(x.record) ? config.cost_same_host : config.cost_other_host;
-    const unsigned connections =
-        way->connections == connections_unknown ? config.connections.links_min : way->connections;
     options.push_back({id, way->hops, direct, connections});
   }
   return options;

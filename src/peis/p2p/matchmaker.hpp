@@ -59,7 +59,7 @@ private:
   [[nodiscard]] bool replace_least(const occasion& x);
   [[nodiscard]] bool busy_with(peer_id host) const;
   [[nodiscard]] std::vector<link_option> link_options(instant now) const;
-  [[nodiscard]] std::vector<host_option> host_options(instant now);
+  [[nodiscard]] std::vector<host_option> host_options(bool full_ones, instant now);
 
   means of_;
   instant next_manager_;
