@@ -84,6 +84,8 @@ public:
   [[nodiscard]] routing_changes on_heard(link_id link, peer_id host, std::int32_t magic,
                                          std::uint8_t hops, instant now);
 
+  [[nodiscard]] bool is_unsound(peer_id host) const { return unsound_.contains(host); }
+
   /// Hosts to which an unsound route was taken since the last call.
   [[nodiscard]] std::set<peer_id> take_unsound() { return std::exchange(unsound_, {}); }
 
@@ -129,6 +131,9 @@ public:
   /// What to send over `link`: routes that lead over it are left out (split horizon; a real kernel
   /// handles an absent entry as it handles hops 255).
   [[nodiscard]] std::vector<routing_entry> table_for(link_id link, std::uint8_t connections) const;
+
+  /// All routes, ascending by host, ourselves included.
+  [[nodiscard]] std::vector<routing_entry> snapshot() const;
 
 private:
   struct burial {

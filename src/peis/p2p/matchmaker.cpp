@@ -117,6 +117,8 @@ void matchmaker::manage(const occasion& x) {
   const auto& config = own.config.connections;
   const auto count = static_cast<std::size_t>(std::ranges::count_if(
       of_.links.all(), [](const auto& each) { return each.second.open && !each.second.always(); }));
+  if (count <= config.links_suitable)
+    of_.exchange.end_drains(); // no link is one too many any more
   if (count == config.links_suitable)
     return; // whatever they are worth
   const auto links = link_options(x.now);
@@ -125,9 +127,35 @@ void matchmaker::manage(const occasion& x) {
   const auto decision = decide(links, hosts, config, own.rng);
   if (const auto* open = std::get_if<open_link_to>(&decision)) {
     static_cast<void>(of_.dials.connect(of_.hosts.find(open->host)->record, 0, x));
-  } else if (const auto* worst = std::get_if<close_worst>(&decision)) {
-    of_.closer.close(worst->link, close_cause::unneeded, x);
+  } else if (std::holds_alternative<close_worst>(decision)) {
+    release(links, x);
   }
+}
+
+/// Closes the worst of too many links. In a large network many have routes over it: they are given
+/// time to take others.
+void matchmaker::release(std::span<const link_option> links, const occasion& x) {
+  std::vector<link_option> kept;
+  for (const auto& option : links) {
+    const auto until = of_.exchange.drained_at(option.link);
+    if (until && option.loss && *until <= x.now) {
+      of_.exchange.end_drain(option.link);
+      of_.closer.close(option.link, close_cause::unneeded, x);
+      return;
+    }
+    if (until && !option.loss)
+      of_.exchange.end_drain(option.link); // it has become the only one
+    if (!until || !option.loss)
+      kept.push_back(option);
+  }
+  const auto worst = worst_of(kept);
+  if (!worst || kept.size() <= of_.own.config.connections.links_suitable)
+    return;
+  const auto period = of_.own.config.routing_period;
+  if (of_.hosts.all().size() < hosts_many || !of_.health.is_marked(of_.links.at(worst->link)))
+    of_.closer.close(worst->link, close_cause::unneeded, x);
+  else
+    of_.exchange.drain(worst->link, x.now + of_.own.rng.between(2 * period, 3 * period));
 }
 
 bool matchmaker::is_better(const connection& a, const connection& b, instant now) const {
