@@ -273,8 +273,12 @@ routing_changes routing_table::unanswered(peer_id host, instant since, instant u
       erase_from(table, host);
     }
   }
-  if (known)
+  if (known) {
     let_go(host, at->second, since, changes);
+  } else if (const auto lost = lost_at_.find(host); lost != lost_at_.end() && since < lost->second) {
+    forget_loss(host); // lost while it was being probed
+    note_loss(host, since);
+  }
   graves_[host] = silent;
   return changes;
 }

@@ -136,6 +136,17 @@ TEST_CASE("a host that did not answer is lost since it was asked, and back with 
   CHECK(!routes.first_loss());
 }
 
+TEST_CASE("a host that was lost while it was asked is lost since then", "[peis][RTE-07]") {
+  auto routes = empty_table();
+  const routing_entry entries[] = {entry_of_far(10, 2)};
+  static_cast<void>(routes.on_table(left, 1, entries, instant{}));
+  routes.mark(far);
+  CHECK(kinds(routes.on_table(left, 1, {}, instant{3s})) == "l");
+  CHECK(routes.first_loss() == instant{3s});
+  CHECK(routes.unanswered(far, instant{2s}, instant{40s}).empty());
+  CHECK(routes.first_loss() == instant{2s});
+}
+
 TEST_CASE("ways at the metric limit and lost ones count as absent", "[peis][RTE-03]") {
   auto routes = empty_table();
   const routing_entry entries[] = {entry_of_far(10, 28)};
