@@ -275,7 +275,8 @@ routing_changes routing_table::unanswered(peer_id host, instant since, instant u
   }
   if (known) {
     let_go(host, at->second, since, changes);
-  } else if (const auto lost = lost_at_.find(host); lost != lost_at_.end() && since < lost->second) {
+  } else if (const auto lost = lost_at_.find(host);
+             lost != lost_at_.end() && since < lost->second) {
     forget_loss(host); // lost while it was being probed
     note_loss(host, since);
   }

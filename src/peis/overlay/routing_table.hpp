@@ -56,8 +56,8 @@ using routing_changes = std::vector<routing_change>;
 /// answers as well, and reports it unanswered(), or not.
 ///
 /// What is sent of a marked host that was lost is in doubt: neighbours that have yet to lose it may
-/// have received newer numbers of it than we have. It is entered when the host gives a sign of life,
-/// for which the owner probes it as well, or is the neighbour itself.
+/// have received newer numbers of it than we have. It is entered when the host gives a sign of
+/// life, for which the owner probes it as well, or is the neighbour itself.
 class routing_table {
 public:
   routing_table() = default;

@@ -188,12 +188,12 @@ void matchmaker::close_doubles(const occasion& x) {
 
 /// CM-03.
 bool matchmaker::force_by_traffic(const occasion& x) {
-  for (const auto& [id, each] : of_.hosts.all()) {
-    if (busy_with(id) && of_.dials.may_try(id, host_wait_max, x.now) &&
-        of_.dials.connect(each.record, connect_request::for_bandwidth, x))
-      return true;
-  }
-  return false;
+  const auto limit = of_.own.config.connections.forced_octets_per_second;
+  return std::ranges::any_of(of_.traffic.above(limit), [&](peer_id id) {
+    const auto* known = of_.hosts.find(id);
+    return known != nullptr && of_.dials.may_try(id, host_wait_max, x.now) &&
+           of_.dials.connect(known->record, connect_request::for_bandwidth, x);
+  });
 }
 
 std::vector<link_option> matchmaker::link_options(instant now) const {
