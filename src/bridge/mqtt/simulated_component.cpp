@@ -19,7 +19,6 @@ components::figures figures_of(const mqtt_bridge& x) {
   components::figures out;
   components::add_figures<bridge::mqtt_counters>(out, x.counters());
   components::add_figures<bridge::object_table_counters>(out, x.table().counters(), "objects ");
-  out.emplace_back("queue longest", static_cast<double>(x.queue().longest()));
   out.emplace_back("queue replaced", static_cast<double>(x.queue().replaced()));
   return out;
 }
