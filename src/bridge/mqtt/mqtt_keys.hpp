@@ -3,6 +3,7 @@
 
 #include "bridge/mqtt/broker_config.hpp"
 #include "bridge/mqtt/mqtt_config.hpp"
+#include "bridge/mqtt/simulated_events.hpp"
 #include "core/describe/keys.hpp"
 
 namespace rubicon::bridge {
@@ -66,6 +67,27 @@ inline auto keys_of(const topic_rule*) {
       keys::optional("member", &topic_rule::member, keys::text{100},
                      {"the value is this member of the JSON object that the payload is",
                       "the payload itself"}));
+}
+
+inline auto keys_of(const broker_restart*) {
+  return keys::of(
+      keys::required("restart", &broker_restart::keeps,
+                     keys::word<kept_messages>{
+                         {{"empty", kept_messages::none}, {"persistent", kept_messages::retained}}},
+                     "the simulated broker ends and begins again: without what it has retained, or "
+                     "with it"),
+      keys::required("at", &broker_restart::at, keys::time_span{0s, 24h * 365}, "when"));
+}
+
+inline auto keys_of(const other_publication*) {
+  return keys::of(
+      keys::required("topic", &other_publication::topic, keys::text{256},
+                     "that another client of the simulated broker publishes; without wildcards"),
+      keys::required("at", &other_publication::at, keys::time_span{0s, 24h * 365}, "when"),
+      keys::optional("payload", &other_publication::payload, keys::text{1024},
+                     {"what it publishes", "nothing"}),
+      keys::optional("retain", &other_publication::retain, keys::flag{},
+                     "the broker retains it for clients that subscribe later"));
 }
 
 inline keys::word<platform> platform_words() {
