@@ -129,13 +129,18 @@ class Client:
 
     def until(self, topic, part="", wait=20):
         """Waits until the newest payload of that topic contains the part; exits if none comes."""
+        if not self.comes(topic, part, wait):
+            sys.exit(f"{topic} has not come with `{part}`")
+
+    def comes(self, topic, part, wait):
+        """The same, but returns whether one has come."""
         end = time.monotonic() + wait
         if topic in self.seen and part in self.seen[topic]:
-            return
+            return True
         while found := self.message(max(0, end - time.monotonic())):
             if found[0] == topic and part in found[1]:
-                return
-        sys.exit(f"{topic} has not come with `{part}`")
+                return True
+        return False
 
     def end(self):
         self.socket.close()

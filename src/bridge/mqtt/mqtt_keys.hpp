@@ -11,11 +11,13 @@ namespace rubicon::bridge {
 inline auto keys_of(const mqtt_config*) {
   return keys::of(
       keys::optional("base", &mqtt_config::base, keys::name_text{},
-                     "first part of all own topics: bridges of one broker differ in it"),
+                     {"first part of all own topics: bridges of one broker differ in it",
+                      "`rubicon`"}),
       keys::optional("home_assistant", &mqtt_config::home_assistant, keys::flag{},
                      "announces objects to Home Assistant"),
       keys::optional("discovery", &mqtt_config::discovery, keys::name_text{},
-                     "first part of the topics that Home Assistant reads announcements from"),
+                     {"first part of the topics that Home Assistant reads announcements from",
+                      "`homeassistant`"}),
       keys::optional("remove_after", &mqtt_config::remove_after, keys::time_span{1s, 24h * 365},
                      "an object whose tuples have been deleted for so long, or that is not there "
                      "so long after a start, is removed from the broker"),
