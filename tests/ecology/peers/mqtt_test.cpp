@@ -103,33 +103,35 @@ private:
   std::uint64_t commands_ = 0;
 };
 
+/// What the broker has retained of a topic; empty: nothing.
+std::string retained_text(ecology& x, const std::string& topic) {
+  const auto& all = x.retained(pc);
+  const auto found = all.find(topic);
+  return found == all.end() ? std::string() : found->second;
+}
+
 /// Whether what the broker has of an object is what its tuples say.
 bool is_true(ecology& x, const std::string& name) {
-  const auto& all = x.retained(pc);
-  const auto text = [&all](const std::string& topic) {
-    const auto found = all.find(topic);
-    return found == all.end() ? std::string() : found->second;
-  };
   const auto status = x.tuple(pc, name + ".status");
   const bool active = status == "active";
-  if ((text("rubicon/" + name + "/availability") == online) != active)
+  if ((retained_text(x, "rubicon/" + name + "/availability") == online) != active)
     return false;
   if (!active)
     return true;
-  const auto state = nlohmann::json::parse(text("rubicon/" + name), nullptr, false);
+  auto state = nlohmann::json::parse(retained_text(x, "rubicon/" + name), nullptr, false);
   const auto temperature = x.tuple(pc, name + ".temperature");
   const auto outcome = x.tuple(pc, name + ".switch.outcome");
   return state.is_object() &&
-         all.contains(bridge::discovery_topic({"rubicon", "homeassistant"}, name)) &&
-         (!temperature || state["temperature"] == number_in(*temperature)) &&
+         !retained_text(x, bridge::discovery_topic({"rubicon", "homeassistant"}, name)).empty() &&
+         (!temperature || state["temperature"] == *number_in(*temperature)) &&
          (!outcome || state["switch_outcome"] == outcome->substr(outcome->rfind(' ') + 1));
 }
 
 bool all_is_true(ecology& x) {
-  if (!x.tuple(pc, "kernel.name") && !x.tuple(pc, "kitchen.fan.class")) // the PC is off
-    return x.retained(pc).at("rubicon/bridge/state") != online;
-  return x.retained(pc).at("rubicon/bridge/state") == online && is_true(x, "kitchen.fan") &&
-         is_true(x, "kitchen.climate");
+  const bool is_online = retained_text(x, "rubicon/bridge/state") == online;
+  if (!x.tuple(pc, "kernel.name")) // the PC is off
+    return !is_online;
+  return is_online && is_true(x, "kitchen.fan") && is_true(x, "kitchen.climate");
 }
 
 double figure(const report::run_report& x, const std::string& name) {
