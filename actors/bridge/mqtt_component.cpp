@@ -1,6 +1,7 @@
 #include "actors/bridge/mqtt_component.hpp"
 
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <optional>
 #include <string_view>
@@ -21,7 +22,7 @@ client_settings(const bridge::mqtt_settings& x) {
   const auto& broker = x.broker;
   const auto where = parse_host_port(broker.address);
   if (!where)
-    return broker.address + ": not HOST:PORT";
+    return x.place + ": " + broker.address + ": not HOST:PORT";
   io::mqtt_client_settings out;
   out.host = where->host;
   out.port = where->port;
@@ -31,10 +32,13 @@ client_settings(const bridge::mqtt_settings& x) {
   out.authority = path_of(broker.authority);
   out.certificate = path_of(broker.certificate);
   out.key = path_of(broker.key);
+  for (const auto* file : {&out.authority, &out.certificate})
+    if (!file->empty() && !std::ifstream(*file).good()) // of which libmosquitto says nothing
+      return x.place + ": " + *file + ": cannot be read";
   if (!out.key.empty()) {
     const auto key = io::read_secret(out.key); // libmosquitto reads it whoever has access to it
     if (const auto* why = std::get_if<io::no_secret>(&key))
-      return why->reason;
+      return x.place + ": " + why->reason;
   }
   if (broker.user.empty())
     return out;
@@ -42,7 +46,8 @@ client_settings(const bridge::mqtt_settings& x) {
                       ? io::secret_in_environment(bridge::password_variable)
                       : io::read_secret(path_of(broker.password_file));
   if (auto* why = std::get_if<io::no_secret>(&password))
-    return std::move(why->reason);
+    return x.place + ": " + why->reason +
+           (broker.password_file.empty() ? ": set it, or give `password_file` beside `user`" : "");
   out.password = std::get<std::string>(std::move(password));
   return out;
 }

@@ -33,6 +33,10 @@
 
 namespace rubicon {
 
+namespace bridge {
+class broker_site;
+} // namespace bridge
+
 namespace rfid {
 struct tag;
 } // namespace rfid
@@ -119,6 +123,8 @@ struct supervised_peer {
   bool powered = true;
   instant changed;                   ///< when it was last started or ended
   std::optional<instant> away_since; ///< when its newest life but this one ended
+  /// The simulated broker of its MQTT bridge, over all lives; nullptr: none.
+  std::shared_ptr<bridge::broker_site> broker;
 };
 
 /// What the process knows of itself.

@@ -254,17 +254,23 @@ struct peer_app_spawner {
     bridge::mqtt_bridge core(
         x.settings->bridge, std::move(classes),
         random_stream(all.seed, path("mqtt") + '#' + std::to_string(peer.incarnation)));
-    if (all.mode == config::run_mode::virtual_time)
-      return add_component<bridge::simulated_component>("mqtt", std::move(core));
+    const auto lives = static_cast<std::uint32_t>(number);
+    if (all.mode == config::run_mode::virtual_time) {
+      if (peer.broker == nullptr)
+        peer.broker = std::make_shared<bridge::broker_site>(x.settings->simulated);
+      return spawn_component(
+          "mqtt", lives,
+          std::make_shared<bridge::simulated_component>(std::move(core), peer.broker));
+    }
     auto client = client_settings(*x.settings);
     if (auto* why = std::get_if<std::string>(&client)) {
-      post(ecology_handle(self), request_unmet{path("mqtt"), std::move(*why)});
+      post(ecology_handle(self), request_unmet{path("mqtt"), std::move(*why), true});
       return;
     }
     auto real = std::make_shared<mqtt_component>(
         std::move(core), std::get<io::mqtt_client_settings>(std::move(client)));
     auto* const outside = real.get();
-    spawn_component("mqtt", 0, std::move(real), outside);
+    spawn_component("mqtt", lives, std::move(real), outside);
   }
 
   void operator()(const config::init_app& x) const {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "bridge/home_assistant/discovery.hpp"
@@ -34,6 +35,12 @@ struct bridge_peer {
         known.push_back(each);
     if (std::ranges::find(known, *name) != known.end())
       return *name;
+    if (who.in.names->ends.contains(*name)) {
+      who.complain(x, '`' + *name +
+                          "` is a gateway: a bridge needs a peer of its own, under "
+                          "[[peer]], with a link to it");
+      return std::nullopt;
+    }
     who.complain(x, "no peer is named `" + *name + '`' + suggestion(*name, known));
     return std::nullopt;
   }
@@ -106,6 +113,30 @@ void read_topics(table_reader& in, bridge::mqtt_config& out) {
             });
 }
 
+void read_simulated(table_reader& in, std::vector<bridge::simulated_event>& out) {
+  in.tables("simulated", "[[mqtt.simulated]]",
+            {"what happens at the simulated broker, in virtual time", "nothing"},
+            [&](table_reader& x) {
+              x.either([&out](auto event) { out.emplace_back(std::move(event)); },
+                       bridge::keys_of(static_cast<const bridge::broker_restart*>(nullptr)),
+                       bridge::keys_of(static_cast<const bridge::other_publication*>(nullptr)));
+              const auto* event =
+                  out.empty() ? nullptr : std::get_if<bridge::other_publication>(&out.back());
+              if (event != nullptr && x.is_good("topic") &&
+                  event->topic.find_first_of("+#") != std::string::npos)
+                x.problems().add(x.at("topic"), '`' + event->topic +
+                                                    "` has a wildcard: a client publishes to one "
+                                                    "topic");
+            });
+}
+
+void check_names(const table_reader& in, const bridge::mqtt_config& x) {
+  if (x.home_assistant && x.base == x.discovery && (in.is_good("base") || in.is_good("discovery")))
+    in.problems().add(in.at(in.has("base") ? "base" : "discovery"),
+                      "`base` and `discovery` must differ: below `discovery` are the topics of "
+                      "Home Assistant");
+}
+
 void check_broker(const table_reader& in, const bridge::broker_config& x) {
   const auto where = parse_host_port(x.address);
   if (in.is_good("broker") && (!where || where->host.empty()))
@@ -135,17 +166,21 @@ void read_mqtt(table_reader& root, ecology_description& out) {
                  });
         in.all(all->bridge);
         read_topics(in, all->bridge);
+        read_simulated(in, all->simulated);
         in.all(place, platform_keys());
         if (in.walks())
           return;
         check_broker(in, all->broker);
+        check_names(in, all->bridge);
         for (const auto& [name, as] : place.platforms.value_or(named_values<bridge::platform>())) {
           if (auto why = why_unfit(name.value, as, out.proxies); !why.empty())
             in.problems().add(name.at, std::move(why));
           all->bridge.platforms[name.value] = as;
         }
-        if (const auto* files = in.shared().files; files != nullptr)
+        if (const auto* files = in.shared().files; files != nullptr) {
           all->folder = std::filesystem::path(files->toml).parent_path().string();
+          all->place = files->toml + ':' + std::to_string(in.at().line);
+        }
         if (all->broker.client.empty())
           all->broker.client = all->bridge.base + '-' + place.peer;
         if (in.problems().empty())

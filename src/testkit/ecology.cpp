@@ -10,6 +10,7 @@
 #include "actors/peis/peis_peer.hpp"
 #include "actors/run/ecology_run.hpp"
 #include "actors/supervision/ecology.hpp"
+#include "bridge/mqtt/broker_site.hpp"
 #include "config/toml/document.hpp"
 #include "config/toml/problem_text.hpp"
 #include "report/fault_plan.hpp"
@@ -133,6 +134,13 @@ public:
     return handle ? &state_of<peis_peer_state>(handle).kernel : nullptr;
   }
 
+  const bridge::simulated_broker& broker_of(std::string_view name) {
+    const auto& site = supervised(name).broker;
+    if (site == nullptr)
+      throw failure(std::string(name) + " has no MQTT bridge");
+    return site->broker();
+  }
+
   peer_id id_of(std::string_view name) { return supervised(name).id; }
 
   const std::vector<report::logged_event>& log() {
@@ -254,6 +262,10 @@ std::optional<std::string> ecology::tuple(std::string_view peer, std::string_vie
   const auto* kernel = parts_->kernel_of(peer);
   const auto found = kernel == nullptr ? nullptr : kernel->reader().find(of, key);
   return found ? std::optional(std::string(found->text())) : std::nullopt;
+}
+
+const std::map<std::string, std::string>& ecology::retained(std::string_view peer) {
+  return parts_->broker_of(peer).retained();
 }
 
 bool ecology::logged(std::string_view who, std::string_view what) {

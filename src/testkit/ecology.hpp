@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -99,6 +100,10 @@ public:
   [[nodiscard]] std::optional<std::string> tuple(std::string_view peer, std::string_view key);
   [[nodiscard]] std::optional<std::string> tuple(std::string_view peer, std::string_view owner,
                                                  std::string_view key);
+
+  /// What the simulated broker of the peer's MQTT bridge has retained, by topic.
+  /// @throws failure if no peer is called so, or it has no bridge
+  [[nodiscard]] const std::map<std::string, std::string>& retained(std::string_view peer);
 
   /// As has_logged(), of the event log so far.
   [[nodiscard]] bool logged(std::string_view who, std::string_view what);

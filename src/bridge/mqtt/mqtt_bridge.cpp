@@ -6,72 +6,19 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/text/decimal.hpp"
+#include "bridge/mqtt/payloads.hpp"
 #include "core/text/name.hpp"
 
 namespace rubicon::bridge {
 
 namespace {
 
-constexpr std::size_t removals_max = 10'000;
 constexpr std::size_t list_max = 1000; ///< names in `bridge/devices`
 constexpr std::string_view availability_end = "/availability";
-
-std::string state_text(bool online) {
-  return online ? R"({"state":"online"})" : R"({"state":"offline"})";
-}
 
 bool is_prefix(std::string_view x) {
   return !x.empty() &&
          std::ranges::all_of(x, [](char c) { return c == '.' || is_name_character(c); });
-}
-
-/// A word or number of a command; nothing if it is neither.
-std::optional<std::string> word_in(const nlohmann::json& x) {
-  if (x.is_string())
-    return x.get<std::string>();
-  if (x.is_number())
-    return shortest_decimal(x.get<double>());
-  if (x.is_boolean())
-    return x.get<bool>() ? "on" : "off";
-  return std::nullopt;
-}
-
-std::optional<std::string> payload_text(const topic_rule& rule, std::string_view payload) {
-  std::string text(payload);
-  if (!rule.member.empty()) {
-    const auto parsed = nlohmann::json::parse(payload, nullptr, false);
-    if (!parsed.is_object() || !parsed.contains(rule.member))
-      return std::nullopt;
-    const auto word = word_in(parsed.at(rule.member));
-    if (!word)
-      return std::nullopt;
-    text = *word;
-  }
-  switch (rule.type) {
-  case payload_type::text:
-    return text.size() <= object_table::value_max ? std::optional(text) : std::nullopt;
-  case payload_type::number: {
-    const auto number = number_in(text);
-    return number ? std::optional(shortest_decimal(*number)) : std::nullopt;
-  }
-  case payload_type::flag: {
-    const auto word = folded(text);
-    if (word == "on" || word == "true" || word == "1")
-      return "on";
-    return word == "off" || word == "false" || word == "0" ? std::optional<std::string>("off")
-                                                           : std::nullopt;
-  }
-  }
-  return std::nullopt;
-}
-
-template <class Map>
-std::optional<instant> earliest_of(const Map& removals) {
-  std::optional<instant> out;
-  for (const auto& [what, at] : removals)
-    out = earliest(out, at);
-  return out;
 }
 
 } // namespace
@@ -81,7 +28,7 @@ mqtt_bridge::mqtt_bridge(mqtt_config config, std::vector<class_model> classes, r
       table_(std::move(classes)), rng_(rng), queue_(config_.rate) {}
 
 publication mqtt_bridge::last_will() const {
-  return {topic_of("bridge/state"), state_text(false)};
+  return {topic_of("bridge/state"), availability_payload(false)};
 }
 
 mqtt_outputs mqtt_bridge::sent(instant now) {
@@ -95,9 +42,9 @@ mqtt_outputs mqtt_bridge::sent(instant now) {
   return out;
 }
 
-void mqtt_bridge::publish_availability(std::string_view name, bool available) {
-  queue_.add(urgency::availability,
-             {topic_of(name) + std::string(availability_end), state_text(available)});
+void mqtt_bridge::publish_availability(urgency how, std::string_view name, bool available) {
+  queue_.add(how,
+             {topic_of(name) + std::string(availability_end), availability_payload(available)});
 }
 
 void mqtt_bridge::publish_state(const object& x) {
@@ -122,17 +69,17 @@ void mqtt_bridge::announce(const object& x) {
                 discovery_document(names_, table_.model(x), x, config_.platforms,
                                    label == config_.labels.end() ? x.name : label->second)});
   }
-  publish_availability(x.name, x.is_available());
+  publish_availability(urgency::availability, x.name, x.is_available());
   publish_state(x);
 }
 
 void mqtt_bridge::announce_all() {
   for (const auto* each : table_.all())
     announce(*each);
-  for (const auto& [name, at] : removals_)
-    publish_availability(name, false);
+  for (const auto& [name, at] : removals_.names())
+    publish_availability(urgency::leftover, name, false);
   publish_list();
-  queue_.add(urgency::state, {topic_of("bridge/state"), state_text(true)});
+  queue_.add(urgency::state, {topic_of("bridge/state"), availability_payload(true)});
 }
 
 void mqtt_bridge::plan_announcement(instant now) {
@@ -142,18 +89,20 @@ void mqtt_bridge::plan_announcement(instant now) {
 void mqtt_bridge::remove(const std::string& name) {
   ++counters_.removed;
   if (config_.home_assistant && table_.find(name) == nullptr) // else in another spelling
-    queue_.add(urgency::announcement, {discovery_topic(names_, name), {}});
-  queue_.add(urgency::availability, {topic_of(name) + std::string(availability_end), {}});
-  queue_.add(urgency::state, {topic_of(name), {}});
+    queue_.add(urgency::leftover, {discovery_topic(names_, name), {}});
+  queue_.add(urgency::leftover, {topic_of(name) + std::string(availability_end), {}});
+  queue_.add(urgency::leftover, {topic_of(name), {}});
 }
 
 mqtt_outputs mqtt_bridge::on_tuple(const components::news& x, instant now) {
   for (const auto& each : table_.on_tuple(x)) {
     if (each.what == change_kind::disappeared) {
-      removals_[each.name] = now + config_.remove_after;
       list_at_ = earliest(list_at_, now + list_pause);
-      if (connected_)
-        publish_availability(each.name, false);
+      const bool waits = removals_.add(each.name, now + config_.remove_after);
+      if (connected_ && waits)
+        publish_availability(urgency::availability, each.name, false);
+      else if (connected_)
+        remove(each.name);
       continue;
     }
     const auto* of = table_.find(each.name);
@@ -173,7 +122,7 @@ mqtt_outputs mqtt_bridge::on_tuple(const components::news& x, instant now) {
       announce(*of);
       list_at_ = earliest(list_at_, now + list_pause);
     } else if (each.what == change_kind::availability)
-      publish_availability(of->name, of->is_available());
+      publish_availability(urgency::availability, of->name, of->is_available());
     else
       publish_state(*of);
   }
@@ -195,6 +144,7 @@ mqtt_outputs mqtt_bridge::on_connected(instant now) {
   ++counters_.connections;
   queue_.clear();
   connected_ = true;
+  flood_.on_connected();
   is_announced_ = false;
   sweep_ends_ = now + sweep_time;
   announce_at_.reset();
@@ -219,37 +169,30 @@ void mqtt_bridge::on_disconnected() {
   sweep_ends_.reset();
 }
 
-/// What is retained comes at once after a subscription, and once.
-bool mqtt_bridge::is_flood(const delivery& x, instant now) {
-  if (x.retained)
-    return false;
-  if (now >= second_begins_ + 1s) {
-    second_begins_ = now;
-    in_second_ = 0;
-  }
-  return ++in_second_ > received_max;
-}
-
 mqtt_outputs mqtt_bridge::on_message(const delivery& x, instant now) {
   ++counters_.received;
   mqtt_outputs out;
   if (x.topic.size() > topic_max || x.payload.size() > payload_max)
     ++counters_.oversized;
-  else if (is_flood(x, now))
+  else if (!flood_.accepts(x.retained, now))
     ++counters_.flooded;
-  else if (convert(x, out))
-    return out;
-  else if (x.topic == config_.discovery + "/status")
-    on_birth(x.payload, now);
-  else if (x.topic.starts_with(config_.base + '/'))
-    on_own_topic(x, x.topic.substr(config_.base.size() + 1), now, out);
-  else if (x.topic.starts_with(config_.discovery + "/device/"))
-    on_announced(x, now);
   else
-    ++counters_.unknown_topics;
+    accept(x, now, out);
   auto more = sent(now);
   std::move(more.begin(), more.end(), std::back_inserter(out));
   return out;
+}
+
+void mqtt_bridge::accept(const delivery& x, instant now, mqtt_outputs& out) {
+  const bool becomes_tuple = convert(x, out);
+  if (config_.home_assistant && x.topic == config_.discovery + "/status")
+    on_birth(x.payload, now);
+  else if (x.topic.starts_with(config_.base + '/'))
+    on_own_topic(x, x.topic.substr(config_.base.size() + 1), now, out);
+  else if (config_.home_assistant && x.topic.starts_with(config_.discovery + "/device/"))
+    on_announced(x, now);
+  else if (!becomes_tuple)
+    ++counters_.unknown_topics;
 }
 
 void mqtt_bridge::on_birth(std::string_view payload, instant now) {
@@ -267,7 +210,7 @@ bool mqtt_bridge::convert(const delivery& x, mqtt_outputs& out) {
     if (rule.topic != x.topic)
       continue;
     any = true;
-    if (const auto text = payload_text(rule, x.payload))
+    if (const auto text = tuple_text(rule, x.payload))
       out.emplace_back(components::publish{rule.key, to_bytes(std::string_view(*text))});
     else
       ++counters_.bad_payloads;
@@ -280,8 +223,7 @@ void mqtt_bridge::on_announced(const delivery& x, instant now) {
   const auto own = config_.discovery + "/device/" + device_id(names_, "");
   if (!sweep_ends_ || !x.topic.starts_with(own) || x.payload.empty())
     return;
-  if (unnamed_.size() < removals_max)
-    unnamed_.try_emplace(std::string(x.topic), now + config_.remove_after);
+  static_cast<void>(unnamed_.add(std::string(x.topic), now + config_.remove_after));
 }
 
 void mqtt_bridge::on_own_topic(const delivery& x, std::string_view rest, instant now,
@@ -290,24 +232,23 @@ void mqtt_bridge::on_own_topic(const delivery& x, std::string_view rest, instant
   const auto name = rest.substr(0, slash);
   const auto what = slash == std::string_view::npos ? std::string_view() : rest.substr(slash);
   const auto* of = table_.find(name);
+  const bool is_set = what == "/set" || what.starts_with("/set/");
   if (what == availability_end) { // of an earlier life, or the bridge's own
     if (x.retained && !x.payload.empty() && (of == nullptr || of->name != name) &&
-        is_prefix(name) && removals_.size() < removals_max) {
-      removals_.try_emplace(std::string(name), now + config_.remove_after);
-      publish_availability(name, false);
-    }
-  } else if (of == nullptr)
+        is_prefix(name) && removals_.add(std::string(name), now + config_.remove_after))
+      publish_availability(urgency::leftover, name, false);
+  } else if (of == nullptr && !(is_set && x.retained)) // that is counted as such
     ++counters_.unknown_topics;
   else if (what == "/get") {
     if (!x.retained)
       publish_state(*of);
-  } else if (what == "/set" || what.starts_with("/set/"))
-    on_set(x, *of, what.substr(std::min<std::size_t>(what.size(), 5)), now, out);
+  } else if (is_set)
+    on_set(x, of, what.substr(std::min<std::size_t>(what.size(), 5)), now, out);
   else
     ++counters_.unknown_topics;
 }
 
-void mqtt_bridge::on_set(const delivery& x, const object& of, std::string_view input, instant now,
+void mqtt_bridge::on_set(const delivery& x, const object* of, std::string_view input, instant now,
                          mqtt_outputs& out) {
   if (x.payload.empty())
     return; // a retained command has been deleted
@@ -320,7 +261,7 @@ void mqtt_bridge::on_set(const delivery& x, const object& of, std::string_view i
     return;
   }
   if (!input.empty()) {
-    command(of, input, x.payload, now, out);
+    command(*of, input, x.payload, now, out);
     return;
   }
   const auto parsed = nlohmann::json::parse(x.payload, nullptr, false);
@@ -329,7 +270,7 @@ void mqtt_bridge::on_set(const delivery& x, const object& of, std::string_view i
     return;
   }
   for (const auto& [key, value] : parsed.items())
-    command(of, key, word_in(value).value_or(""), now, out);
+    command(*of, key, word_in(value).value_or(""), now, out);
 }
 
 void mqtt_bridge::command(const object& of, std::string_view input, std::string_view text,
@@ -353,7 +294,8 @@ void mqtt_bridge::command(const object& of, std::string_view input, std::string_
 
 mqtt_outputs mqtt_bridge::on_time(instant now) {
   mqtt_outputs out;
-  std::erase_if(open_, [now](const auto& each) { return each.second.expires <= now; });
+  counters_.commands_unanswered +=
+      std::erase_if(open_, [now](const auto& each) { return each.second.expires <= now; });
   if (announce_at_ && *announce_at_ <= now) {
     announce_at_.reset();
     announced_ = now;
@@ -368,25 +310,18 @@ mqtt_outputs mqtt_bridge::on_time(instant now) {
     if (config_.home_assistant)
       out.emplace_back(unsubscription{config_.discovery + "/device/+/config"});
   }
-  std::erase_if(removals_, [&](const auto& each) {
-    if (each.second > now)
-      return false;
+  for (const auto& each : removals_.take(now))
     if (connected_)
-      remove(each.first);
-    return true;
-  });
+      remove(each);
   if (list_at_ && *list_at_ <= now) {
     list_at_.reset();
     if (connected_)
       publish_list();
   }
-  std::erase_if(unnamed_, [&](const auto& each) {
-    if (each.second > now || sweep_ends_)
-      return false;
-    if (connected_)
-      queue_.add(urgency::announcement, {each.first, {}});
-    return true;
-  });
+  if (!sweep_ends_)
+    for (auto& each : unnamed_.take(now))
+      if (connected_)
+        queue_.add(urgency::leftover, {std::move(each), {}});
   auto more = sent(now);
   std::move(more.begin(), more.end(), std::back_inserter(out));
   return out;
@@ -396,11 +331,11 @@ std::optional<instant> mqtt_bridge::deadline() const {
   auto out = earliest(announce_at_, sweep_ends_);
   if (connected_)
     out = earliest(out, queue_.deadline());
-  out = earliest(out, earliest(list_at_, earliest_of(removals_)));
+  out = earliest(out, earliest(list_at_, removals_.deadline()));
   if (!sweep_ends_)
-    out = earliest(out, earliest_of(unnamed_));
-  for (const auto& [token, each] : open_)
-    out = earliest(out, each.expires);
+    out = earliest(out, unnamed_.deadline());
+  if (!open_.empty()) // tokens and times are in the same order
+    out = earliest(out, open_.begin()->second.expires);
   return out;
 }
 

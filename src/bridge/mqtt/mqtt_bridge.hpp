@@ -5,12 +5,13 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "bridge/mqtt/expiry_list.hpp"
+#include "bridge/mqtt/flood_limit.hpp"
 #include "bridge/mqtt/mqtt_config.hpp"
 #include "bridge/mqtt/publication_queue.hpp"
 #include "bridge/table/object_table.hpp"
@@ -47,17 +48,18 @@ struct mqtt_counters {
   std::uint64_t commands = 0;
   std::uint64_t commands_refused = 0; ///< not of the input's words and range, or too many in flight
   std::uint64_t writes_failed = 0;    ///< commands whose tuple could not be written
-  std::uint64_t commands_retained = 0; ///< published before the subscription: never executed
-  std::uint64_t unknown_topics = 0;    ///< of no object or input; dropped
-  std::uint64_t oversized = 0;         ///< dropped
-  std::uint64_t flooded = 0;           ///< more than received_max in a second; dropped
-  std::uint64_t bad_payloads = 0;      ///< of topics that become tuples: not of their type; dropped
-  std::uint64_t births = 0;            ///< of Home Assistant
-  std::uint64_t removed = 0;           ///< objects whose announcement has been removed
+  std::uint64_t commands_unanswered = 0; ///< without outcome within command_timeout
+  std::uint64_t commands_retained = 0;   ///< published before the subscription: never executed
+  std::uint64_t unknown_topics = 0;      ///< of no object or input; dropped
+  std::uint64_t oversized = 0;           ///< dropped
+  std::uint64_t flooded = 0;             ///< beyond flood_limit; dropped
+  std::uint64_t bad_payloads = 0; ///< of topics that become tuples: not of their type; dropped
+  std::uint64_t births = 0;       ///< of Home Assistant
+  std::uint64_t removed = 0;      ///< objects whose announcement has been removed
 };
 RUBICON_FIELDS(mqtt_counters, connections, published, received, commands, commands_refused,
-               writes_failed, commands_retained, unknown_topics, oversized, flooded, bad_payloads,
-               births, removed);
+               writes_failed, commands_unanswered, commands_retained, unknown_topics, oversized,
+               flooded, bad_payloads, births, removed);
 
 /// Topics, all retained, below `base`:
 ///   bridge/state        {"state":"online"}; the last will of the connection says `offline`
@@ -82,7 +84,6 @@ public:
   static constexpr std::size_t topic_max = 256;         ///< octets
   static constexpr std::size_t command_max = 1024;      ///< octets
   static constexpr std::size_t open_commands_max = 256;
-  static constexpr std::size_t received_max = 1000; ///< messages of a second, without retained ones
   static constexpr duration jitter = 1s;
   static constexpr duration sweep_time = 5s; ///< for which retained topics are read
   static constexpr duration birth_pause = 10s;
@@ -125,8 +126,8 @@ private:
   [[nodiscard]] mqtt_outputs sent(instant now);
   void announce_all();
   void announce(const object& x);
-  [[nodiscard]] bool is_flood(const delivery& x, instant now);
-  void publish_availability(std::string_view name, bool available);
+  void accept(const delivery& x, instant now, mqtt_outputs& out);
+  void publish_availability(urgency how, std::string_view name, bool available);
   void publish_state(const object& x);
   void publish_list();
   void remove(const std::string& name);
@@ -135,7 +136,8 @@ private:
   [[nodiscard]] bool convert(const delivery& x, mqtt_outputs& out);
   void on_own_topic(const delivery& x, std::string_view rest, instant now, mqtt_outputs& out);
   void on_announced(const delivery& x, instant now);
-  void on_set(const delivery& x, const object& of, std::string_view input, instant now,
+  /// @param of not nullptr, unless the message is retained
+  void on_set(const delivery& x, const object* of, std::string_view input, instant now,
               mqtt_outputs& out);
   void command(const object& of, std::string_view input, std::string_view text, instant now,
                mqtt_outputs& out);
@@ -151,12 +153,11 @@ private:
   std::optional<instant> sweep_ends_; ///< set: retained topics are being read
   std::optional<instant> list_at_;
   instant announced_{};                        ///< last time
-  std::map<std::string, instant> removals_;    ///< when, by name of the object
-  std::map<std::string, instant> unnamed_;     ///< the same, by topic of an announcement
+  expiry_list removals_;                       ///< of objects, by name
+  expiry_list unnamed_;                        ///< of announcements, by topic
   std::map<std::uint64_t, open_command> open_; ///< commands by token
   std::uint64_t last_token_ = 0;
-  instant second_begins_{}; ///< in which messages are counted
-  std::size_t in_second_ = 0;
+  flood_limit flood_;
   mqtt_counters counters_;
 };
 

@@ -3,6 +3,7 @@
 
 #include "bridge/mqtt/broker_config.hpp"
 #include "bridge/mqtt/mqtt_config.hpp"
+#include "bridge/mqtt/simulated_events.hpp"
 #include "core/describe/keys.hpp"
 
 namespace rubicon::bridge {
@@ -10,11 +11,13 @@ namespace rubicon::bridge {
 inline auto keys_of(const mqtt_config*) {
   return keys::of(
       keys::optional("base", &mqtt_config::base, keys::name_text{},
-                     "first part of all own topics: bridges of one broker differ in it"),
+                     {"first part of all own topics: bridges of one broker differ in it",
+                      "`rubicon`"}),
       keys::optional("home_assistant", &mqtt_config::home_assistant, keys::flag{},
                      "announces objects to Home Assistant"),
       keys::optional("discovery", &mqtt_config::discovery, keys::name_text{},
-                     "first part of the topics that Home Assistant reads announcements from"),
+                     {"first part of the topics that Home Assistant reads announcements from",
+                      "`homeassistant`"}),
       keys::optional("remove_after", &mqtt_config::remove_after, keys::time_span{1s, 24h * 365},
                      "an object whose tuples have been deleted for so long, or that is not there "
                      "so long after a start, is removed from the broker"),
@@ -66,6 +69,27 @@ inline auto keys_of(const topic_rule*) {
       keys::optional("member", &topic_rule::member, keys::text{100},
                      {"the value is this member of the JSON object that the payload is",
                       "the payload itself"}));
+}
+
+inline auto keys_of(const broker_restart*) {
+  return keys::of(
+      keys::required("restart", &broker_restart::keeps,
+                     keys::word<kept_messages>{
+                         {{"empty", kept_messages::none}, {"persistent", kept_messages::retained}}},
+                     "the simulated broker ends and begins again: without what it has retained, or "
+                     "with it"),
+      keys::required("at", &broker_restart::at, keys::time_span{0s, 24h * 365}, "when"));
+}
+
+inline auto keys_of(const other_publication*) {
+  return keys::of(
+      keys::required("topic", &other_publication::topic, keys::text{256},
+                     "that another client of the simulated broker publishes; without wildcards"),
+      keys::required("at", &other_publication::at, keys::time_span{0s, 24h * 365}, "when"),
+      keys::optional("payload", &other_publication::payload, keys::text{1024},
+                     {"what it publishes", "nothing"}),
+      keys::optional("retain", &other_publication::retain, keys::flag{},
+                     "the broker retains it for clients that subscribe later"));
 }
 
 inline keys::word<platform> platform_words() {

@@ -1,6 +1,5 @@
 #include "bridge/mqtt/publication_queue.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace rubicon::bridge {
@@ -11,7 +10,6 @@ void publication_queue::add(urgency how, publication x) {
     topics_[static_cast<std::size_t>(how)].push_back(at->first);
   else
     ++replaced_;
-  longest_ = std::max(longest_, payloads_.size());
 }
 
 void publication_queue::clear() {

@@ -22,8 +22,9 @@ struct publication {
   friend bool operator==(const publication&, const publication&) = default;
 };
 
-/// In order of urgency.
-enum class urgency : std::uint8_t { announcement, availability, state };
+/// In order of urgency. What earlier lives have left at the broker comes last: others may have
+/// written any amount of it.
+enum class urgency : std::uint8_t { announcement, availability, state, leftover };
 
 /// A newer payload for a topic replaces the one that waits, in its place, so the queue is as long
 /// as there are topics. In each slot a share of the messages of a second may leave.
@@ -42,16 +43,14 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const;
 
   [[nodiscard]] std::size_t size() const { return payloads_.size(); }
-  [[nodiscard]] std::size_t longest() const { return longest_; }
   [[nodiscard]] std::uint64_t replaced() const { return replaced_; }
 
 private:
   std::size_t per_slot_;
-  std::array<std::deque<std::string>, 3> topics_; ///< by urgency, in order
+  std::array<std::deque<std::string>, 4> topics_; ///< by urgency, in order
   std::map<std::string, std::string> payloads_;   ///< by topic
   instant slot_begins_{};                         ///< of the slot that is in progress or next
   std::size_t left_ = 0;                          ///< in that slot
-  std::size_t longest_ = 0;
   std::uint64_t replaced_ = 0;
 };
 

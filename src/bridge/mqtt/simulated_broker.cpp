@@ -50,15 +50,17 @@ void simulated_broker::unsubscribe(std::uint32_t client, const std::string& filt
     std::erase(found->second.filters, filter);
 }
 
-simulated_broker::deliveries simulated_broker::publish(const publication& x, bool retain) {
+simulated_broker::deliveries simulated_broker::publish(const publication& x, bool retain,
+                                                       std::uint32_t by) {
   if (retain && x.payload.empty())
     retained_.erase(x.topic);
   else if (retain)
     retained_[x.topic] = x.payload;
   deliveries out;
   for (const auto& [client, its] : sessions_)
-    if (std::ranges::any_of(its.filters,
-                            [&x](const auto& filter) { return filter_includes(filter, x.topic); }))
+    if (client != by && std::ranges::any_of(its.filters, [&x](const auto& filter) {
+          return filter_includes(filter, x.topic);
+        }))
       out.push_back({client, x.topic, x.payload, false});
   return out;
 }

@@ -35,7 +35,8 @@ public:
   /// @returns what is retained
   [[nodiscard]] deliveries subscribe(std::uint32_t client, const std::string& filter);
   void unsubscribe(std::uint32_t client, const std::string& filter);
-  [[nodiscard]] deliveries publish(const publication& x, bool retain);
+  /// @param by the client, which does not receive it; 0: another one
+  [[nodiscard]] deliveries publish(const publication& x, bool retain, std::uint32_t by = 0);
 
   /// All connections end.
   /// @param persistent what is retained is still there afterwards

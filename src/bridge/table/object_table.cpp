@@ -136,12 +136,19 @@ std::vector<change> object_table::on_deleted(const place& at, const components::
     ++counters_.disappeared;
     return {std::move(gone)};
   }
+  change out{change_kind::value, what.name, {}};
   if (at.suffix == "status") {
     what.status.clear();
-    return {{change_kind::availability, what.name, {}}};
-  }
-  what.values.erase(at.suffix);
-  return {{change_kind::value, what.name, {}}};
+    out.what = change_kind::availability;
+  } else if (at.suffix.ends_with(outcome_suffix))
+    what.outcomes.erase(at.suffix.substr(0, at.suffix.size() - outcome_suffix.size()));
+  else
+    what.values.erase(at.suffix);
+  if (found->second.known)
+    return {std::move(out)};
+  if (what.status.empty() && what.values.empty() && what.outcomes.empty())
+    entries_.erase(found);
+  return {};
 }
 
 std::vector<change> object_table::on_value(entry& at, const std::string& suffix,

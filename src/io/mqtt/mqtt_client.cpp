@@ -93,7 +93,7 @@ public:
     duration pause = pause_min;
     while (!ends()) {
       const auto result = connection();
-      if (result.was_connected)
+      if (result.has_lasted)
         pause = pause_min;
       std::unique_lock lock(mutex_);
       changed_.wait_for(lock, result.is_refused ? refused_pause : pause, [this] { return ends_; });
@@ -107,6 +107,7 @@ public:
 private:
   struct connection_end {
     bool was_connected = false;
+    bool has_lasted = false;
     bool is_refused = false;
   };
 
@@ -157,7 +158,8 @@ private:
     if (cause.empty() && out.was_connected)
       session.close();
     out.is_refused = session.is_refused();
-    end_life(std::move(cause), session.oversized());
+    out.has_lasted = out.was_connected && clock::now() > opened + lasting;
+    end_life(std::move(cause), out.is_refused, session.oversized());
     return out;
   }
 
@@ -166,18 +168,25 @@ private:
     ++life_;
     is_connected_ = true;
     is_reported_ = false;
+    is_refusal_reported_ = false;
     report(mqtt_connected{});
   }
 
-  void end_life(std::string cause, std::uint64_t oversized) {
+  void end_life(std::string cause, bool is_refused, std::uint64_t oversized) {
     const std::lock_guard lock(mutex_);
     counters_.oversized += oversized;
     counters_.not_sent += outbox_.size();
     counters_.queue_full += std::exchange(overflowed_, false) ? 1 : 0;
     outbox_.clear();
-    if (std::exchange(is_connected_, false))
+    counters_.refused += is_refused ? 1 : 0;
+    if (std::exchange(is_connected_, false)) {
       ++life_;
-    if (!std::exchange(is_reported_, true))
+      ++counters_.lost;
+    }
+    const bool is_news = !is_reported_ || (is_refused && !is_refusal_reported_);
+    is_reported_ = true;
+    is_refusal_reported_ = is_refusal_reported_ || is_refused;
+    if (is_news)
       report(mqtt_disconnected{std::move(cause)});
   }
 
@@ -218,6 +227,7 @@ private:
   bool has_ended_ = false;
   bool is_connected_ = false;
   bool is_reported_ = false; ///< that there is no connection
+  bool is_refusal_reported_ = false;
   bool overflowed_ = false;
   bool was_full_ = false;
   std::uint64_t life_ = 0;      ///< changes when a connection begins, and when it ends

@@ -29,7 +29,7 @@ struct mqtt_client_settings {
 };
 
 struct mqtt_connected {};
-/// Once until the next connection, however often it is tried.
+/// Once until the next connection, however often it is tried; and once if the broker refuses it.
 struct mqtt_disconnected {
   std::string cause;
 };
@@ -42,13 +42,16 @@ using mqtt_event = std::variant<mqtt_connected, mqtt_disconnected, mqtt_message>
 
 struct mqtt_client_counters {
   std::uint64_t attempts = 0;    ///< to connect
-  std::uint64_t sent = 0;        ///< publications
+  std::uint64_t refused = 0;     ///< of them, by the broker: a wrong password, or no permission
+  std::uint64_t lost = 0;        ///< connections that have ended
+  std::uint64_t sent = 0;        ///< publications and subscriptions
   std::uint64_t not_sent = 0;    ///< of a connection that has ended, or refused by the library
   std::uint64_t oversized = 0;   ///< received and dropped
   std::uint64_t queue_full = 0;  ///< connections closed since too much waited to be sent
   std::uint64_t read_pauses = 0; ///< while received messages waited for take()
 };
-RUBICON_FIELDS(mqtt_client_counters, attempts, sent, not_sent, oversized, queue_full, read_pauses);
+RUBICON_FIELDS(mqtt_client_counters, attempts, refused, lost, sent, not_sent, oversized, queue_full,
+               read_pauses);
 
 /// Speaks MQTT 5 at quality of service 0. All it publishes is retained; it does not receive what it
 /// publishes itself.
@@ -58,7 +61,8 @@ RUBICON_FIELDS(mqtt_client_counters, attempts, sent, not_sent, oversized, queue_
 /// the next one all is published anew.
 ///
 /// The pause before another attempt doubles from 250 ms to 2 s; it is 30 s while the broker refuses
-/// this client.
+/// this client, and not shorter than before if the connection lasted less than `lasting`: two
+/// clients of the same id would end each other's.
 class mqtt_client {
 public:
   static constexpr std::size_t payload_max = 64 * 1024; ///< octets; the broker keeps longer ones
@@ -68,6 +72,7 @@ public:
   static constexpr duration pause_min = 250ms;
   static constexpr duration pause_max = 2s;
   static constexpr duration refused_pause = 30s;
+  static constexpr duration lasting = 5s;
 
   /// Begins to connect. @param wake called when take() has something, from the client's thread
   mqtt_client(mqtt_client_settings settings, std::function<void()> wake);

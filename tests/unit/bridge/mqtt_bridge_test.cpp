@@ -139,7 +139,7 @@ TEST_CASE("a write that fails is counted apart from refused commands", "[bridge]
 TEST_CASE("of a flood the first thousand messages of a second are read", "[bridge][mqtt]") {
   auto x = with_fan();
   const auto now = start + 10s;
-  for (std::size_t i = 0; i < mqtt_bridge::received_max + 5; ++i)
+  for (std::size_t i = 0; i < flood_limit::received_max + 5; ++i)
     static_cast<void>(x.on_message({"rubicon/kitchen.f/get", "x"}, now));
   CHECK(x.counters().flooded == 5);
   CHECK(writes_in(x.on_message({"rubicon/kitchen.f/set/switch", "on"}, now)).empty());
@@ -256,4 +256,87 @@ TEST_CASE("filters of subscriptions have wildcards for one level and for the res
   CHECK(filter_includes("a/#", "a"));
   CHECK(!filter_includes("#", "$SYS/x"));
   CHECK(!filter_includes("a/b", "a"));
+}
+
+TEST_CASE("a birth message of Home Assistant may become a tuple as well", "[bridge][mqtt]") {
+  mqtt_config config;
+  config.topics = {{"homeassistant/status", "home.state", payload_type::text, ""}};
+  auto x = with_fan(config);
+  const auto outputs = x.on_message({"homeassistant/status", "online"}, start + 20s);
+  REQUIRE(outputs.size() == 1);
+  CHECK(std::get<components::publish>(outputs[0]).key == "home.state");
+  CHECK(x.counters().births == 1);
+  CHECK(x.counters().unknown_topics == 0);
+}
+
+TEST_CASE("a command without outcome is counted after a minute", "[bridge][mqtt]") {
+  auto x = with_fan();
+  const auto now = start + 10s;
+  const delivery message{"rubicon/kitchen.f/set/switch", "on"};
+  REQUIRE(writes_in(x.on_message(message, now)).size() == 1);
+  REQUIRE(writes_in(x.on_message(message, now + 30s)).size() == 1);
+  static_cast<void>(run_until(x, now + mqtt_bridge::command_timeout));
+  CHECK(x.counters().commands_unanswered == 1);
+  static_cast<void>(x.on_tuple(bridged_news("kitchen.f.switch.outcome", "on sent"), now + 61s));
+  static_cast<void>(run_until(x, now + 2min));
+  CHECK(x.counters().commands_unanswered == 1);
+}
+
+TEST_CASE("a flood of retained messages costs no more than its limits", "[bridge][mqtt]") {
+  auto x = bridge_of();
+  static_cast<void>(x.on_connected(start));
+  std::size_t sent = 0;
+  for (std::size_t i = 0; i < flood_limit::retained_max + 5; ++i) {
+    const auto topic = "rubicon/kitchen.g" + std::to_string(i) + "/availability";
+    sent += x.on_message({topic, R"({"state":"online"})", true}, start).size();
+  }
+  CHECK(x.counters().flooded == 5);
+  CHECK(sent <= 190);
+  CHECK(x.queue().size() <= expiry_list::names_max);
+  x.on_disconnected();
+  static_cast<void>(x.on_connected(start + 1s));
+  static_cast<void>(x.on_message({"rubicon/kitchen.f/set", "{}", true}, start + 1s));
+  CHECK(x.counters().flooded == 5);
+}
+
+TEST_CASE("objects that disappear in great numbers are removed at once beyond a limit",
+          "[bridge][mqtt]") {
+  auto x = bridge_of();
+  static_cast<void>(x.on_connected(start));
+  static_cast<void>(run_until(x, start + 8s));
+  for (std::size_t i = 0; i <= expiry_list::names_max; ++i) {
+    const auto key = "kitchen.f" + std::to_string(i) + ".class";
+    static_cast<void>(x.on_tuple(bridged_news(key, "fan"), start + 10s));
+    static_cast<void>(x.on_tuple(test::bridged_deletion(key), start + 10s));
+  }
+  CHECK(x.counters().removed == 1);
+}
+
+TEST_CASE("a list of names returns each once, and is limited", "[bridge][mqtt]") {
+  expiry_list x;
+  CHECK(!x.deadline());
+  CHECK(x.add("a", start + 2s));
+  CHECK(x.add("a", start + 9s)); // keeps its time
+  CHECK(x.add("b", start + 1s));
+  CHECK(x.deadline() == start + 1s);
+  x.erase("b");
+  CHECK(x.take(start + 1s).empty());
+  CHECK(x.deadline() == start + 2s);
+  CHECK(x.take(start + 2s) == std::vector<std::string>{"a"});
+  CHECK(!x.deadline());
+  for (std::size_t i = 0; i < expiry_list::names_max; ++i)
+    REQUIRE(x.add(std::to_string(i), start + 3s));
+  CHECK(!x.add("one more", start + 3s));
+  CHECK(x.take(start + 3s).size() == expiry_list::names_max);
+}
+
+TEST_CASE("a payload of many brackets is no value, and harms nobody", "[bridge][mqtt]") {
+  mqtt_config config;
+  config.topics = {{"z/lamp", "lamp.power", payload_type::number, "power"}};
+  auto x = bridge_of(config);
+  const auto half = mqtt_bridge::payload_max / 2;
+  const auto nested = std::string(half, '[') + std::string(half, ']');
+  CHECK(x.on_message({"z/lamp", nested}, start).empty());
+  CHECK(x.on_message({"z/lamp", std::string(half, '[')}, start).empty());
+  CHECK(x.counters().bad_payloads == 2);
 }

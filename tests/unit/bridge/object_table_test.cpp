@@ -78,3 +78,19 @@ TEST_CASE("an input accepts its words in any letter case and numbers in its rang
   CHECK(!accepted(fan.inputs[1], "100001"));
   CHECK(!accepted(fan.inputs[1], "nan"));
 }
+
+TEST_CASE("an outcome that is deleted is not shown, and nothing stays of an object without class",
+          "[bridge]") {
+  object_table x(bridged_classes(), 1);
+  static_cast<void>(x.on_tuple(bridged_news("kitchen.g.status", "active")));
+  static_cast<void>(x.on_tuple(bridged_news("kitchen.f.class", "fan")));
+  CHECK(x.counters().table_full == 1);
+  static_cast<void>(x.on_tuple(bridged_deletion("kitchen.g.status")));
+  static_cast<void>(x.on_tuple(bridged_news("kitchen.f.class", "fan")));
+  REQUIRE(x.find("kitchen.f") != nullptr);
+  static_cast<void>(x.on_tuple(bridged_news("kitchen.f.switch.outcome", "on acknowledged")));
+  CHECK(x.find("kitchen.f")->outcomes.size() == 1);
+  static_cast<void>(x.on_tuple(bridged_deletion("kitchen.f.switch.outcome")));
+  CHECK(x.find("kitchen.f")->outcomes.empty());
+  CHECK(x.find("kitchen.f")->inputs.at("switch") == "on");
+}

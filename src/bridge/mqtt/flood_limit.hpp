@@ -1,0 +1,34 @@
+// How many messages of a broker a bridge reads.
+#pragma once
+
+#include <cstddef>
+
+#include "core/time.hpp"
+
+namespace rubicon::bridge {
+
+class flood_limit {
+public:
+  static constexpr std::size_t received_max = 1000;   ///< in a second, without retained ones
+  static constexpr std::size_t retained_max = 50'000; ///< after a connection
+
+  void on_connected() { retained_ = 0; }
+
+  /// Another message has come. @returns whether it is within the limits
+  [[nodiscard]] bool accepts(bool retained, instant now) {
+    if (retained)
+      return retained_ < retained_max && ++retained_ > 0;
+    if (now >= second_begins_ + 1s) {
+      second_begins_ = now;
+      in_second_ = 0;
+    }
+    return in_second_ < received_max && ++in_second_ > 0;
+  }
+
+private:
+  instant second_begins_{}; ///< in which messages are counted
+  std::size_t in_second_ = 0;
+  std::size_t retained_ = 0;
+};
+
+} // namespace rubicon::bridge
