@@ -37,7 +37,7 @@ using ros2_outputs = std::vector<ros2_output>;
 struct ros2_counters {
   std::uint64_t connections = 0;
   std::uint64_t failures = 0;    ///< connections that have ended, and attempts that failed
-  std::uint64_t published = 0; ///< messages, with those that their queues have dropped
+  std::uint64_t published = 0;   ///< messages, with those that their queues have dropped
   std::uint64_t clocks = 0;      ///< messages of `/clock`
   std::uint64_t bad_values = 0;  ///< texts of tuples that do not fit the type; not published
   std::uint64_t unconnected = 0; ///< values while there was no connection; not published then

@@ -44,7 +44,7 @@ components::news service_news(std::uint64_t watch, std::string_view key, std::st
   return {watch, fan_peer, key, text, false};
 }
 
-simulated_ros2 with_fan() {
+simulated_ros2 served_fan() {
   simulated_ros2 x(ros2_bridge(ros2_with_services(), random_stream(1)), service_peer);
   static_cast<void>(x.start(start));
   static_cast<void>(x.on_tuple(service_news(1, "kitchen.fan.switch", "off"), start));
@@ -59,7 +59,7 @@ const components::write& only_write(const components::outputs& from) {
 } // namespace
 
 TEST_CASE("a call of a service is written once and answered with its outcome", "[bridge][ros2]") {
-  auto x = with_fan();
+  auto x = served_fan();
   const auto outputs = x.call("/fan/set", "c1", R"({"data":true})", start);
   const auto& write = only_write(outputs);
   CHECK(write.owner == fan_peer);
@@ -76,7 +76,7 @@ TEST_CASE("a call of a service is written once and answered with its outcome", "
 }
 
 TEST_CASE("a call whose write fails, or that has no outcome, is answered so", "[bridge][ros2]") {
-  auto x = with_fan();
+  auto x = served_fan();
   const auto outputs = x.call("/fan/set", "c1", R"({"data":false})", start);
   static_cast<void>(x.on_written(only_write(outputs).token, "timeout of the peer", start));
   CHECK(x.server().answers().at("c1") == R"({"message":"timeout of the peer","success":false})");
@@ -92,7 +92,7 @@ TEST_CASE("a call whose write fails, or that has no outcome, is answered so", "[
 }
 
 TEST_CASE("a goal is a service with a request and an answer of its own", "[bridge][ros2]") {
-  auto x = with_fan();
+  auto x = served_fan();
   static_cast<void>(x.on_tuple(service_news(3, "robot.goal", "none"), start));
   const auto outputs = x.call("/robot/go", "c1", R"({"place":{"name":"at kitchen"}})", start);
   CHECK(only_write(outputs).text == "at kitchen");
@@ -101,7 +101,7 @@ TEST_CASE("a goal is a service with a request and an answer of its own", "[bridg
 }
 
 TEST_CASE("calls that are open are limited, and lost with their connection", "[bridge][ros2]") {
-  auto x = with_fan();
+  auto x = served_fan();
   for (std::size_t i = 0; i <= ros2_services::open_max; ++i)
     static_cast<void>(x.call("/fan/set", "c" + std::to_string(i), R"({"data":true})", start));
   CHECK(x.core().services().calls_failed == 1);

@@ -6,7 +6,7 @@
 
 #include "bridge/ros2/ros2_bridge.hpp"
 #include "core/overloads.hpp"
-#include "require.hpp"
+#include "fuzz/require.hpp"
 
 namespace {
 
