@@ -81,7 +81,13 @@ struct ros2_checker {
   }
 };
 
-void read_publications(table_reader& in, bridge::ros2_config& out) {
+/// So that the check of tuples knows what the bridge does with this one.
+void note_use(const table_reader& x, const std::string& who, const std::string& key) {
+  if (x.is_good("key"))
+    x.shared().seen.uses.push_back({who, key, x.at("key")});
+}
+
+void read_publications(table_reader& in, const std::string& who, bridge::ros2_config& out) {
   uniqueness<std::string> taken;
   in.tables("publish", "[[ros2.publish]]", {"tuples as topics of ROS", "none"},
             [&](table_reader& x) {
@@ -99,6 +105,7 @@ void read_publications(table_reader& in, bridge::ros2_config& out) {
                 check.complain("topic", "`/clock` is published by `clock`");
               if (x.is_good("topic"))
                 taken.add(topic, "topic `" + topic + '`', x.at("topic"), x.problems());
+              note_use(x, who + " publishes", rule.key);
               out.publications.push_back(std::move(rule));
             });
 }
@@ -133,7 +140,7 @@ void read_subscriptions(table_reader& in, bridge::ros2_config& out) {
             });
 }
 
-void read_offers(table_reader& in, bridge::ros2_config& out) {
+void read_offers(table_reader& in, const std::string& who, bridge::ros2_config& out) {
   uniqueness<std::string> taken;
   in.tables("service", "[[ros2.service]]", {"services that write tuples", "none"},
             [&](table_reader& x) {
@@ -151,6 +158,7 @@ void read_offers(table_reader& in, bridge::ros2_config& out) {
               if (x.is_good("service"))
                 taken.add(bridge::absolute_name(out.name_space, rule.service),
                           "service `" + rule.service + '`', x.at("service"), x.problems());
+              note_use(x, who + " writes", rule.key);
               out.offers.push_back(std::move(rule));
             });
 }
@@ -185,9 +193,10 @@ void read_ros2(table_reader& root, ecology_description& out) {
                 in.all(place, ros2_place_keys());
                 in.all(*all);
                 in.all(all->bridge);
-                read_publications(in, all->bridge);
+                const auto who = "the ROS 2 bridge of " + place.peer;
+                read_publications(in, who, all->bridge);
                 read_subscriptions(in, all->bridge);
-                read_offers(in, all->bridge);
+                read_offers(in, who, all->bridge);
                 read_requests(in, all->bridge);
                 if (in.walks())
                   return;

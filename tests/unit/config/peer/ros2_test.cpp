@@ -4,6 +4,7 @@
 
 #include "bridge/ros2/ros2_settings.hpp"
 #include "config/checks/tuple_keys.hpp"
+#include "config/checks/warnings.hpp"
 #include "config/run/summary.hpp"
 #include "support/catch.hpp"
 #include "unit/config/sample.hpp"
@@ -125,4 +126,21 @@ service = "ab"
 type = "my_srvs/AB"
 #      ^ `my_srvs/srv/AB` needs `request`
 )");
+}
+
+TEST_CASE("a tuple that nobody publishes is pointed out where a bridge to ROS 2 has it",
+          "[config][ros2]") {
+  const auto x = load_text(std::string(test::head) + R"([[ros2]]
+peer = "pc"
+publish = [{ key = "scan.back", topic = "back", type = "std_msgs/Bool" }]
+subscribe = [{ topic = "/front", type = "std_msgs/Bool", key = "scan.front" }]
+)",
+                           "t.toml", {}, {});
+  REQUIRE(x.problems.empty());
+  const auto warnings = warnings_of(x, "t.toml");
+  REQUIRE(warnings.size() == 1);
+  const auto text = to_string(warnings[0]);
+  CAPTURE(text);
+  CHECK(text.find("the ROS 2 bridge of pc publishes `scan.back`, a tuple that no component "
+                  "publishes") != std::string::npos);
 }
