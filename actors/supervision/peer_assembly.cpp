@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "actors/bridge/mqtt_component.hpp"
+#include "actors/bridge/ros2_component.hpp"
 #include "actors/island/mote.hpp"
 #include "actors/messages/programs.hpp"
 #include "actors/messages/services.hpp"
@@ -20,7 +21,11 @@
 #include "apps/tables.hpp"
 #include "bridge/mqtt/mqtt_settings.hpp"
 #include "bridge/mqtt/simulated_component.hpp"
+#include "bridge/ros2/ros2_settings.hpp"
+#include "bridge/ros2/simulated_ros2.hpp"
+#include "core/text/host_port.hpp"
 #include "goal/component.hpp"
+#include "io/process/machine.hpp"
 #include "peis/wire/host_record.hpp"
 #include "peis/wire/link_url.hpp"
 #include "peis/wire/package.hpp"
@@ -271,6 +276,28 @@ struct peer_app_spawner {
         std::move(core), std::get<io::mqtt_client_settings>(std::move(client)));
     auto* const outside = real.get();
     spawn_component("mqtt", lives, std::move(real), outside);
+  }
+
+  /// In virtual time the rosbridge is simulated.
+  void operator()(const config::ros2_app& x) const {
+    const auto& all = self->state.description;
+    random_stream rng(all.seed, path("ros2") + '#' + std::to_string(peer.incarnation));
+    if (all.mode == config::run_mode::virtual_time)
+      return add_component<bridge::simulated_ros2>(
+          "ros2", bridge::ros2_bridge(x.settings->bridge, rng), peer.id);
+    const auto server = parse_host_port(x.settings->server);
+    if (!server) {
+      post(ecology_handle(self),
+           request_unmet{path("ros2"), x.settings->server + ": not HOST:PORT"});
+      return;
+    }
+    const auto epoch =
+        std::chrono::microseconds(io::system_clock_us()) - now(self).time_since_epoch();
+    auto real = std::make_shared<ros2_component>(
+        bridge::ros2_bridge(x.settings->bridge, rng, epoch), peer.id,
+        io::web_client_settings{server->host, server->port, x.settings->path});
+    auto* const outside = real.get();
+    spawn_component("ros2", 0, std::move(real), outside);
   }
 
   void operator()(const config::init_app& x) const {

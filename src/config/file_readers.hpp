@@ -119,6 +119,9 @@ void check_object_manager(const table_reader& root, const std::vector<peer_descr
 /// [mqtt], as an app of its peer. @param out has its peers, proxies and labels
 void read_mqtt(table_reader& root, ecology_description& out);
 
+/// [[ros2]], as apps of their peers. @param out has its peers
+void read_ros2(table_reader& root, ecology_description& out);
+
 /// app = "rfid_reader" of a peer.
 [[nodiscard]] rfid::reader_config read_rfid_reader(table_reader& in, std::string_view peer_name);
 

@@ -90,6 +90,7 @@ ecology_description read_file_tables(table_reader& in, const named_files& files)
   out.proxies = read_proxies(in, files.known.programs, out.islands, out.peers, with.labels);
   out.labels = std::move(with.labels);
   read_mqtt(in, out);
+  read_ros2(in, out);
   out.tags = read_tags(in);
   check_object_manager(in, out.peers, out.proxies);
   out.faults = read_faults(in, with, out.islands);

@@ -12,40 +12,14 @@
 #include "bridge/mqtt/mqtt_keys.hpp"
 #include "bridge/mqtt/mqtt_settings.hpp"
 #include "bridge/table/class_model.hpp"
+#include "config/bridge_peer.hpp"
 #include "config/checks/tuple_keys.hpp"
 #include "config/file_readers.hpp"
 #include "core/text/host_port.hpp"
-#include "core/text/spelling.hpp"
 
 namespace rubicon::config {
 
 namespace {
-
-/// A peer of the file, not a gateway.
-struct bridge_peer {
-  using type = std::string;
-
-  [[nodiscard]] static std::optional<std::string> read(const node& x, const asker& who) {
-    const auto* name = x.as<std::string>();
-    if (name == nullptr)
-      return who.refuse(x, "the name of a peer");
-    std::vector<std::string> known;
-    for (const auto& [each, id] : who.in.names->ends)
-      if (who.in.names->island_of_gateway(id) == nullptr)
-        known.push_back(each);
-    if (std::ranges::find(known, *name) != known.end())
-      return *name;
-    if (who.in.names->ends.contains(*name)) {
-      who.complain(x, '`' + *name +
-                          "` is a gateway: a bridge needs a peer of its own, under "
-                          "[[peer]], with a link to it");
-      return std::nullopt;
-    }
-    who.complain(x, "no peer is named `" + *name + '`' + suggestion(*name, known));
-    return std::nullopt;
-  }
-  [[nodiscard]] static form takes() { return string_form("name of a peer"); }
-};
 
 /// What the file says of it beside the bridge's own settings.
 struct bridge_place {
@@ -185,9 +159,7 @@ void read_mqtt(table_reader& root, ecology_description& out) {
           all->broker.client = all->bridge.base + '-' + place.peer;
         if (in.problems().empty())
           all->bridge.labels = object_labels(out);
-        const auto peer = std::ranges::find(out.peers, place.peer, &peer_description::name);
-        if (peer != out.peers.end())
-          peer->apps.emplace_back(mqtt_app{std::move(all)});
+        add_bridge(out, place.peer, mqtt_app{std::move(all)});
       });
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bridge/mqtt/payloads.hpp"
+#include "bridge/table/payload.hpp"
 #include "core/text/name.hpp"
 
 namespace rubicon::bridge {
@@ -264,7 +265,7 @@ void mqtt_bridge::on_set(const delivery& x, const object* of, std::string_view i
     command(*of, input, x.payload, now, out);
     return;
   }
-  const auto parsed = nlohmann::json::parse(x.payload, nullptr, false);
+  const auto parsed = bounded_json(x.payload);
   if (!parsed.is_object() || parsed.empty()) {
     ++counters_.commands_refused;
     return;

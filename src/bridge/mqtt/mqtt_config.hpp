@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "bridge/home_assistant/discovery.hpp"
+#include "bridge/table/payload.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::bridge {
-
-/// What payloads of a topic are, and so the text of the tuple made of them.
-enum class payload_type : std::uint8_t { text, number, flag };
 
 /// An MQTT topic as an own tuple.
 struct topic_rule {

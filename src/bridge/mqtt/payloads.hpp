@@ -5,17 +5,12 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "bridge/mqtt/mqtt_config.hpp"
 
 namespace rubicon::bridge {
 
 /// Of the topics that say whether the bridge or an object is there.
 [[nodiscard]] std::string availability_payload(bool online);
-
-/// A word or number of a command; nothing if it is neither.
-[[nodiscard]] std::optional<std::string> word_in(const nlohmann::json& x);
 
 /// The text of the tuple that a topic becomes; nothing if the payload is not of its type.
 [[nodiscard]] std::optional<std::string> tuple_text(const topic_rule& rule,

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "bridge/mqtt/mqtt_settings.hpp"
+#include "bridge/ros2/ros2_settings.hpp"
 #include "config/plan/uniqueness.hpp"
 #include "core/tuples/device_keys.hpp"
 #include "proxy/classes/class_table.hpp"
@@ -154,6 +155,12 @@ struct app_keys {
   void operator()(const mqtt_app& x) const {
     for (const auto& rule : x.settings->bridge.topics)
       keys.add(rule.key, peer.name);
+  }
+  void operator()(const ros2_app& x) const {
+    for (const auto& rule : x.settings->bridge.subscriptions)
+      keys.add(rule.key, peer.name);
+    for (const auto& rule : x.settings->bridge.requests)
+      keys.add(rule.key + ".outcome", peer.name);
   }
   template <class Other>
   void operator()(const Other&) const {}

@@ -36,7 +36,8 @@
 
 namespace rubicon::bridge {
 struct mqtt_settings; // bridge/mqtt/mqtt_settings.hpp
-}
+struct ros2_settings; // bridge/ros2/ros2_settings.hpp
+} // namespace rubicon::bridge
 
 namespace rubicon::config {
 
@@ -76,9 +77,14 @@ struct mqtt_app {
   std::shared_ptr<const bridge::mqtt_settings> settings; ///< not nullptr
 };
 
-using peer_app =
-    std::variant<proxy_manager_app, proxy::rules_config, collector_app, rfid::reader_config,
-                 goal::pursuer_config, apps::app_config, init_app, translate_app, mqtt_app>;
+/// Tuples as topics of ROS 2 and back, by a rosbridge.
+struct ros2_app {
+  std::shared_ptr<const bridge::ros2_settings> settings; ///< not nullptr
+};
+
+using peer_app = std::variant<proxy_manager_app, proxy::rules_config, collector_app,
+                              rfid::reader_config, goal::pursuer_config, apps::app_config, init_app,
+                              translate_app, mqtt_app, ros2_app>;
 
 /// Where a peer takes links over real TCP.
 struct tcp_listener {

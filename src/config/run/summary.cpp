@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bridge/mqtt/mqtt_settings.hpp"
+#include "bridge/ros2/ros2_settings.hpp"
 #include "config/summary_parts.hpp"
 #include "config/toml/document.hpp"
 #include "core/text/printable.hpp"
@@ -194,6 +195,10 @@ struct app_text {
   std::string operator()(const mqtt_app& x) const {
     return "MQTT bridge (" +
            (all.mode == run_mode::wall ? x.settings->broker.address : "simulated broker") + ')';
+  }
+  std::string operator()(const ros2_app& x) const {
+    return "ROS 2 bridge (" +
+           (all.mode == run_mode::wall ? x.settings->server : "simulated rosbridge") + ')';
   }
   std::string operator()(const init_app& x) const {
     std::vector<std::string> names;

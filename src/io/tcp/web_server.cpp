@@ -1,7 +1,6 @@
 #include "io/tcp/web_server.hpp"
 
 #include <algorithm>
-#include <csignal>
 #include <exception>
 #include <list>
 #include <thread>
@@ -15,6 +14,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "core/text/ipv4_network.hpp"
+#include "io/tcp/signals_blocked.hpp"
 #include "io/tcp/tcp_socket.hpp"
 
 namespace rubicon::io {
@@ -74,22 +74,6 @@ bool is_own_origin(std::string_view origin, std::string_view host,
   }
   return origin.starts_with(encrypted) && is_one_of(origin.substr(encrypted.size()), names);
 }
-
-/// Threads that are created meanwhile receive no signals.
-class signals_blocked {
-public:
-  signals_blocked() {
-    sigset_t all;
-    ::sigfillset(&all);
-    ::pthread_sigmask(SIG_BLOCK, &all, &before_);
-  }
-  ~signals_blocked() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  signals_blocked(const signals_blocked&) = delete;
-  signals_blocked& operator=(const signals_blocked&) = delete;
-
-private:
-  sigset_t before_{};
-};
 
 /// One that can be closed for another.
 class closable {
