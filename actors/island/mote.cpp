@@ -19,6 +19,7 @@
 #include "actors/messages/supervision.hpp"
 #include "apps/actuator.hpp"
 #include "apps/listener.hpp"
+#include "apps/requested_messages.hpp"
 #include "network/am.hpp"
 #include "scheduler/messages/spawn.hpp"
 
@@ -264,6 +265,25 @@ void on_program_change(mote_pointer self, const change_program& x) {
   perform(self, state.reports.on_time(*state.node, own_time(self), now(self)));
 }
 
+/// A program of its own sends, which begins with the first message of a life.
+void on_request(mote_pointer self, const send_as_program& x) {
+  auto& state = self->state;
+  if (!state.node || state.flat) {
+    mote_shell{self}.notify_ecology("message " + std::to_string(x.number) + " refused");
+    return;
+  }
+  auto* program = state.reports.find<apps::requested_messages>();
+  if (program == nullptr) {
+    auto made = std::make_unique<apps::requested_messages>();
+    program = made.get();
+    state.reports.start_as(*state.node, "mote_app/" + state.arguments->name + "/requested",
+                           std::move(made), now(self));
+  }
+  state.node->begin(own_time(self));
+  program->send(x.number, x.to, x.octets.view(), x.reliable, x.am_type);
+  perform(self, state.node->settle(own_time(self)));
+}
+
 /// An exception ends the mote. What this life has counted must not go with it. Reliable messages
 /// that were still open have failed; the outcome of flows' requests is not known, so they stay
 /// open.
@@ -459,6 +479,7 @@ mote_actor::behavior_type mote_behavior(mote_pointer self,
       [self](const step_clock& x) { on_clock_step(self, x.by); },
       [self](const change_program& x) { on_program_change(self, x); },
       [self](const set_network_keys& x) { mote_groups(self).set_keys(x); },
+      [self](const send_as_program& x) { on_request(self, x); },
       [self](end_battery) {
         on_battery_low(self);
         const auto left = self->state.node ? last_words_time : duration{};

@@ -70,6 +70,15 @@ public:
     x.program->start(node.attach(*x.program, x.path), now);
   }
 
+  /// The program of that kind; nullptr: none was started.
+  template <class Program>
+  [[nodiscard]] Program* find() {
+    for (auto& x : programs_)
+      if (auto* found = dynamic_cast<Program*>(x.program.get()))
+        return found;
+    return nullptr;
+  }
+
   /// Lets programs do what is due. @param theirs what their clock shows, at `now` of the node's
   /// @returns what comes of that at their node
   template <class Node>

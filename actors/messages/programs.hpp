@@ -89,10 +89,20 @@ struct set_network_keys {
 };
 RUBICON_FIELDS(set_network_keys);
 
+/// From whoever steers the run: a program of the mote sends this (D1.1 5.3.3).
+struct send_as_program {
+  std::uint32_t number = 0; ///< in events of its outcome
+  mote_address to;
+  payload octets;
+  bool reliable = true;
+  std::uint8_t am_type = 0;
+};
+RUBICON_FIELDS(send_as_program, number, to, octets, reliable, am_type);
+
 struct mote_interface
     : extends<radio_user_interface, attach_program, program_commands, move_mote, crash_now,
-              end_battery, step_clock, change_program, set_network_keys, backbone_received,
-              backbone_sent, timer_expired, status_request> {};
+              end_battery, step_clock, change_program, set_network_keys, send_as_program,
+              backbone_received, backbone_sent, timer_expired, status_request> {};
 using mote_actor = ref<mote_interface>;
 
 /// From whoever spawned both: the program's mote runs, for the first time or again.

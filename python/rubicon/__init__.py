@@ -13,8 +13,9 @@
         run.step(60)
         print(run.get("kitchen-pc", "devices.stove.temperature"), run.finish()["violations"])
 
-Class Peer is described in docs/python.md, class Run in docs/steering.md.
+Class Peer is described in docs/python.md, classes Run and AsyncRun in docs/steering.md.
 """
+from .async_run import AsyncRun
 from .errors import (BadValueError, ClosedError, NoSuchHostError, NoSuchTupleError, NotConnectedError, PeerError,
                      RefusedError, RequestError, RunError, TimedOutError)
 from .meta import Reference
@@ -24,5 +25,5 @@ from .run import Event, Run, Step, Write, map_runs
 from .toml_text import to_toml
 
 __all__ = ["Peer", "Tuple", "Host", "Subscription", "Reference", "PeerError", "NotConnectedError", "NoSuchHostError",
-           "NoSuchTupleError", "TimedOutError", "RefusedError", "BadValueError", "ClosedError", "Run", "Step", "Event", "Write",
-           "map_runs", "to_toml", "RunError", "RequestError"]
+           "NoSuchTupleError", "TimedOutError", "RefusedError", "BadValueError", "ClosedError", "Run", "AsyncRun",
+           "Step", "Event", "Write", "map_runs", "to_toml", "RunError", "RequestError"]

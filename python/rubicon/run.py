@@ -1,4 +1,7 @@
-"""Ecologies that a program steers: `Run` starts the binary and decides when time goes on."""
+"""Runs of ecologies that a program steers: `Run` starts the binary and decides when time goes on.
+
+All times are in seconds. docs/steering.md is about the same, and about the protocol below.
+"""
 from __future__ import annotations
 
 import contextlib
@@ -15,6 +18,8 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Opt
 from .errors import RequestError, RunError
 from .toml_text import to_toml
 
+__all__ = ["Run", "Step", "Event", "Write", "map_runs"]
+
 PROTOCOL = 1
 _READ_MAX = 1 << 16
 _T = TypeVar("_T")
@@ -22,27 +27,35 @@ _R = TypeVar("_R")
 
 
 class Event(NamedTuple):
-    """Something that the run has noted."""
-    at: float  # [s] since the begin of the run
+    """Something that the run has noted: `at` [s since the begin of the run], `who` it is about, and `what` happened."""
+    at: float
     who: str
     what: str
 
 
 class Write(NamedTuple):
-    """A component has set a tuple, or deleted it."""
-    at: float  # [s] since the begin of the run
+    """A component has set or deleted a tuple.
+
+    `at` [s since the begin of the run], the name of its `owner`, its `key`, and its `value`; None: it was deleted.
+    """
+    at: float
     owner: str
     key: str
-    value: Optional[str]  # None: deleted
+    value: Optional[str]
 
 
 class Step(NamedTuple):
-    """What has happened in a step. Events and tuples are those that were subscribed to."""
-    now: float  # [s] since the begin of the run
-    over: bool  # the run has reached its length, or its end
+    """What has happened in a step.
+
+    `now` is the time [s since the begin of the run], `over` whether the run has come to its length or its end. `events`
+    and `tuples` are those that were subscribed to; `missed` is how many more there were, before these, than an answer
+    holds.
+    """
+    now: float
+    over: bool
     events: List[Event]
     tuples: List[Write]
-    missed: int  # events and tuples that were too many for one answer; the oldest ones
+    missed: int
 
 
 def _step_of(answer: Mapping[str, Any]) -> Step:
@@ -63,18 +76,24 @@ class Run:
     names are looked for in the working directory. `seed` and `length` [s] replace those of the file. `binary` is the
     program, which is otherwise `$RUBICON` or found on the PATH; `options` are further ones of `rubicon run`.
 
+    `name`, `seed`, `length` [s], `peers` and `mote_names` are those of the run, `now` is its time [s since its begin].
+
+    A request that the run refuses raises RequestError, and the run goes on. RunError means that there is no run, or no
+    longer one, and gives the reason: a file with mistakes, a binary that has ended.
+
     The process ends with the block, with close(), with the object, and with the Python program, however that ends.
-    Not for several threads at once; each thread may have runs of its own.
+    Not for several threads at once; each thread may have runs of its own, and AsyncRun is for asyncio.
     """
 
-    def __init__(self, ecology: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, seed: Optional[int] = None,
+    def __init__(self, ecology: Union[str, os.PathLike[str], Mapping[str, Any]], *, seed: Optional[int] = None,
                  length: Optional[float] = None, binary: Optional[str] = None, options: Sequence[str] = (),
                  threads: int = 1) -> None:
+        """Starts the binary, with so many threads. RunError: it is not there, or the file has mistakes."""
         program = binary or os.environ.get("RUBICON") or shutil.which("rubicon")
         if program is None:
             raise RunError("there is no program rubicon on the PATH")
         self._socket: Optional[socket.socket] = None
-        self._process: Optional["subprocess.Popen[bytes]"] = None
+        self._process: Optional[subprocess.Popen[bytes]] = None
         self._received = b""
         self._folder = tempfile.mkdtemp(prefix="rubicon-")
         try:
@@ -124,7 +143,8 @@ class Run:
             text = errors.read(1 << 16).decode("utf-8", "replace").strip()
             if text:
                 return text
-        return "the run has ended"
+        status = None if self._process is None else self._process.poll()
+        return "the run has ended" + (f" by signal {-status}" if status is not None and status < 0 else "")
 
     def _broken(self) -> RunError:
         why = self._complaint()
@@ -177,7 +197,7 @@ class Run:
 
     # -- time
 
-    def step(self, length: Optional[float] = None, *, until: Union[float, Callable[["Run"], Any], None] = None,
+    def step(self, length: Optional[float] = None, *, until: Union[float, Callable[[Run], Any], None] = None,
              every: float = 1.0, limit: Optional[float] = None) -> Step:
         """Lets time go on: for `length` [s], or until a time [s since the begin], or until a condition holds.
 
@@ -190,7 +210,7 @@ class Run:
             raise TypeError("step() takes either a length or until")
         return _step_of(self._do("step", **({"for": length} if until is None else {"until": until})))
 
-    def _step_until(self, done: Callable[["Run"], Any], every: float, limit: Optional[float]) -> Step:
+    def _step_until(self, done: Callable[[Run], Any], every: float, limit: Optional[float]) -> Step:
         if not every > 0:
             raise ValueError("every must be above 0 s")
         events: List[Event] = []
@@ -219,7 +239,12 @@ class Run:
         self._do("events")
 
     def motes(self) -> Dict[str, Dict[str, Any]]:
-        """All motes by name: `joined`, `hops`, `used_mah` [mAh], `delivery` [0..1] ... (docs/steering.md)."""
+        """All motes by name, a dict each.
+
+        `alive`, `flat` (its battery), `joined`, `radio_on`; `used_mah` and `battery_mah` [mAh], None: without limit; its
+        `parent` and `hops` in the tree; `queued`, `originated`, `forwarded` packets; `delivery` [0..1] of its reliable
+        messages, `etx` and `signal_dbm` [dBm] of its parent, None: not known. `island` and `mote` are its address.
+        """
         return {x["name"]: x for x in self._do("motes")["motes"]}
 
     def report(self) -> Dict[str, Any]:
@@ -229,16 +254,37 @@ class Run:
     # -- actions
 
     def set(self, peer: str, key: str, value: str) -> None:
-        """Sets an own tuple of a peer, as one of its components would."""
+        """Sets an own tuple of a peer, as one of its components would, as the next step begins."""
         self._do("set", peer=peer, key=key, value=value)
 
     def fault(self, words: str) -> None:
-        """Causes a fault or a change now: `kill peer robot for 10s`, `rate mote kitchen/stove period 5s`."""
+        """Causes a fault or a change now, in the words of `rubicon fault`.
+
+        `kill peer robot for 10s`, `crash mote kitchen/stove`, `rate mote kitchen/stove period 5s`.
+        """
         self._do("fault", words=words)
+
+    def send(self, mote: str, destination: str, octets: Union[bytes, str], *, am_type: int = 10,
+             reliable: bool = True) -> int:
+        """Sends a message as a program of a mote does, to a mote or a peer, as the next step begins.
+
+        `octets` are 256 at most, or a text as UTF-8; `am_type` is from 0 to 255. Returns the number of the message,
+        with which events of the mote name its outcome: `message 1 acknowledged`, `message 1 not acknowledged`,
+        `message 1 refused`. Of one that is not `reliable`, only the last is known.
+        """
+        text = (octets.encode() if isinstance(octets, str) else bytes(octets)).hex()
+        return self._do("send", mote=mote, to=destination, octets=text, am_type=am_type, reliable=reliable)["number"]
 
     def record(self) -> str:
         """What was done so far: the lines of a file LINES with which `rubicon run FILE --steer LINES` does it again."""
         return self._do("record")["lines"]
+
+    def to_toml_tables(self) -> str:
+        """The same as [[fault]] and [[change]] tables, to append to the file: then it does so without --steer.
+
+        Tuples that were set and messages that were sent have no such table: they are comments.
+        """
+        return self._do("tables")["tables"]
 
     # -- the end
 
@@ -247,6 +293,13 @@ class Run:
         report = self._do("finish")["report"]
         self.close()
         return report
+
+    def _interrupt(self) -> None:
+        """Lets a call of another thread end at once, with RunError."""
+        connection = self._socket
+        if connection is not None:
+            with contextlib.suppress(OSError):
+                connection.shutdown(socket.SHUT_RDWR)
 
     def close(self) -> None:
         """Ends the process, wherever the run is."""
@@ -262,10 +315,12 @@ class Run:
             self._process = None
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def __enter__(self) -> "Run":
+    def __enter__(self) -> Run:
+        """The run itself."""
         return self
 
     def __exit__(self, *_: Any) -> None:
+        """As close()."""
         self.close()
 
     def __del__(self) -> None:

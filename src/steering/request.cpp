@@ -56,6 +56,31 @@ public:
     return has(name) ? text(name) : std::string();
   }
 
+  /// In hexadecimal.
+  [[nodiscard]] bytes octets(const char* name) const {
+    auto found = from_hex(text(name));
+    if (!found)
+      throw refusal(std::string("`") + name + "` must be octets in hexadecimal, two digits each");
+    return *std::move(found);
+  }
+
+  [[nodiscard]] bool flag_or(const char* name, bool otherwise) const {
+    if (!has(name))
+      return otherwise;
+    if (!all_.at(name).is_boolean())
+      throw refusal(std::string("`") + name + "` must be true or false");
+    return all_.at(name).get<bool>();
+  }
+
+  [[nodiscard]] std::uint8_t octet_or(const char* name, std::uint8_t otherwise) const {
+    if (!has(name))
+      return otherwise;
+    const auto& x = all_.at(name);
+    if (!x.is_number_unsigned() || x.get<std::uint64_t>() > 255)
+      throw refusal(std::string("`") + name + "` must be a whole number from 0 to 255");
+    return x.get<std::uint8_t>();
+  }
+
   /// [s], to the nearest nanosecond.
   [[nodiscard]] duration time(const char* name) const {
     constexpr double longest_s = 1e9;
@@ -86,6 +111,14 @@ request step_of(const members& x) {
   else
     step.until = instant(x.time("until"));
   return step;
+}
+
+request send_of(const members& x) {
+  x.allow({"mote", "to", "octets", "am_type", "reliable"});
+  send_request send{.mote = x.text("mote"), .to = x.text("to"), .octets = x.octets("octets")};
+  send.am_type = x.octet_or("am_type", send.am_type);
+  send.reliable = x.flag_or("reliable", send.reliable);
+  return send;
 }
 
 template <class Request>
@@ -119,10 +152,12 @@ const std::map<std::string, reader>& readers() {
          x.allow({"words"});
          return fault_request{x.text("words")};
        }},
+      {"send", send_of},
       {"events", without_members<events_request>},
       {"motes", without_members<motes_request>},
       {"report", without_members<report_request>},
       {"record", without_members<record_request>},
+      {"tables", without_members<tables_request>},
       {"finish", without_members<finish_request>},
   };
   return all;
@@ -156,6 +191,8 @@ std::variant<request_line, std::string> read_line(std::string_view line) {
     all = json::parse(line);
   } catch (const json::parse_error& error) {
     return "no JSON at character " + std::to_string(error.byte);
+  } catch (const json::out_of_range&) {
+    return "a number is too large";
   }
   request_line out;
   if (!all.is_array()) {

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "core/bytes.hpp"
 #include "core/time.hpp"
 #include "peis/tuples/key.hpp"
 
@@ -43,14 +45,24 @@ struct events_request {};
 struct fault_request {
   std::string words;
 };
+/// A program of the mote sends a message (D1.1 5.3.3).
+struct send_request {
+  std::string mote;
+  std::string to; ///< a mote, or a peer of the ecology
+  bytes octets;
+  std::uint8_t am_type = 10;
+  bool reliable = true;
+};
 struct motes_request {};
 struct report_request {};
 struct record_request {};
+/// What was done, as tables of a file.
+struct tables_request {};
 struct finish_request {};
 
-using request =
-    std::variant<step_request, get_request, set_request, tuples_request, events_request,
-                 fault_request, motes_request, report_request, record_request, finish_request>;
+using request = std::variant<step_request, get_request, set_request, tuples_request, events_request,
+                             fault_request, send_request, motes_request, report_request,
+                             record_request, tables_request, finish_request>;
 
 /// A request, or why it is none.
 using request_or_reason = std::variant<request, std::string>;

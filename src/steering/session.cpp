@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -24,10 +25,27 @@ ordered_json refused(const std::string& why) {
   return {{"ok", false}, {"why", why}};
 }
 
+/// `10.000000001s`: exact, as a file has it.
+std::string file_time(instant x) {
+  constexpr std::int64_t second = 1'000'000'000;
+  const auto count = x.time_since_epoch().count();
+  auto decimals = std::to_string(second + count % second);
+  decimals[0] = '.';
+  decimals.erase(decimals.find_last_not_of('0') + 1);
+  return std::to_string(count / second) + (decimals.size() > 1 ? decimals : "") + 's';
+}
+
 /// A line that requests it again.
 ordered_json line_of(const request& x) {
   if (const auto* set = std::get_if<set_request>(&x))
     return {{"do", "set"}, {"peer", set->peer}, {"key", set->key}, {"value", set->value}};
+  if (const auto* send = std::get_if<send_request>(&x))
+    return {{"do", "send"},
+            {"mote", send->mote},
+            {"to", send->to},
+            {"octets", to_hex(send->octets)},
+            {"am_type", send->am_type},
+            {"reliable", send->reliable}};
   return {{"do", "fault"}, {"words", std::get<fault_request>(x).words}};
 }
 
@@ -89,18 +107,25 @@ public:
     const auto key = peis::key::parse(x.key);
     if (x.key.empty() || !key || key->is_pattern())
       return refused("`key` must be the key of one tuple");
-    return act(x, [&] { return of_.run_.set_tuple(x); });
+    return act(x, of_.now_, [&] { return of_.run_.set_tuple(x); });
   }
 
   /// Each at a moment of its own, in which nothing has happened yet: a file that plans it has the
   /// same order.
   ordered_json operator()(const fault_request& x) const {
     const auto at = std::max(of_.now_, of_.fault_at_) + duration(1);
-    auto out = act(x, [&] { return of_.run_.fault(x.words, at); });
+    auto out = act(x, at, [&] { return of_.run_.fault(x.words, at); });
     if (out["ok"] == true) {
       of_.fault_at_ = at;
-      out["at"] = to_text(at.time_since_epoch());
+      out["at"] = file_time(at);
     }
+    return out;
+  }
+
+  ordered_json operator()(const send_request& x) const {
+    auto out = act(x, of_.now_, [&] { return of_.run_.send(x, of_.sent_ + 1); });
+    if (out["ok"] == true)
+      out["number"] = ++of_.sent_;
     return out;
   }
 
@@ -131,6 +156,8 @@ public:
 
   ordered_json operator()(record_request) const { return {{"ok", true}, {"lines", of_.lines()}}; }
 
+  ordered_json operator()(tables_request) const { return {{"ok", true}, {"tables", of_.tables()}}; }
+
   ordered_json operator()(finish_request) const {
     ordered_json out{{"ok", true}, {"report", ordered_json::parse(of_.run_.finish())}};
     of_.finished_ = true;
@@ -150,12 +177,12 @@ private:
   }
 
   template <class Request, class Action>
-  ordered_json act(const Request& x, Action action) const {
+  ordered_json act(const Request& x, instant happens, Action action) const {
     if (of_.actions_.size() >= actions_max)
       return refused("the run has had " + std::to_string(actions_max) + " actions");
     if (const auto why = action(); !why.empty())
       return refused(why);
-    of_.actions_.push_back({of_.now_, x});
+    of_.actions_.push_back({of_.now_, x, happens});
     return done();
   }
 
@@ -239,6 +266,18 @@ std::string session::lines() const {
       out += text_of({{"do", "step"}, {"until", in_seconds(each.at)}}) + '\n';
     at = each.at;
     out += text_of(line_of(each.what)) + '\n';
+  }
+  return out;
+}
+
+std::string session::tables() const {
+  std::string out;
+  for (const auto& each : actions_) {
+    const auto at = file_time(each.happens);
+    if (const auto* fault = std::get_if<fault_request>(&each.what))
+      out += run_.table(fault->words, at);
+    else // no comment has control characters
+      out += "\n# " + at + ": no file plans " + line_of(each.what).dump(-1, ' ', true) + '\n';
   }
   return out;
 }

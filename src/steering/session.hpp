@@ -29,6 +29,10 @@ struct run_ports {
   std::function<std::string(const set_request&)> set_tuple;
   /// Lets it happen at that moment, which is not over. @returns as set_tuple
   std::function<std::string(const std::string& words, instant at)> fault;
+  /// As a program of the mote sends. @param number in events of its outcome @returns as set_tuple
+  std::function<std::string(const send_request&, std::uint32_t number)> send;
+  /// What fault() has taken, as a table of a file. @param at `10.5s`
+  std::function<std::string(const std::string& words, const std::string& at)> table;
   std::function<report::run_sample()> look;
   std::function<std::string()> report; ///< so far, as a JSON object
   std::function<std::string()> finish; ///< runs it to its end; the report likewise
@@ -66,19 +70,24 @@ public:
   /// What was done, as lines that do it again: a file for `rubicon run FILE --steer LINES`.
   [[nodiscard]] std::string lines() const;
 
+  /// The same as tables that a file may end with; comments are what no file can plan.
+  [[nodiscard]] std::string tables() const;
+
 private:
   class answerer;
 
   /// Something that was done to the run.
   struct action {
-    instant at;
+    instant at; ///< when it was requested
     request what;
+    instant happens; ///< after that
   };
 
   run_facts facts_;
   run_ports run_;
   instant now_;
-  instant fault_at_; ///< of the last one
+  instant fault_at_;       ///< of the last one
+  std::uint32_t sent_ = 0; ///< messages
   bool finished_ = false;
   bool wants_events_ = false;
   std::vector<tuples_request> patterns_;

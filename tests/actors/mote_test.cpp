@@ -315,6 +315,42 @@ TEST_CASE("what samplers, messengers and listeners do is told under their own na
                        "refused=true") == 1);
 }
 
+TEST_CASE("a mote sends what is requested of it from outside, and reports the outcome",
+          "[actors][mote][MCK-10]") {
+  mote_fixture x;
+  const auto outcomes = [&x] {
+    std::vector<std::string> found;
+    for (const auto& each : x.ecology.all<notable_event>())
+      if (each.who == "mote_app/kitchen/stove/requested")
+        found.push_back(each.what);
+    return found;
+  };
+  const auto request = [&x](std::uint32_t number, bool reliable) {
+    x.world.send(
+        x.mote, send_as_program{number, {own_island, no_mote}, payload(bytes{1, 2}), reliable, 10});
+    x.island.run_for(200ms);
+  };
+  request(1, true);
+  CHECK(outcomes() == std::vector<std::string>{"message 1 refused"});
+  x.join();
+  request(2, true);
+  request(3, false);
+  REQUIRE(x.sent_up().size() == 2);
+  CHECK(x.sent_up()[1].payload == bytes{1, 2});
+  x.accept(x.sent_up()[0]); // the hello
+  REQUIRE(x.sent_up().size() == 3);
+  x.accept(x.sent_up()[2]);
+  CHECK(outcomes() == std::vector<std::string>{"message 1 refused", "message 2 acknowledged"});
+  request(4, true);
+  x.island.run_for(1min);
+  CHECK(outcomes().back() == "message 4 not acknowledged");
+  CHECK(told<r::send_ended>(x.app).empty()); // other programs know nothing of it
+
+  x.world.send(x.mote, battery_flat{});
+  request(5, false);
+  CHECK(x.ecology.all<notable_event>().back().what == "message 5 refused");
+}
+
 TEST_CASE("a mote whose battery is flat tells it once and is silent from then on",
           "[actors][mote][ACT-04]") {
   const bool by_fault = GENERATE(true, false);

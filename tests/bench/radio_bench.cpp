@@ -155,6 +155,7 @@ mote_actor::behavior_type empty_mote(scheduler::actor_pointer<empty_state, mote_
       [](end_battery) {},
       [](const change_program&) {},
       [](const set_network_keys&) {},
+      [](const send_as_program&) {},
       [](const step_clock&) {},
       [](const backbone_received&) {},
       [](const backbone_sent&) {},

@@ -168,7 +168,8 @@ TEST_CASE("a study in Python to begin with finds a window", "[cli]") {
   const scratch_folder folder;
   const auto made = rubicon_in(folder, "new --python 'my study'");
   CHECK(made.status == 0);
-  CHECK(made.out == "wrote window.py and room.toml in my study\n"
+  CHECK(made.out == "wrote window.py, distance.py, environment.py, test_room.py and room.toml in "
+                    "my study\n"
                     "Next: python3 'my study/window.py'\n");
   CHECK(rubicon_in(folder, "check --strict 'my study/room.toml'").status == 0);
   CHECK(rubicon_in(folder, "new --python a --lua b").status != 0);

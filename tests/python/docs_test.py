@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The examples of docs/python.md are run as they stand, with the binary and the file of the page, on a free port; so is
-that of docs/steering.md, with a template.
+"""The examples of docs/python.md are run as they stand, with the binary and the file of the page, on a free port; so are
+those of docs/steering.md, with a template.
 usage: docs_test RUBICON"""
 import contextlib
 import inspect
@@ -57,17 +57,21 @@ class PageTest(unittest.TestCase):
             if name.endswith("Error"):
                 self.assertIn(f"`{name}`", PAGE + STEERING)
 
-    def test_the_run_of_the_page_of_steering_does_what_it_says(self):
-        block, = blocks("python", STEERING)
+    def test_the_runs_of_the_page_of_steering_do_what_it_says(self):
         os.environ["RUBICON"] = RUBICON
         self.addCleanup(os.environ.pop, "RUBICON")
-        printed = io.StringIO()
+        printed, names = io.StringIO(), {}
         with contextlib.redirect_stdout(printed):
-            exec(compile(block.replace("home.toml", str(support.ROOT / "share/templates/home.toml")),
-                         "docs/steering.md", "exec"), {})
-        temperature, last = printed.getvalue().splitlines()
+            for block in blocks("python", STEERING):
+                exec(compile(block.replace("home.toml", str(support.ROOT / "share/templates/home.toml")),
+                             "docs/steering.md", "exec"), names)
+        temperature, last, outcome, deliveries = printed.getvalue().splitlines()
         self.assertGreater(float(temperature), 0)
         self.assertRegex(last, r"^\d+\.\d+ [0-9a-f]{16}$")
+        self.assertEqual(outcome, "['message 1 not acknowledged']")
+        self.assertIn(f"`{outcome}`", STEERING)
+        self.assertEqual(len(deliveries.split(",")), 4)
+        self.assertIn('at = "10.000000001s"', names["plan"])
 
     def test_all_methods_of_runs_are_on_the_page_of_steering(self):
         for name, method in inspect.getmembers(rubicon.Run, inspect.isfunction):

@@ -75,6 +75,86 @@ class StepTest(unittest.TestCase):
                 out.write(run.record())
             self.assertEqual(run.finish()["trace_hash"], hash_of("--for", "60s", "--steer", lines))
 
+    def steered_and_planned(self, *words):
+        """Reports of a run in which this is done, one after the other, and of its file with the tables."""
+        with start(length=60) as run, tempfile.TemporaryDirectory() as folder:
+            run.fault(words[0])
+            run.step(10.123456789)
+            for each in words[1:]:
+                run.fault(each)
+            file = pathlib.Path(folder, "home.toml")
+            file.write_text(pathlib.Path(HOME).read_text() + run.to_toml_tables())
+            self.assertIn('at = "10.12345679s"', file.read_text())
+            steered = run.finish()
+            with Run(file, binary=RUBICON, length=60) as planned:
+                reports = steered, planned.finish()
+        for report in reports:
+            for name in ("wall_s", "expectations", "violations"):  # with the name of the file
+                del report[name]
+            report["event_log"] = [(x["at_s"], x["who"], x["what"].replace("by hand", "as planned"))
+                                   for x in report["event_log"]]
+        return reports
+
+    def test_what_was_done_is_done_again_by_tables_of_a_file(self):
+        crash, kill = "crash mote kitchen/stove for 5s", "kill peer care-pc for 5s"
+        rate = "rate mote kitchen/window period 2s"
+        steered, planned = self.steered_and_planned("crash mote kitchen/window", crash, kill, rate)
+        self.assertEqual(steered, planned)
+        steered, planned = self.steered_and_planned(rate, crash, kill)
+        self.assertNotEqual(steered.pop("trace_hash"), planned.pop("trace_hash"))  # a file numbers its faults first
+        self.assertEqual(steered, planned)
+
+    def test_tables_say_what_no_file_plans(self):
+        with start(length=60) as run:
+            run.step(10)
+            run.set("kitchen-pc", "note", "milk\n[[fault]]")
+            self.assertEqual(run.to_toml_tables(), '\n# 10s: no file plans {"do":"set","peer":"kitchen-pc","key":"note",'
+                                                   '"value":"milk\\n[[fault]]"}\n')
+
+    def test_a_mote_sends_as_its_programs_do(self):
+        more = 'channel = 2 }, { app = "listener", am_type = 77 }]'
+        ecology = pathlib.Path(HOME).read_text().replace("channel = 2 }]", more)
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "home.toml")
+            file.write_text(ecology)
+            with Run(file, binary=RUBICON, length=60) as run:
+                with self.assertRaisesRegex(RequestError, "has not joined"):
+                    run.send("kitchen/stove", "kitchen/fan", b"early")
+                run.subscribe_events()
+                run.step(30)
+                self.assertEqual(run.send("kitchen/stove", "kitchen/fan", "milk", am_type=77), 1)
+                self.assertEqual(run.send("kitchen/stove", "kitchen/fan", "tea", am_type=78), 2)
+                self.assertEqual(run.send("kitchen/stove", "kitchen-pc", bytes(256), reliable=False), 3)
+                happened = [(x.who.rpartition("/")[2], x.what) for x in run.step(10).events]
+                self.assertIn(("listener-77", 'received "milk" from mote 1/3'), happened)
+                self.assertIn(("requested", "message 1 acknowledged"), happened)
+                self.assertIn(("requested", "message 2 not acknowledged"), happened)  # nobody takes that type
+                for mote, to, octets, why in (("kitchen/nobody", "kitchen/fan", b"", "there is no mote `kitchen/nobody`"),
+                                              ("kitchen-pc", "kitchen/fan", b"", "there is no mote `kitchen-pc`"),
+                                              ("kitchen/stove", "nobody", b"", "is named `nobody`"),
+                                              ("kitchen/stove", "kitchen/fan", bytes(257), "at most 256 octets")):
+                    with self.assertRaisesRegex(RequestError, why):
+                        run.send(mote, to, octets)
+                run.fault("crash mote kitchen/stove for 5s")
+                run.step(1)
+                with self.assertRaisesRegex(RequestError, "does not run"):
+                    run.send("kitchen/stove", "kitchen/fan", b"late")
+                lines, report = run.record(), run.finish()
+            self.assertEqual(lines.count('"do":"send"'), 3)
+            pathlib.Path(folder, "lines").write_text(lines)
+            done = subprocess.run([RUBICON, "run", file, "--json", "--for", "60s", "--steer", folder + "/lines"],
+                                  stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, timeout=120)
+            self.assertEqual(json.loads(done.stdout)["trace_hash"], report["trace_hash"])
+
+    def test_everything_may_be_requested_before_the_first_step(self):
+        with start(length=60) as run:
+            self.assertFalse(run.motes()["kitchen/stove"]["joined"])
+            run.set("care-pc", "note", "milk")
+            run.fault("crash mote kitchen/stove for 5s")
+            run.step(1)
+            self.assertEqual(run.get("care-pc", "note"), "milk")
+            self.assertFalse(run.motes()["kitchen/stove"]["alive"])
+
     def test_bad_requests_are_refused_and_the_run_goes_on(self):
         with start() as run:
             for wrong in (lambda: run.fault("kill peer nobody"), lambda: run.get("nobody", "x"),

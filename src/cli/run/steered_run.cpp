@@ -1,7 +1,9 @@
 #include "cli/run/steered_run.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -11,9 +13,11 @@
 #include "actors/peis/peis_peer.hpp"
 #include "actors/run/ecology_run.hpp"
 #include "actors/run/look.hpp"
+#include "actors/run/mote_messages.hpp"
 #include "actors/supervision/ecology.hpp"
 #include "cli/print/console.hpp"
 #include "cli/print/report_output.hpp"
+#include "config/plan/directory.hpp"
 #include "core/hash.hpp"
 #include "core/text/printable.hpp"
 #include "deploy/bundle.hpp"
@@ -47,12 +51,25 @@ steering::run_facts facts_of(const run_command& x, const config::ecology_descrip
   return facts;
 }
 
+/// Who may send and be sent messages, by name: motes `kitchen/fan`, and peers that motes address.
+std::map<std::string, mote_address> ends_of(const config::ecology_description& ecology) {
+  const config::directory names(ecology);
+  std::map<std::string, mote_address> ends;
+  for (const auto& [island, x] : names.islands)
+    for (const auto& [mote, id] : x.motes)
+      ends.emplace(island + '/' + mote, mote_address{x.id, id});
+  for (const auto& [peer, id] : names.ends)
+    if (id.value <= static_cast<std::int32_t>(island_id_max))
+      ends.emplace(peer, mote_address{island_id(static_cast<std::uint32_t>(id.value)), no_mote});
+  return ends;
+}
+
 /// The run, its session, and what is between the two.
 class steered_run {
 public:
   steered_run(const run_command& x, ecology_file file, const io::line_socket* other)
       : known_(x.known), packed_(deploy::pack(x.file, x.instead, x.options.length, x.known).what),
-        labels_(file.ecology.labels), varied_(file.varied),
+        labels_(file.ecology.labels), varied_(file.varied), ends_(ends_of(file.ecology)),
         session_(facts_of(x, file.ecology), ports()) {
     auto options = x.options;
     options.source = {x.file, to_hex(file.text_hash), x.deciding};
@@ -65,6 +82,7 @@ public:
         control_->stop();
     };
     run_.emplace(std::move(file.ecology), std::move(options));
+    run_->run_until(instant{}); // before, nobody is there yet who could be asked
   }
 
   steering::session& session() { return session_; }
@@ -94,6 +112,10 @@ private:
                              : "peer `" + x.peer + "` does not run";
                 },
             .fault = [this](const std::string& words, instant at) { return plan(words, at); },
+            .send = [this](const steering::send_request& x,
+                           std::uint32_t number) { return send(x, number); },
+            .table = [](const std::string& words,
+                        const std::string& at) { return deploy::table_of(words, at); },
             .look = [this] { return look_at(state_of<ecology_state>(run_->root()), now()); },
             .report = [this] { return to_json(run_->report_so_far(), labels_, varied_); },
             .finish = [this] { return to_json(finish(), labels_, varied_); }};
@@ -121,10 +143,22 @@ private:
     return {};
   }
 
+  std::string send(const steering::send_request& x, std::uint32_t number) {
+    const auto mote = ends_.find(x.mote);
+    if (mote == ends_.end() || mote->second.mote == no_mote)
+      return "there is no mote `" + x.mote + '`';
+    const auto to = ends_.find(x.to);
+    if (to == ends_.end())
+      return "no mote, and no peer with an id up to 254, is named `" + x.to + '`';
+    return send_as(state_of<ecology_state>(run_->root()), mote->second,
+                   {number, to->second, payload(x.octets), x.reliable, x.am_type});
+  }
+
   config::extensions known_;
   deploy::bundle packed_;
   config::label_table labels_;
   config::variation varied_;
+  std::map<std::string, mote_address> ends_;
   steering::session session_;
   std::optional<run_control> control_;
   std::optional<report::run_report> report_;
