@@ -12,6 +12,7 @@
 #include "cli/print/console.hpp"
 #include "config/summary_parts.hpp"
 #include "core/text/printable.hpp"
+#include "core/text/shell_word.hpp"
 #include "io/tls/certificates.hpp"
 #include "report/figures.hpp"
 #include "report/print/text_layout.hpp"
@@ -123,10 +124,25 @@ exit_status refuse_in(const std::string& folder, const std::string& why) {
   return refuse(why + (is_missing ? "; rubicon certs init creates an authority" : ""));
 }
 
-exit_status print_made(const io::made_certificate& made, const std::string& about_key) {
+/// @param next what a user does then
+exit_status print_made(const io::made_certificate& made, const std::string& about_key,
+                       const std::string& next = {}) {
   const auto text = printable(made.file) + ", valid until " + date_text(made.valid_until) + '\n' +
-                    printable(made.key_file) + ", its key: " + about_key + '\n';
+                    printable(made.key_file) + ", its key: " + about_key + '\n' +
+                    (next.empty() ? "" : "Next: " + next + '\n');
   return print(stdout, text) ? exit_status::good : exit_status::refused;
+}
+
+/// `copy these two and certs/ca.crt to kitchen; there: rubicon host --name kitchen ...`
+std::string next_of(const io::made_certificate& made, const std::string& folder,
+                    const io::new_certificate& x) {
+  const auto authority = folder + '/' + std::string(io::authority_name) + ".crt";
+  if (x.use == io::certificate_use::coordinator)
+    return "rubicon deploy FILE --tls-cert " + printable(shell_word(made.file)) + " --tls-key " +
+           printable(shell_word(made.key_file)) + " --tls-ca " + printable(shell_word(authority));
+  return "copy these two and " + printable(authority) + " to " + x.host +
+         "; there: rubicon host --name " + x.host + " --listen ADDRESS:4242 --tls-cert " + x.host +
+         ".crt --tls-key " + x.host + ".key --tls-ca ca.crt";
 }
 
 exit_status perform_in(const std::string& folder, const io::new_authority& x) {
@@ -134,7 +150,9 @@ exit_status perform_in(const std::string& folder, const io::new_authority& x) {
   if (const auto* why = std::get_if<std::string>(&made))
     return refuse(*why);
   return print_made(std::get<io::made_certificate>(made),
-                    "anyone who has it can make certificates, so keep it off the hosts");
+                    "anyone who has it can make certificates, so keep it off the hosts",
+                    "rubicon certs add HOST --host for each host, and rubicon certs add NAME "
+                    "--coordinator for whoever deploys");
 }
 
 exit_status perform_in(const std::string& folder, const io::new_certificate& x) {
@@ -144,7 +162,8 @@ exit_status perform_in(const std::string& folder, const io::new_certificate& x) 
   const auto made = io::make_certificate(folder, x, io::system_time());
   if (const auto* why = std::get_if<std::string>(&made))
     return refuse_in(folder, *why);
-  return print_made(std::get<io::made_certificate>(made), "for " + x.host + " only, beside ca.crt");
+  const auto& found = std::get<io::made_certificate>(made);
+  return print_made(found, "for " + x.host + " only, beside ca.crt", next_of(found, folder, x));
 }
 
 exit_status perform_in(const std::string& folder, const io::renewal& x) {

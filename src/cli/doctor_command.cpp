@@ -33,6 +33,7 @@
 #include "io/process/machine.hpp"
 #include "io/serial/serial_devices.hpp"
 #include "io/tls/certificates.hpp"
+#include "io/tls/tls_identity.hpp"
 #include "io/tls/tls_keeper.hpp"
 #include "io/udp/udp_group.hpp"
 #include "report/figures.hpp"
@@ -145,10 +146,10 @@ finding look_at_multicast(const file_needs& wanted) {
 }
 
 finding look_at_clock(bool matters) {
-  const std::chrono::year_month_day today(
-      std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now()));
+  const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+  const std::chrono::year_month_day today(std::chrono::floor<std::chrono::days>(now));
   const auto year = static_cast<int>(today.year());
-  return {"clock", std::to_string(year),
+  return {"clock", io::time_text(now),
           year < 2025 ? "set it: certificates are not valid yet (timedatectl set-ntp true)" : "",
           matters ? severity::fault : severity::warning};
 }
@@ -267,7 +268,8 @@ void look_at_use(const deploy::host_facts& theirs, const io::tls_keeper& own,
 }
 
 /// @param why a host does not answer
-std::string advice_for(const std::string& why, const std::string& host) {
+/// @param place its address and port
+std::string advice_for(const std::string& why, const std::string& host, const std::string& place) {
   const auto has = [&why](std::string_view part) { return why.find(part) != std::string::npos; };
   if (has("clock there is wrong") || has("one of the two clocks"))
     return "set the clock that is wrong (timedatectl set-ntp true), here or there";
@@ -282,9 +284,9 @@ std::string advice_for(const std::string& why, const std::string& host) {
     return "correct `address`, or give the host its own files";
   if (has("certificate"))
     return "give both ends certificates of the same authority (--tls-cert, --tls-key, --tls-ca)";
-  return "start rubicon host --name " + host +
-         " there, open the port in its firewall, and give both ends certificates of the same "
-         "authority";
+  return "start rubicon host --name " + host + " there, with --listen " + place +
+         " and the --tls-cert, --tls-key and --tls-ca of one authority, and open the port in its "
+         "firewall";
 }
 
 /// What hosts say of themselves, and of the part that is theirs.
@@ -302,7 +304,7 @@ void look_at_hosts(const doctor_command& x, const deploy::packed& file, findings
     const auto name = "host " + hosts[i].name;
     const auto place = hosts[i].address + ':' + std::to_string(hosts[i].port);
     if (const auto* why = std::get_if<std::string>(&greeted[i])) {
-      out.push_back({name, place + ' ' + *why, advice_for(*why, hosts[i].name)});
+      out.push_back({name, place + ' ' + *why, advice_for(*why, hosts[i].name, place)});
       continue;
     }
     const auto& theirs = std::get<deploy::greeting>(greeted[i]).version;

@@ -20,7 +20,7 @@ std::string name_of(const run_page& x, const mote_address& mote) {
   for (const auto& island : x.report.islands) {
     const auto found = std::ranges::find(island.motes, mote, &report::mote_report::address);
     if (island.id == mote.island && found != island.motes.end())
-      return island.name + '/' + found->name;
+      return labelled(x, island.name + '/' + found->name);
   }
   return to_string(mote);
 }
@@ -165,7 +165,8 @@ std::vector<tuple_curve> changing(const report::history& x) {
 }
 
 std::string tuple_chart(const run_page& x, const tuple_curve& curve) {
-  const auto& [owner, key] = *curve.key;
+  const auto& [owner, plain_key] = *curve.key;
+  const auto key = labelled(x, plain_key);
   chart on(360, 130, 52, 28, key + " of " + owner);
   on.scale(x.report.simulated, curve.values->least(), curve.values->most(), 4, 3);
   std::vector<point> points;

@@ -38,7 +38,7 @@ std::string events_before(const run_page& x, instant at) {
   auto rows = head_row({{"time", true}, {"who"}, {"event"}});
   for (auto each = end - static_cast<std::ptrdiff_t>(count); each != end; ++each)
     rows += row({{report::run_time(each->at), true},
-                 {each->who, false, "name"},
+                 {labelled(x, each->who), false, "name"},
                  {each->what, false, "long"}});
   return "<h3>Events before it</h3>" + wide("<table>" + rows + "</table>");
 }

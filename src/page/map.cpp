@@ -8,10 +8,13 @@
 #include "page/markup.hpp"
 #include "page/parts.hpp"
 #include "report/figures.hpp"
+#include "report/print/text_layout.hpp"
 
 namespace rubicon::page {
 
 namespace {
+
+using label_kind = config::label_table::kind;
 
 constexpr double width_alone = 1000;
 constexpr double width_beside = 540; ///< others
@@ -158,7 +161,8 @@ private:
       const auto look = class_of(delivery);
       out.line(places.at(mote.id), places.at(own->parent),
                "class='link " + std::string(look) + '\'',
-               island.name + '/' + mote.name + ": " + share(delivery) + " of its messages arrived");
+               named(page_, label_kind::mote, island.name + '/' + mote.name) + ": " +
+                   share(delivery) + " of its messages arrived");
     }
     for (const auto& flow : page_.report.flows) {
       const bool is_here = !has_matrix_ && flow.from.island == island.id &&
@@ -191,14 +195,14 @@ private:
     const auto sink = at(island.sink.place);
     const auto half = radius_ + 2.5;
     out.rect({sink.x - half, sink.y - half}, 2 * half, 2 * half, "class='sink'",
-             island.name + "/sink");
+             named(page_, label_kind::island, island.name) + "/sink");
     taken_.push_back(around(sink, half));
   }
 
   [[nodiscard]] std::string title_of(const config::island_description& island,
                                      const config::mote_description& mote,
                                      const report::mote_report* own) const {
-    auto text = named(page_, config::label_table::kind::mote, island.name + '/' + mote.name);
+    auto text = named(page_, label_kind::mote, island.name + '/' + mote.name);
     if (own == nullptr)
       return text;
     if (own->joins && !own->joined)
@@ -216,8 +220,10 @@ private:
   }
 
   /// Beside what it names, where there is room; else nowhere: the title has it.
-  void label(drawing& out, point x, const std::string& text, std::string_view look) {
-    const auto wide = 8.4 * static_cast<double>(text.size()); // of the font's most common letters
+  /// @returns whether there was room
+  bool label(drawing& out, point x, const std::string& text, std::string_view look) {
+    // of the font's most common letters
+    const auto wide = 8.4 * static_cast<double>(report::display_width(text));
     const auto gap = radius_ + 4;
     struct choice {
       point at;
@@ -238,16 +244,20 @@ private:
       out.text(each.at, "class='" + std::string(look) + "' text-anchor='" + each.anchor + '\'',
                text);
       taken_.push_back(room);
-      return;
+      return true;
     }
+    return false;
   }
 
   void draw_labels(drawing& out, const config::island_description& island) {
-    label(out, at(island.sink.place), island.name, "strong");
+    const auto sink = at(island.sink.place);
+    const auto name = named(page_, label_kind::island, island.name);
+    if (!label(out, sink, name, "strong") && name != island.name)
+      label(out, sink, island.name, "strong");
     if (motes_ > labelled_max)
       return;
     for (const auto& mote : island.motes)
-      label(out, at(place_of(mote, page_.report.simulated)), mote.name, "soft");
+      (void)label(out, at(place_of(mote, page_.report.simulated)), mote.name, "soft");
   }
 
   void draw_scale(drawing& out) const {
@@ -314,7 +324,7 @@ std::string map_of(const run_page& x) {
     std::string names;
     for (const auto& island : x.ecology.islands)
       if (std::ranges::find(air.islands, island.id) != air.islands.end())
-        names += (names.empty() ? "" : ", ") + island.name;
+        names += (names.empty() ? "" : ", ") + named(x, label_kind::island, island.name);
     maps += "<figure>" + map.draw(names) + element("figcaption", names) + "</figure>\n";
   }
   if (maps.empty())

@@ -107,10 +107,13 @@ void drawing::circle(point middle, double radius, std::string_view attributes,
         attributes, title);
 }
 
-void drawing::text(point at, std::string_view attributes, std::string_view what) {
-  svg_ += page::element("text", what,
-                        "x='" + px(at.x) + "' y='" + px(at.y) + "' " + std::string(attributes)) +
-          '\n';
+void drawing::text(point at, std::string_view attributes, std::string_view what,
+                   std::string_view title) {
+  auto words = page::element(
+      "text", what, "x='" + px(at.x) + "' y='" + px(at.y) + "' " + std::string(attributes));
+  if (!title.empty())
+    words.insert(words.rfind("</"), page::element("title", title));
+  svg_ += words + '\n';
 }
 
 } // namespace rubicon::page

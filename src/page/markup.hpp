@@ -40,7 +40,9 @@ public:
             std::string_view title = {});
   void circle(point middle, double radius, std::string_view attributes,
               std::string_view title = {});
-  void text(point at, std::string_view attributes, std::string_view what);
+  /// @param title what it says in full, if `what` is cut
+  void text(point at, std::string_view attributes, std::string_view what,
+            std::string_view title = {});
 
   void element(std::string_view tag, std::string_view text) { svg_ += page::element(tag, text); }
 

@@ -63,6 +63,10 @@ struct cell {
   return x.ecology.labels.with_name(what, name);
 }
 
+/// The same for who is named by an event or a tuple: `flat/hall (Flur) and 2 others`,
+/// `flat.hall.temperature (Flur)`; of a mote its own label, or else that of its island.
+[[nodiscard]] std::string labelled(const run_page& x, const std::string& name);
+
 /// `97.3%`; `–` of nothing.
 [[nodiscard]] std::string share(std::optional<double> x);
 

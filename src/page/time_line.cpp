@@ -75,7 +75,7 @@ std::vector<lane> events(const run_page& x) {
   std::vector<std::string> order;
   for (const auto& island : x.report.islands) {
     order.push_back(island.name);
-    all[island.name].name = island.name;
+    all[island.name].name = named(x, config::label_table::kind::island, island.name);
   }
   for (const auto& each : x.report.event_log) {
     auto name = each.who.substr(0, each.who.find('/'));
@@ -85,9 +85,10 @@ std::vector<lane> events(const run_page& x) {
     if (!all.contains(name))
       order.push_back(name);
     auto& lane = all[name];
-    lane.name = name;
-    lane.marks.push_back({seconds(each.at.time_since_epoch()), look_of(each.what),
-                          report::run_time(each.at) + "  " + each.who + "  " + each.what});
+    lane.name = labelled(x, name);
+    lane.marks.push_back(
+        {seconds(each.at.time_since_epoch()), look_of(each.what),
+         report::run_time(each.at) + "  " + labelled(x, each.who) + "  " + each.what});
   }
   std::vector<lane> lanes;
   for (const auto& name : order)
@@ -127,8 +128,9 @@ std::string draw(const run_page& x, const std::vector<lane>& lanes) {
   }
   for (std::size_t i = 0; i < lanes.size(); ++i) {
     const auto middle = 8 + lane_height * (static_cast<double>(i) + 0.5);
-    out.text({names_width - 18, middle + 4}, "text-anchor='end'",
-             report::cut(printable(lanes[i].name), 20));
+    const auto name = printable(lanes[i].name);
+    const auto shown = report::cut(name, 20);
+    out.text({names_width - 18, middle + 4}, "text-anchor='end'", shown, shown == name ? "" : name);
     for (const auto& each : lanes[i].marks)
       draw_mark(out, each, time.at(each.at_s), middle);
   }
@@ -162,8 +164,9 @@ std::string log_of(const run_page& x) {
                                      : ""));
   std::string rows = head_row({{"time", true}, {"who"}, {"what"}});
   for (const auto& each : log)
-    rows += row(
-        {{report::run_time(each.at), true}, {each.who, false, "name"}, {each.what, false, "long"}});
+    rows += row({{report::run_time(each.at), true},
+                 {labelled(x, each.who), false, "name"},
+                 {each.what, false, "long"}});
   return out + wide("<table>" + rows + "</table>") + "</details>\n";
 }
 

@@ -57,6 +57,9 @@ TEST_CASE("an authority and certificates are made, and listed", "[cli]") {
   CHECK(host.status == 0);
   CHECK(host.out.starts_with("certs/kitchen.crt, valid until 20"));
   CHECK(contains(host.out, "\ncerts/kitchen.key, its key: for kitchen only"));
+  CHECK(contains(made.out, "\nNext: rubicon certs add HOST --host"));
+  CHECK(contains(host.out, "\nNext: copy these two and certs/ca.crt to kitchen; there: rubicon "
+                           "host --name kitchen --listen ADDRESS:4242 --tls-cert kitchen.crt"));
   CHECK(!contains(made.out + host.out, "BEGIN"));
 
   const auto table = at.run("list");

@@ -7,7 +7,11 @@ import pathlib
 import statistics
 import sys
 
-from rubicon import Run, map_runs
+try:
+    from rubicon import Run, map_runs
+except ModuleNotFoundError:
+    sys.exit("window.py: Python does not find the package rubicon: export PYTHONPATH=FOLDER, "
+             "the folder python of the source tree or lib/python3/dist-packages of an installation")
 
 FILE = pathlib.Path(__file__).with_name("room.toml")
 WINDOWS = (20, 30, 40, 60, 80, 120, 160)  # [ms]

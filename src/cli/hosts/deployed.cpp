@@ -75,7 +75,8 @@ std::string remember(const deployed& x) {
   const json all{{"id", x.id},           {"ecology", x.ecology},
                  {"file", x.file},       {"certificate", x.tls.certificate},
                  {"key", x.tls.key},     {"authority", x.tls.authority},
-                 {"network", x.network}, {"hosts", hosts}};
+                 {"network", x.network}, {"hosts", hosts},
+                 {"urls", urls}};
   const auto path = io::state_file(x.ecology + deployed_ending);
   if (path.empty())
     return "there is no folder to store the deployment's name in";

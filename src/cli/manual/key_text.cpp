@@ -5,22 +5,36 @@
 
 #include "cli/manual/key_place.hpp"
 #include "cli/manual/value_kind.hpp"
+#include "config/summary_parts.hpp"
 
 namespace rubicon::cli {
 
 namespace {
 
 constexpr std::size_t explained_max = 5; // more are one line each
+constexpr std::size_t paths_max = 6;     // of one key
 
 /// One key that may stand in several places.
 struct key_group {
   key_place first;
   std::vector<std::string> paths;
+  std::vector<std::string> titles; ///< of its tables
 };
 
 bool is_same(const key_place& a, const key_place& b) {
-  return a.title == b.title && a.key->meaning == b.key->meaning && a.key->wanted == b.key->wanted &&
-         a.key->standard == b.key->standard && a.key->unset == b.key->unset;
+  const auto* const one = a.key->table.get();
+  const auto* const other = b.key->table.get();
+  const bool has_same_keys =
+      one == nullptr || other == nullptr ? one == other : one->title == other->title;
+  return has_same_keys && range_text(*a.key) == range_text(*b.key) && a.key->name == b.key->name &&
+         a.key->meaning == b.key->meaning && a.key->wanted == b.key->wanted &&
+         a.key->standard == b.key->standard && a.key->unset == b.key->unset &&
+         config::change_of(*a.key) == config::change_of(*b.key);
+}
+
+void add(std::vector<std::string>& to, const std::string& what) {
+  if (std::ranges::find(to, what) == to.end())
+    to.push_back(what);
 }
 
 std::vector<key_group> grouped(const std::vector<key_place>& all) {
@@ -28,9 +42,9 @@ std::vector<key_group> grouped(const std::vector<key_place>& all) {
   for (const auto& each : all) {
     const auto same = std::ranges::find_if(
         out, [&each](const key_group& group) { return is_same(group.first, each); });
-    auto& group = same == out.end() ? out.emplace_back(key_group{each, {}}) : *same;
-    if (std::ranges::find(group.paths, each.path()) == group.paths.end())
-      group.paths.push_back(each.path());
+    auto& group = same == out.end() ? out.emplace_back(key_group{each, {}, {}}) : *same;
+    add(group.paths, each.path());
+    add(group.titles, plain_text(each.title));
   }
   return out;
 }
@@ -100,9 +114,11 @@ std::string text_of(const key_group& x) {
   else
     out += line("default:", standard.empty() ? "none" : "none: it is required");
   out += line("change:", plain_text(config::change_of(key)));
-  out += line("table:", plain_text(x.first.title));
-  for (const auto& path : x.paths)
-    out += line(&path == &x.paths.front() ? "place:" : "", path);
+  out += line("table:", config::joined(x.titles, ", "));
+  for (std::size_t i = 0; i < std::min(x.paths.size(), paths_max); ++i)
+    out += line(i == 0 ? "place:" : "", x.paths[i]);
+  if (x.paths.size() > paths_max)
+    out += line("", "and " + std::to_string(x.paths.size() - paths_max) + " more");
   if (key.table)
     out += line("keys:", keys_of(*key.table));
   return out + "  example:\n" + example_of(x.first);

@@ -10,6 +10,7 @@
 
 #include "cli/ecology_file.hpp"
 #include "cli/manual/templates.hpp"
+#include "cli/own_binary.hpp"
 #include "cli/print/console.hpp"
 #include "cli/print/new_file.hpp"
 #include "core/text/shell_word.hpp"
@@ -18,6 +19,17 @@
 namespace rubicon::cli {
 
 namespace {
+
+struct program_option {
+  std::string_view option;
+  std::string_view what;
+};
+constexpr std::size_t longest_option = 14;
+constexpr program_option program_options[] = {
+    {"lua DIR", "a mote that switches a fan and reports its temperature, in Lua"},
+    {"firmware DIR", "motes that flood a reading over five hops, in C"},
+    {"python DIR", "a study of many runs, in Python"},
+};
 
 std::string list_of_templates() {
   std::size_t longest = 0;
@@ -28,8 +40,15 @@ std::string list_of_templates() {
     const auto gap = std::string(longest + 2 - each.name.size(), ' ');
     out.append("  ").append(each.name).append(gap).append(sentence_of(each)).append("\n");
   }
-  return out + "\nrubicon new " + std::string(all_templates().front().name) +
-         " writes the first one into a file.\n";
+  out += "\nrubicon new " + std::string(all_templates().front().name) +
+         " writes the first one into a file.\n\nPrograms, each with an ecology, in a new folder:\n";
+  for (const auto& [option, what] : program_options)
+    out.append("  --")
+        .append(option)
+        .append(longest_option - option.size(), ' ')
+        .append(what)
+        .append("\n");
+  return out;
 }
 
 const ecology_template* find_template(const std::string& name) {
@@ -71,6 +90,26 @@ exit_status write_project(const std::string& name, std::span<const project_file>
              : exit_status::refused;
 }
 
+/// `python3 mine/window.py`, with where Python finds the package and the package this binary,
+/// unless both are where they are looked for.
+std::string python_run_of(const std::string& folder) {
+  namespace fs = std::filesystem;
+  const auto script = "python3 " + shell_word((fs::path(folder) / "window.py").string());
+  std::error_code error;
+  const auto binary = fs::read_symlink(own_binary, error);
+  const auto beside = binary.parent_path();
+  const auto installed = beside.parent_path() / "lib/python3/dist-packages";
+  const auto in_tree = beside.parent_path().parent_path() / "python"; // of build/PRESET/rubicon
+  const auto has_package = [&error](const fs::path& x) { return fs::exists(x / "rubicon", error); };
+  if (has_package(installed))
+    return beside == "/usr/bin" ? script
+                                : "PYTHONPATH=" + shell_word(installed.string()) + ' ' + script;
+  if (!has_package(in_tree))
+    return script;
+  return "PYTHONPATH=" + shell_word(in_tree.string()) + " RUBICON=" + shell_word(binary.string()) +
+         ' ' + script;
+}
+
 /// @param toml the file of the ecology in that folder
 std::string run_of(const std::string& folder, const char* toml) {
   return "rubicon run " + shell_word((std::filesystem::path(folder) / toml).string());
@@ -86,12 +125,14 @@ exit_status perform(const new_command& x) {
   if (!x.lua.empty())
     return write_project(x.lua, lua_project(), x.is_forced, run_of(x.lua, "fan.toml"));
   if (!x.python.empty())
-    return write_project(x.python, python_project(), x.is_forced,
-                         "python3 " +
-                             shell_word((std::filesystem::path(x.python) / "window.py").string()));
+    return write_project(x.python, python_project(), x.is_forced, python_run_of(x.python));
   if (x.name.empty())
     return print(stdout, list_of_templates()) ? exit_status::good : exit_status::refused;
   const auto* const found = find_template(x.name);
+  if (found == nullptr && std::ranges::any_of(program_options, [&x](const auto& each) {
+        return each.option.substr(0, each.option.find(' ')) == x.name;
+      }))
+    return refuse('`' + x.name + "` is an option with a folder: rubicon new --" + x.name + " DIR");
   if (found == nullptr)
     return refuse("there is no template `" + x.name + '`' + suggestion(x.name, template_names()));
   if (x.file == standard_input) // here: standard output

@@ -14,6 +14,30 @@
 
 namespace rubicon::cli {
 
+namespace {
+
+/// `1:30`, `0:01:30` or `1:30.250`, as reports write times.
+std::optional<duration> parse_clock(std::string_view text) {
+  constexpr std::uint64_t hours_max = 24 * 3650; // as long as a run may be
+  const auto point = text.find('.');
+  const auto last = text.substr(0, point).rfind(':');
+  if (last == std::string_view::npos || text.size() > 24)
+    return std::nullopt;
+  const auto seconds = config::parse_duration(std::string(text.substr(last + 1)) + 's');
+  const auto first = text.find(':');
+  const auto above = parse_whole(text.substr(0, first)); // minutes, or hours
+  const auto minutes =
+      first == last ? above : parse_whole(text.substr(first + 1, last - first - 1));
+  const bool has_hours = first != last;
+  if (!seconds || *seconds >= 60s || !above || !minutes || *above > hours_max * 60 ||
+      (has_hours && (*minutes >= 60 || *above > hours_max)))
+    return std::nullopt;
+  const auto whole = has_hours ? *above * 60 + *minutes : *minutes;
+  return *seconds + std::chrono::minutes(static_cast<std::int64_t>(whole));
+}
+
+} // namespace
+
 std::optional<std::uint64_t> parse_whole(std::string_view text) {
   std::uint64_t x = 0;
   const auto* const end = text.data() + text.size();
@@ -26,6 +50,15 @@ duration parse_length(const std::string& text, const char* option) {
   if (!length || *length <= 0s)
     throw CLI::ValidationError(option, "not a length of time: '" + text + "' (say 90s or 10min)");
   return *length;
+}
+
+duration parse_moment(const std::string& text, const char* option) {
+  if (const auto moment = parse_clock(text))
+    return *moment;
+  if (const auto length = config::parse_duration(text); length && *length > 0s)
+    return *length;
+  throw CLI::ValidationError(option, "not a time of the run: '" + text +
+                                         "' (say 90s, 10min or, as reports have it, 1:30)");
 }
 
 double parse_speed(const std::string& text) {

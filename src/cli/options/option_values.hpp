@@ -19,6 +19,9 @@ namespace rubicon::cli {
 /// `90s`, `10min`; more than zero.
 [[nodiscard]] duration parse_length(const std::string& text, const char* option = "--for");
 
+/// A moment of a run: `90s`, `10min`, or as reports write it, `1:30`, `1:02:03.500`.
+[[nodiscard]] duration parse_moment(const std::string& text, const char* option);
+
 /// More than zero.
 [[nodiscard]] double parse_speed(const std::string& text);
 [[nodiscard]] reseeding::settings parse_reseeding(const std::string& text); ///< `90s:7`

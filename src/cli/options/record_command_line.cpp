@@ -26,8 +26,9 @@ void record_command_line::add_explain() {
                   "A message such as kitchen/fan#3, or a tuple such as kitchen.fan.state; with "
                   "--when words of a violation")
       ->type_name("");
-  add_parsed(explain_app_, "--at", "TIME", "The value of the tuple at this time, not the newest",
-             [&](const auto& text) { explain_.at = parse_length(text, "--at"); });
+  add_parsed(explain_app_, "--at", "TIME",
+             "The value of the tuple at this time, such as 90s or 1:30, not the newest",
+             [&](const auto& text) { explain_.at = parse_moment(text, "--at"); });
   explain_app_.add_flag("--all", explain_.all, "All values of the tuple, one per line");
   explain_app_.add_flag("--lost", explain_.list.lost_only, "Only messages that were lost");
   explain_app_

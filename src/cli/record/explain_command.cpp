@@ -38,7 +38,7 @@ struct answerer {
     if (x.is_ambiguous)
       return not_found(asked.record + ": several peers have `" + asked.what + "`: say " +
                        listed(x.known));
-    const bool is_message = asked.what.find('#') != std::string::npos;
+    const bool is_message = asked.what.find_first_of("#/") != std::string::npos;
     return not_found(asked.record + ": no " + (is_message ? "message" : "tuple") + " `" +
                      asked.what + '`' + suggestion(asked.what, x.known));
   }

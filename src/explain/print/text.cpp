@@ -415,7 +415,7 @@ std::variant<nothing_found, message_found, tuples_found> find(const traces& all,
   const auto wanted = folded(name);
   nothing_found known;
   const auto hash = name.find('#');
-  if (hash != std::string_view::npos) {
+  if (hash != std::string_view::npos || name.find('/') != std::string_view::npos) {
     std::map<std::string, std::size_t> counts;
     for (std::size_t i = 0; i < all.messages.size(); ++i) {
       const auto& x = all.messages[i];
@@ -428,7 +428,7 @@ std::variant<nothing_found, message_found, tuples_found> find(const traces& all,
     for (const auto& [who, count] : counts)
       known.known.push_back(who + "#1" + (count > 1 ? ".." + std::to_string(count) : ""));
     for (const auto& [who, count] : counts)
-      if (folded(who) == folded(sender))
+      if (folded(who) == folded(sender) || folded(who).ends_with('/' + folded(sender)))
         known.known = {who + "#1" + (count > 1 ? ".." + std::to_string(count) : "")};
     return known;
   }
@@ -449,6 +449,12 @@ std::variant<nothing_found, message_found, tuples_found> find(const traces& all,
   known.is_ambiguous = !owners.empty();
   for (const auto& [key, count] : owners.empty() ? keys : owners)
     known.known.push_back(key);
+  // First those that begin likewise, and last what gateways and kernels keep about themselves.
+  const auto rank = [start = wanted.substr(0, wanted.find('.'))](const std::string& key) {
+    const bool is_own = key.starts_with("devices") || key.starts_with("kernel.");
+    return folded(key.substr(0, key.find('.'))) == start ? 0 : is_own ? 2 : 1;
+  };
+  std::ranges::stable_sort(known.known, {}, rank);
   return known;
 }
 

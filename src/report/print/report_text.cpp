@@ -2,6 +2,7 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "report/event_log.hpp"
@@ -20,6 +21,7 @@ constexpr std::size_t log_lines_max = 40;
 constexpr std::size_t alike_min = 4; ///< equal neighbours in the event log that become one line
 constexpr std::size_t least_left_shown = 5;
 constexpr std::size_t failures_shown = 10;
+constexpr std::size_t failures_kept = 100; ///< by a report
 constexpr std::size_t violations_shown = 40;
 
 void add_title(report_page& page, const run_report& x, const std::string& varied) {
@@ -485,16 +487,35 @@ void add_peers(report_page& page, const run_report& x) {
   page.add(limits);
 }
 
+/// Each text once, with how often it is there, in the order of the first.
+std::vector<std::pair<std::string, std::size_t>> equal_ones(const std::vector<std::string>& all) {
+  std::vector<std::pair<std::string, std::size_t>> out;
+  for (const auto& each : all) {
+    const auto found = std::ranges::find(out, each, [](const auto& x) { return x.first; });
+    if (found == out.end())
+      out.emplace_back(each, 1);
+    else
+      ++found->second;
+  }
+  return out;
+}
+
 void add_verdict(report_page& page, const run_report& x) {
   page.heading("Verdict", "whether the run was sound");
   page.flow({counted(x.actors.spawned, "actor"), with_thousands(x.actors.restarted) + " restarted",
              octet_size(x.serial().octets) + " over serial lines",
              with_thousands(x.radio().transmissions) + " radio transmissions"});
   table failures({{"failed actor"}});
-  const auto shown_failures = page.shown(x.actors.failures.size(), failures_shown);
-  for (std::size_t i = 0; i < shown_failures; ++i)
-    failures.add({x.actors.failures[i]});
-  page.add_rest(failures, x.actors.failures.size(), shown_failures);
+  const auto different = equal_ones(x.actors.failures);
+  const std::string of_all = x.actors.failures.size() < failures_kept
+                                 ? " times"
+                                 : " of the first " + std::to_string(failures_kept) + " failures";
+  const auto shown_failures = page.shown(different.size(), failures_shown);
+  for (std::size_t i = 0; i < shown_failures; ++i) {
+    const auto& [failure, times] = different[i];
+    failures.add({times == 1 ? failure : failure + "; " + with_thousands(times) + of_all});
+  }
+  page.add_rest(failures, different.size(), shown_failures);
   page.add(failures);
   if (x.violations.empty()) {
     page.line(x.interrupted ? "  ✓ no violations until it was interrupted" : "  ✓ no violations",

@@ -21,6 +21,16 @@ function plain(text, most = 1000) {
 }
 
 const labelled = (name, label) => (label ? `${name} (${plain(label, 100)})` : name); // what people call it
+
+/** Who an event is about: `flat/hall (Flur) and 2 others`, by the label of the mote, or else of the island or peer. */
+function labelledWho(who) {
+  const [, mote, island, rest] = /^(([^/ ]+)(?:\/[^/ ]+)?)(.*)$/.exec(who) || [];
+  const i = model.byName?.get(mote);
+  if (i !== undefined && islandOf(i).labels.has(model.names[i])) return labelled(mote, islandOf(i).labels.get(model.names[i])) + rest;
+  const found = [...(model.islands || []), ...(model.peers || [])].find(x => x.name === island && x.label);
+  return found ? labelled(island, found.label) + who.slice(island.length) : who;
+}
+
 const plainLines = text => String(text ?? "").split("\n").map(line => plain(line, 1e5)).join("\n");
 
 function assign(element, attributes) {
@@ -944,7 +954,8 @@ function drawSink(island) {
   fill("sink", box(x - r, y - r, 2 * r, 2 * r));
   stroke("bg", 1.5, box(x - r, y - r, 2 * r, 2 * r));
   labels.occupy(x - r, y - r, x + r, y + r);
-  if (!label(x, y, r, island.name, true)) label(screenX(island.cx), screenY(island.area.y0) - 6, 0, island.name, true, [3]);
+  const above = name => label(screenX(island.cx), screenY(island.area.y0) - 6, 0, name, true, [3]);
+  for (const name of new Set([labelled(island.name, island.label), island.name])) if (label(x, y, r, name, true) || above(name)) return;
 }
 
 function drawNames(island) {
@@ -975,7 +986,9 @@ function drawRing(island) {
 function nameRing(island) {
   const { x, y } = islandSpot(island);
   const wide = island.width * view.scale > 90;
-  label(x, y, island.ring * 1.16 - 1, plain(island.name, 16) + (wide ? ` ${joinedIn(island.counts)}/${island.count}` : ""), true, [2, 0]);
+  const joined = wide ? ` ${joinedIn(island.counts)}/${island.count}` : "";
+  for (const [name, most] of new Map([[labelled(island.name, island.label), 32], [island.name, 16]]))
+    if (label(x, y, island.ring * 1.16 - 1, plain(name, most) + joined, true, [2, 0])) return;
 }
 
 function drawScaleBar() {
@@ -1019,7 +1032,7 @@ const widths = new Map(); // of names, in pixels
 
 /** Writes a name right of, left of, below or above a sign, tried in this order. @returns whether there was room. */
 function label(x, y, r, text, strong, order = [0, 1, 2, 3]) {
-  const words = plain(text, 24);
+  const words = plain(text, strong ? 40 : 24);
   ctx.font = (strong ? "600 " : "") + "12px system-ui, sans-serif";
   const key = strong + words;
   if (widths.size > 20000) widths.clear();
@@ -1492,7 +1505,7 @@ function listenToTimeLine() {
     if (held) showAt(t);
     redraw("time");
     const near = eventNear(t);
-    showTip({ clientX: event.clientX, clientY: event.clientY - 80 }, [timeText(t), ...(near ? [`${EVENT_SIGNS[near.kind]} ${plain(near.who, 40)} ${near.what}`] : [])]);
+    showTip({ clientX: event.clientX, clientY: event.clientY - 80 }, [timeText(t), ...(near ? [`${EVENT_SIGNS[near.kind]} ${plain(labelledWho(near.who), 60)} ${near.what}`] : [])]);
   });
   on(canvas, "pointerup pointercancel", () => { held = false; });
   on(canvas, "pointerleave", () => {
@@ -1680,7 +1693,7 @@ const needleOf = id => $(id).value.trim().toLowerCase();
 // ---- tab: events
 
 function startEvents() {
-  const row = x => [cell(".when", timeText(x.t)), make("span.sign." + x.kind, EVENT_SIGNS[x.kind]), cell(".who", x.who), withTail(".what." + x.kind, x.what)];
+  const row = x => [cell(".when", timeText(x.t)), make("span.sign." + x.kind, EVENT_SIGNS[x.kind]), cell(".who", labelledWho(x.who)), withTail(".what." + x.kind, x.what)];
   const clicked = x => {
     showAt(x.t);
     chooseByName(x.who);
@@ -1693,7 +1706,8 @@ function startEvents() {
 
 function showEvents() {
   const kind = $("event-class").value;
-  const found = events.filter(x => (!kind || x.kind === kind) && matches(needleOf("event-filter"), x.who, x.what));
+  const needle = needleOf("event-filter");
+  const found = events.filter(x => (!kind || x.kind === kind) && (!needle || matches(needle, x.who, labelledWho(x.who), x.what)));
   put("event-count", (found.length < events.length ? countText(found.length) + " of " : "") + countText(events.length) + " events");
   tabs.events.list.set(found);
   showCurrentEvent();
@@ -2104,7 +2118,9 @@ function tupleQuantity(owner, key, unit) {
     of: file => file.tuples.get(tupleName(owner, key)) };
 }
 
-const chargeQuantity = i => ({ label: `charge used by ${fullName(i)}`, unit: "mAh", of: file => file.charge.get(fullName(i)),
+const labelledMote = i => labelled(fullName(i), islandOf(i).labels.get(model.names[i]));
+
+const chargeQuantity = i => ({ label: `charge used by ${labelledMote(i)}`, unit: "mAh", of: file => file.charge.get(fullName(i)),
   load: async () => pointsOf(await ask({ ask: "mote", address: addressOf(i), at_s: run.now }, "mote"), "used") });
 
 const seriesQuantity = (label, unit, values) => ({ label, unit, load: async () => series.times.map((t, i) => [t, values()?.[i] ?? 0]), of: () => undefined });
@@ -2115,7 +2131,7 @@ function quantities(needle) {
   return [...tuples.list.filter(([, key, value]) => number(value) && matches(needle, key)).map(([owner, key]) => tupleQuantity(owner, key)),
     ...Object.keys(series.lost).map(cause => seriesQuantity(`lost ${cause}`, "lost", () => series.lost[cause])),
     seriesQuantity("charge used by all motes", "mAh", () => series.used_mah),
-    ...range(model.count).filter(i => matches(needle, "charge used by " + fullName(i))).slice(0, 40).map(chargeQuantity)]
+    ...range(model.count).filter(i => matches(needle, "charge used by " + labelledMote(i))).slice(0, 40).map(chargeQuantity)]
     .filter(x => matches(needle, x.label)).slice(0, 40);
 }
 
@@ -2442,7 +2458,7 @@ function faultButton(text, kind, who) {
 async function moteParts(i) {
   const address = addressOf(i);
   const [answer, sent] = await Promise.all([ask({ ask: "mote", address, at_s: shown.at_s }, "mote"), messagesOf(address)]);
-  return [make("h2", labelled(fullName(i), islandOf(i).labels.get(model.names[i]))), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at_s)}`),
+  return [make("h2", labelledMote(i)), make("p.soft.small", `mote ${address}, ${stateLabel(i)} at ${timeText(shown.at_s)}`),
     faultButton("crash this mote…", "crash mote", fullName(i)), ...proposalParts(i), factList(answer?.facts || []),
     ...energyDetails(answer), ...neighbourDetails(answer?.neighbours || [], islandOf(i)), ...sent].filter(Boolean);
 }

@@ -72,6 +72,21 @@ TEST_CASE("a key of one kind of program has this kind in its example", "[cli][AC
                          "    app = \"sampler\"\n    dead_band = { temperature = 0.5 }\n"));
 }
 
+TEST_CASE("what a key is in several tables is said once, with some of its places",
+          "[cli][ACT-13]") {
+  const auto power = explained("power");
+  CHECK(contains(power.text, "\n  table:    [mote_type.NAME], [[island.mote]], [[island.group]]\n"
+                             "  place:    mote_type.NAME.power\n"
+                             "            island.mote.power\n"
+                             "            island.group.power\n"));
+  CHECK(power.text.find("island.mote.power") == power.text.rfind("island.mote.power"));
+  const auto model = explained("transducers.temperature.model");
+  CHECK(model.is_found);
+  const auto all = explained("model");
+  CHECK(contains(all.text, "\n            and 21 more\n"));
+  CHECK(std::count(all.text.begin(), all.text.end(), '\n') < 60);
+}
+
 TEST_CASE("of many keys each has a line, and a longer path is asked for", "[cli][ACT-13]") {
   const auto x = explained("every");
   CHECK(x.is_found);

@@ -10,6 +10,7 @@
 
 #include <unistd.h>
 
+#include "cli/hosts/deployed.hpp"
 #include "cli/network/find_network.hpp"
 #include "cli/run/running_note.hpp"
 #include "peer/standalone.hpp"
@@ -137,6 +138,20 @@ TEST_CASE("notes of the dead are removed, and nonsense is passed over", "[cli]")
   CHECK(!notes.has("x1"));
   notes.write(std::to_string(::getpid()), R"({"ecology": "c", "network": "c", "urls": "no"})");
   CHECK(running_ecologies().empty());
+}
+
+TEST_CASE("the note of a deployment has the PEIS links of its hosts", "[cli][SVC-08]") {
+  const own_notes notes;
+  deployed x;
+  x.id = "1f";
+  x.ecology = "house";
+  x.network = "attic";
+  x.hosts = {{"hall", "192.0.2.1", 4242, 4243}, {"study", "192.0.2.2", 4242, 0}};
+  CHECK(remember(x).empty());
+  const auto all = deployed_ecologies();
+  REQUIRE(all.size() == 1);
+  CHECK(all[0].network == "attic");
+  CHECK(all[0].urls == std::vector<std::string>{"tcp://192.0.2.1:4243"});
 }
 
 TEST_CASE("the network of a deployment is found by the note of who has deployed it",

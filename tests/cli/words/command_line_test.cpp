@@ -242,6 +242,13 @@ TEST_CASE("each option of explain reaches it, and none without meaning", "[cli][
   CHECK(list.json);
   CHECK(parse_explain({}).list.limit == 20);
   CHECK(parse_explain({"a.b", "--at", "3min12s"}).at == duration(192s));
+  CHECK(parse_explain({"a.b", "--at", "3:12"}).at == duration(192s));
+  CHECK(parse_explain({"a.b", "--at", "0:03:12.250"}).at == duration(192'250ms));
+  CHECK(parse_explain({"a.b", "--at", "100:00.000"}).at == duration(100min));
+  CHECK(parse_explain({"a.b", "--at", "87600:00:00"}).at == duration(87600h));
+  for (const auto* wrong : {"3", "3:", ":3", "3:60", "3:-1", "-3:01", "1:60:00", "1:2:3:4", "3:1s",
+                            "3:12.0000000001", "99999999999999999999:00", "5300000:00", ""})
+    CHECK(contains(refusal({"explain", "x", "a.b", "--at", wrong}), "1:30)"));
   CHECK(parse_explain({"a.b", "--all"}).all);
   CHECK(contains(refusal({"explain"}), "RECORD"));
   CHECK(contains(refusal({"explain", "x", "--at", "3s"}), "--at: of which tuple?"));

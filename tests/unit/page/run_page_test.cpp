@@ -104,6 +104,48 @@ TEST_CASE("tables and titles of a page have labels beside names", "[page]") {
   CHECK(contains(html, x.proxies.front().name + " (Klima)"));
 }
 
+TEST_CASE("drawings of a page have labels beside names", "[page]") {
+  auto x = sample_report();
+  auto ecology = sample_ecology(x);
+  using kind = config::label_table::kind;
+  ecology.labels.add(kind::island, "kitchen", "Küche & Flur");
+  ecology.labels.add(kind::mote, "kitchen/climate-7", "Herd");
+  ecology.labels.add(kind::peer, "robot", "Putzroboter im Obergeschoss");
+  x.event_log.push_back({instant{1s}, "kitchen/climate-7 and 3 others", "joined"});
+  x.event_log.push_back({instant{2s}, "robot/collector-1", "started again"});
+  x.event_log.push_back({instant{3s}, "kitchen.climate-7.temperature", "deleted"});
+  history seen;
+  for (int i = 1; i <= 3; ++i) {
+    run_sample sample;
+    sample.at = instant{i * 60s};
+    auto& to = sample.motes.emplace_back();
+    to.address = x.islands.front().motes.front().address;
+    to.used_mah = 0.1 * i;
+    seen.add(sample);
+    seen.add(tuple_write{sample.at, "robot", "robot", "kitchen.climate-7.temperature",
+                         std::to_string(i), false});
+  }
+  const auto html = page::html_of({ecology, x, seen, "", ""});
+  check_well_formed(html);
+  SECTION("the map names an island and its places") {
+    CHECK(contains(html, "text-anchor='start'>kitchen (Küche &amp; Flur)</text>"));
+    CHECK(contains(html, "Map of kitchen (Küche &amp; Flur)"));
+    CHECK(contains(html, "<title>kitchen (Küche &amp; Flur)/sink</title>"));
+    CHECK(contains(html, "<title>kitchen/climate-7 (Herd): 97.3% of its messages arrived</title>"));
+  }
+  SECTION("the time line names lanes, whole where they are cut, and events") {
+    CHECK(contains(html, "kitchen (Küche &amp; Fl…<title>kitchen (Küche &amp; Flur)</title>"));
+    CHECK(contains(html, "<title>robot (Putzroboter im Obergeschoss)</title>"));
+    CHECK(contains(html, "kitchen/climate-7 (Herd) and 3 others  joined"));
+    CHECK(contains(html, "<td class='name'>robot (Putzroboter im Obergeschoss)/collector-1</td>"));
+    CHECK(contains(html, "<td class='name'>kitchen.climate-7.temperature (Herd)</td>"));
+  }
+  SECTION("curves name motes") {
+    CHECK(contains(html, "kitchen/climate-7 (Herd), 0.300 mAh"));
+    CHECK(contains(html, "kitchen.climate-7.temperature (Herd)  (robot, 3 values"));
+  }
+}
+
 TEST_CASE("a page shows the run and needs nothing else", "[page]") {
   const auto html = page_of(sample_report());
   check_well_formed(html);

@@ -50,6 +50,16 @@ run_report with_violation() {
 
 } // namespace
 
+TEST_CASE("equal failures of actors are one line of the text", "[report]") {
+  auto x = sample_report();
+  x.actors.failures = {"mote/a/b: no", "peer/c: no", "mote/a/b: no"};
+  const auto text = to_text(x, 200, false);
+  CHECK(contains(text, "  mote/a/b: no; 2 times\n"));
+  CHECK(contains(text, "  peer/c: no\n"));
+  x.actors.failures.assign(100, "mote/a/b: no"); // as many as a report has
+  CHECK(contains(to_text(x, 200, false), "  mote/a/b: no; 100 of the first 100 failures\n"));
+}
+
 TEST_CASE("totals are sums over islands and peers", "[report]") {
   const auto x = sample_report();
   CHECK(x.motes_configured() == 5);
