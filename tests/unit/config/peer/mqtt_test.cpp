@@ -106,7 +106,7 @@ base = "homeassistant"
 [mqtt]
 peer = "pc"
 tls.certificate = "pc.crt"
-#@ 13:1: `certificate` and `key` need each other
+#@ 15:1: `certificate` and `key` need each other
 
 [mqtt]
 peer = "pc"
