@@ -79,6 +79,7 @@ struct import_command {
   std::string file;
   std::string to;                        ///< empty: FILE's name with .toml; `-`: standard output
   std::optional<imports::format> format; ///< unset: by FILE's name and content
+  std::string sink;                      ///< the mote that is it; empty: the first one that stays
   bool is_forced = false;                ///< overwrites a file
 };
 

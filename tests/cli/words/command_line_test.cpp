@@ -520,6 +520,16 @@ TEST_CASE("a condition compares numbers as numbers, and all else as text", "[cli
   CHECK_FALSE(parse_condition("<="));
 }
 
+TEST_CASE("an import may name its sink and its format", "[cli]") {
+  const auto x = parse({"import", "hall.k7.gz", "-", "--sink", "3", "--format", "k7"});
+  REQUIRE(std::holds_alternative<import_command>(x));
+  const auto& import = std::get<import_command>(x);
+  CHECK(import.sink == "3");
+  CHECK(import.to == "-");
+  CHECK(import.format == imports::format::k7);
+  CHECK(contains(refusal({"import", "a", "--format", "k8"}), "there is no format 'k8'"));
+}
+
 TEST_CASE("settings are kept in their order, and repeated", "[cli]") {
   const std::vector<std::string> all{"radio.loss=0.2", "island.*.sink.position_m=[3, 4]"};
   const auto run = parse_run({"--set", all[0].c_str(), "--set", all[1].c_str()});
