@@ -120,8 +120,9 @@ struct host_command {
   std::uint16_t port = 4242;
   control::tls_files tls;
   deploy::host_access access;
-  std::string state_folder; ///< empty: one of the user
-  std::string files_folder; ///< where parts write; empty: one in that of the state
+  std::string state_folder;             ///< empty: one of the user
+  std::string files_folder;             ///< where parts write; empty: one in that of the state
+  std::optional<metrics_place> metrics; ///< serves metrics
   config::extensions known;
 };
 

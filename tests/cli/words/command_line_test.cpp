@@ -520,6 +520,27 @@ TEST_CASE("a condition compares numbers as numbers, and all else as text", "[cli
   CHECK_FALSE(parse_condition("<="));
 }
 
+TEST_CASE("a host serves metrics only on request", "[cli][ACT-06]") {
+  const auto host = [](std::vector<const char*> words) {
+    words.insert(words.begin(), {"host", "--name", "west"});
+    const auto x = parse(words);
+    REQUIRE(std::holds_alternative<host_command>(x));
+    return std::get<host_command>(x);
+  };
+  CHECK_FALSE(host({}).metrics);
+  const auto local = host({"--metrics", "9464"});
+  REQUIRE(local.metrics);
+  CHECK(local.metrics->at.address == "127.0.0.1");
+  CHECK(local.metrics->at.port == 9464);
+  CHECK_FALSE(local.metrics->motes);
+  const auto others = host({"--metrics-of-motes", "--metrics", "192.168.1.5:0"});
+  REQUIRE(others.metrics);
+  CHECK(others.metrics->at.address == "192.168.1.5");
+  CHECK(others.metrics->motes);
+  CHECK(contains(refusal({"host", "--name", "west", "--metrics-of-motes"}), "--metrics"));
+  CHECK(contains(refusal({"host", "--name", "west", "--metrics", "web"}), "--metrics"));
+}
+
 TEST_CASE("an import may name its sink and its format", "[cli]") {
   const auto x = parse({"import", "hall.k7.gz", "-", "--sink", "3", "--format", "k7"});
   REQUIRE(std::holds_alternative<import_command>(x));
