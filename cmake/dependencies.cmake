@@ -7,6 +7,7 @@ find_package(OpenSSL 3 REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(pugixml 1.12 REQUIRED)
 find_package(yaml-cpp 0.7 REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(Threads REQUIRED)
 # libpcap has no CMake package.
 find_path(PCAP_INCLUDE_DIR pcap/pcap.h REQUIRED)

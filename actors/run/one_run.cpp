@@ -24,6 +24,8 @@ namespace {
 constexpr duration goodbye_time = 200ms;
 /// How long inits may take to stop their components (SVC-05).
 constexpr duration stop_time_max = 4s;
+/// Reports that are asked for now and then take at most a hundredth of the time.
+constexpr int report_pause_factor = 100;
 
 scheduler::world_options world_options_of(config::run_mode mode, double speed,
                                           const run_options& options) {
@@ -204,8 +206,9 @@ void one_run::report_on_time() {
   const auto now = std::chrono::steady_clock::now();
   if (!wall_ || options_.report_every <= 0s || now < next_report_)
     return;
-  next_report_ = now + options_.report_every;
   options_.on_report(report_so_far());
+  const auto took = std::chrono::steady_clock::now() - now;
+  next_report_ = now + std::max<duration>(options_.report_every, report_pause_factor * took);
 }
 
 void one_run::note_standstill(duration length) {

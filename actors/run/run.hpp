@@ -69,7 +69,8 @@ struct run_options {
   std::function<void(const report::run_sample&)> on_sample; ///< at each, and at the end
   std::function<void(const report::tuple_write&)> on_tuple; ///< as a component asks its peer for it
 
-  /// In wall time, called about as often with the report so far; everybody is asked for it.
+  /// In wall time, called about as often with the report so far; everybody is asked for it. Where
+  /// that takes long it is called less often, so that it takes a hundredth of the time at most.
   duration report_every{}; ///< real time; 0: never
   std::function<void(report::run_report)> on_report;
 

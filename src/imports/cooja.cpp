@@ -35,13 +35,12 @@ std::string_view class_of(const pugi::xml_node& x) {
 
 class cooja_reader {
 public:
-  explicit cooja_reader(std::string_view text) : text_(text) {}
+  explicit cooja_reader(std::string_view text) : text_(text), places_(text) {}
 
   import_result read() {
     const auto parsed = document_.load_buffer(text_.data(), text_.size());
     if (!parsed)
-      refuse(place_of(text_, static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, parsed.offset))),
-             parsed.description());
+      refuse(at(parsed.offset), parsed.description());
     const auto conf = document_.child("simconf");
     if (!conf)
       refuse({1, 1}, "there is no element `simconf`");
@@ -62,9 +61,11 @@ public:
   }
 
 private:
-  [[nodiscard]] text_place at(const pugi::xml_node& x) const {
-    return place_of(text_, static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, x.offset_debug())));
+  [[nodiscard]] text_place at(std::ptrdiff_t offset) const {
+    return places_.at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, offset)));
   }
+
+  [[nodiscard]] text_place at(const pugi::xml_node& x) const { return at(x.offset_debug()); }
 
   [[nodiscard]] field content(const pugi::xml_node& x) const {
     const auto text = text_of(x);
@@ -244,6 +245,7 @@ private:
   }
 
   std::string_view text_;
+  place_finder places_;
   pugi::xml_document document_;
   imported out_;
   mote_list motes_;

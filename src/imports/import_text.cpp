@@ -2,6 +2,7 @@
 #include <array>
 #include <utility>
 
+#include "core/text/spelling.hpp"
 #include "imports/readers.hpp"
 
 namespace rubicon::imports {
@@ -37,6 +38,31 @@ std::size_t count_of_first_line(std::string_view text) {
   return 0;
 }
 
+std::vector<std::string> mote_names(const ecology_plan& x) {
+  std::vector<std::string> out;
+  for (const auto& each : x.motes)
+    out.push_back(each.name.empty() ? std::to_string(each.number) : each.name);
+  return out;
+}
+
+void choose_sink(imported& x, std::string_view wanted) {
+  const auto& motes = x.plan.motes;
+  auto found =
+      std::ranges::find_if(motes, [](const planned_mote& mote) { return mote.path.empty(); });
+  if (!wanted.empty()) {
+    const auto names = mote_names(x.plan);
+    const auto named = std::ranges::find(names, wanted);
+    if (named == names.end())
+      refuse({}, "there is no mote " + quoted(wanted) + ", which --sink names" +
+                     suggestion(wanted, names));
+    found = motes.begin() + (named - names.begin());
+  }
+  x.sink = found == motes.end() ? 0 : static_cast<std::size_t>(found - motes.begin());
+  if (!motes[x.sink].path.empty())
+    x.notes.insert(x.notes.begin(),
+                   {{}, "movements of the sink, which stays where it is at the beginning"});
+}
+
 } // namespace
 
 std::string_view to_string(format x) {
@@ -65,13 +91,16 @@ std::optional<format> format_of(std::string_view file_name, std::string_view tex
   return count == 3 || count == 4 ? std::optional(format::zep) : std::nullopt;
 }
 
-import_result import_text(format from, std::string_view text) {
+import_result import_text(format from, std::string_view text, std::string_view sink) {
   if (text.size() > file_octets_max)
     return import_problem{{}, "it has more than 64 MiB"};
   if (text.starts_with("\xef\xbb\xbf"))
     text.remove_prefix(3);
   try {
-    return std::ranges::find(all_formats, from, &known_format::which)->read(text);
+    auto out = std::ranges::find(all_formats, from, &known_format::which)->read(text);
+    if (auto* const x = std::get_if<imported>(&out))
+      choose_sink(*x, sink);
+    return out;
   } catch (mistake& x) {
     return std::move(x.why);
   }

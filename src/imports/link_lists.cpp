@@ -1,5 +1,5 @@
 // Links as lists: TOSSIM's gains, and the topology of RIOT's ZEP dispatcher.
-#include <map>
+#include <algorithm>
 #include <set>
 
 #include "imports/readers.hpp"
@@ -78,12 +78,21 @@ import_result read_tossim(std::string_view text) {
     static_cast<void>(motes.by_number(each.from, {}));
     static_cast<void>(motes.by_number(each.to, {}));
   }
-  for (const auto& each : table.floors)
-    static_cast<void>(motes.by_number(each.node, {}));
   motes.give(out.plan);
-  out.plan.air = topology_file{out.plan.motes.front().number, !table.floors.empty()};
-  if (!table.floors.empty())
+  if (const auto last = out.plan.motes.back().number; last > node_max)
+    refuse({}, "a node must be a number from 0 to " + std::to_string(node_max) + ", not " +
+                   std::to_string(last));
+  std::size_t with_noise = 0;
+  for (const auto& each : table.floors)
+    with_noise += std::ranges::binary_search(out.plan.motes, each.node, {}, &planned_mote::number);
+  const bool all_have_noise = with_noise == out.plan.motes.size();
+  out.plan.air = topology_file{out.plan.motes.front().number, all_have_noise};
+  if (with_noise < table.floors.size())
+    out.notes.push_back({{}, "`noise` of nodes that have no `gain`: they are no motes"});
+  if (all_have_noise)
     out.notes.push_back({{}, "deviations of `noise` lines: each node's floor is constant"});
+  else if (with_noise > 0)
+    out.notes.push_back({{}, "`noise` lines, as some nodes have none: the usual noise instead"});
   return out;
 }
 

@@ -16,6 +16,7 @@ namespace rubicon::imports {
 
 inline constexpr std::size_t file_octets_max = 64U << 20U;
 inline constexpr std::size_t motes_max = 10'000;
+inline constexpr std::uint32_t node_max = 65'000; ///< number of a mote
 inline constexpr std::size_t links_max = 200'000;
 inline constexpr std::size_t changes_max = 20'000;  ///< of links while the ecology runs
 inline constexpr std::size_t waypoints_max = 1'000; ///< of one mote
@@ -101,6 +102,7 @@ struct ecology_plan {
 
 struct imported {
   ecology_plan plan;
+  std::size_t sink = 0;        ///< index of the mote that is the sink
   std::vector<left_out> notes; ///< in the order of their places
 };
 
@@ -116,7 +118,10 @@ enum class format : std::uint8_t { cooja, setdest, otns, iotlab, tossim, zep, k7
 [[nodiscard]] std::optional<format> format_of(std::string_view file_name, std::string_view text);
 
 /// @param text at most file_octets_max
-[[nodiscard]] import_result import_text(format from, std::string_view text);
+/// @param sink the mote that is the sink: its name, or its number if it has none; empty: the first
+/// one that does not move
+[[nodiscard]] import_result import_text(format from, std::string_view text,
+                                        std::string_view sink = {});
 
 /// The plan as an ecology's file.
 /// @param source name of the imported file, for the comment at its head

@@ -28,6 +28,33 @@ text_place place_of(std::string_view text, std::size_t offset) {
   return {line + 1, before.size() - (last == std::string_view::npos ? 0 : last + 1) + 1};
 }
 
+namespace {
+
+constexpr std::size_t block_octets = 4096; // of place_finder
+constexpr std::size_t notes_max = 200;
+
+} // namespace
+
+place_finder::place_finder(std::string_view text) : text_(text), blocks_(1) {
+  for (std::size_t begin = 0; begin + block_octets <= text.size(); begin += block_octets) {
+    auto next = blocks_.back();
+    const auto octets = text.substr(begin, block_octets);
+    next.line += static_cast<std::size_t>(std::count(octets.begin(), octets.end(), '\n'));
+    if (const auto last = octets.rfind('\n'); last != std::string_view::npos)
+      next.line_begin = begin + last + 1;
+    blocks_.push_back(next);
+  }
+}
+
+text_place place_finder::at(std::size_t offset) const {
+  offset = std::min(offset, text_.size());
+  const auto number = offset / block_octets;
+  const auto& known = blocks_[number];
+  const auto begin = number * block_octets;
+  const auto here = place_of(text_.substr(begin), offset - begin);
+  return {known.line + here.line - 1, here.line > 1 ? here.column : offset - known.line_begin + 1};
+}
+
 bool line_fields::next() {
   if (rest_.empty())
     return false;
@@ -75,7 +102,8 @@ std::optional<std::uint64_t> whole_in(std::string_view x) {
 }
 
 double real_of(const field& x, std::string_view what, double least, double most) {
-  const auto found = number_in(x.text.substr(x.text.starts_with('+') ? 1 : 0));
+  const bool has_plus = x.text.starts_with('+') && !x.text.starts_with("+-");
+  const auto found = number_in(x.text.substr(has_plus ? 1 : 0));
   if (!found || *found < least || *found > most)
     refuse(x.at, std::string(what) + " must be a number from " +
                      std::to_string(static_cast<long>(least)) + " to " +
@@ -88,7 +116,6 @@ double coordinate_of(const field& x, std::string_view what) {
 }
 
 std::uint32_t node_of(const field& x) {
-  constexpr std::uint64_t node_max = 65'000;
   const auto found = whole_in(x.text);
   if (!found || *found > node_max)
     refuse(x.at, "a node must be a number from 0 to " + std::to_string(node_max) + ", not " +
@@ -97,15 +124,18 @@ std::uint32_t node_of(const field& x) {
 }
 
 void note_list::add(text_place at, const std::string& what) {
-  constexpr std::size_t notes_max = 200;
   if (first_.size() < notes_max)
     first_.try_emplace(what, at);
+  else
+    is_full_ = is_full_ || !first_.contains(what);
 }
 
 std::vector<left_out> note_list::sorted() const {
   std::vector<left_out> out;
   for (const auto& [what, at] : first_)
     out.push_back({at, what});
+  if (is_full_)
+    out.push_back({{}, "kinds of things beyond the " + std::to_string(notes_max) + " listed here"});
   std::ranges::stable_sort(out, {},
                            [](const left_out& x) { return std::pair(x.at.line, x.at.column); });
   return out;

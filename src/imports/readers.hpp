@@ -32,6 +32,24 @@ struct mistake {
 /// Where the octet at an offset is.
 [[nodiscard]] text_place place_of(std::string_view text, std::size_t offset);
 
+/// The same for many offsets of one text: none of them makes it count the lines again.
+class place_finder {
+public:
+  explicit place_finder(std::string_view text);
+
+  [[nodiscard]] text_place at(std::size_t offset) const;
+
+private:
+  /// The line that the first octet of a block is in, and where that begins.
+  struct block {
+    std::size_t line = 1;
+    std::size_t line_begin = 0;
+  };
+
+  std::string_view text_;
+  std::vector<block> blocks_;
+};
+
 /// A part of a line, and where it begins.
 struct field {
   std::string_view text;
@@ -81,6 +99,7 @@ public:
 
 private:
   std::map<std::string, text_place> first_;
+  bool is_full_ = false;
 };
 
 /// Motes by what the file calls them.

@@ -39,6 +39,13 @@ std::string as_name(std::string_view text, std::string_view otherwise) {
                                                                         : out;
 }
 
+/// No mote may have it, in any letter case.
+bool stands_for_sink(std::string_view name) {
+  return std::ranges::equal(name, std::string_view("sink"), {}, [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+}
+
 /// Text within a comment.
 std::string in_comment(std::string_view text) {
   std::string out;
@@ -50,10 +57,9 @@ std::string in_comment(std::string_view text) {
 class toml_text {
 public:
   toml_text(const imported& x, std::string_view source, std::string_view topology)
-      : all_(x), plan_(x.plan), source_(source), topology_(topology) {}
+      : all_(x), plan_(x.plan), sink_(x.sink), source_(source), topology_(topology) {}
 
   std::string write(format from) {
-    choose_sink();
     name_motes();
     head(from);
     ecology();
@@ -70,29 +76,19 @@ public:
   }
 
 private:
-  /// The first mote that stays where it is.
-  void choose_sink() {
-    const auto found =
-        std::ranges::find_if(plan_.motes, [](const auto& x) { return x.path.empty(); });
-    if (found != plan_.motes.end())
-      sink_ = static_cast<std::size_t>(found - plan_.motes.begin());
-  }
-
   /// 0 is no mote's id: all are higher by one then.
   [[nodiscard]] std::uint32_t id_of(std::size_t i) const {
     return plan_.motes[i].number + (plan_.motes.front().number == 0 ? 1 : 0);
   }
 
   void name_motes() {
-    std::set<std::string> taken{"sink"};
+    std::set<std::string> taken;
     for (std::size_t i = 0; i < plan_.motes.size(); ++i) {
       const auto& x = plan_.motes[i];
       const auto plain = "node-" + std::to_string(x.number);
       auto name = x.name.empty() ? plain : as_name(x.name, plain);
-      if (!taken.insert(name).second) {
+      while (stands_for_sink(name) || !taken.insert(name).second)
         name += '-' + std::to_string(x.number);
-        taken.insert(name);
-      }
       names_.push_back(i == sink_ ? "sink" : std::move(name));
     }
   }
@@ -200,10 +196,10 @@ private:
 
   const imported& all_;
   const ecology_plan& plan_;
+  std::size_t sink_;
   std::string_view source_;
   std::string_view topology_;
   std::string out_;
-  std::size_t sink_ = 0;
   std::vector<std::string> names_;
 };
 

@@ -1,5 +1,6 @@
 // Files of OTNS in YAML, and of IoT-LAB in JSON, which is read as YAML for the places of its
 // values.
+#include <cmath>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -81,11 +82,19 @@ private:
     if (!id.IsDefined() || !pos.IsDefined())
       refuse(mark_of(x), "a node needs `id` and `pos`");
     const auto number = base_ + node_of(scalar(id, "id"));
+    if (number > node_max)
+      refuse(mark_of(id), "`base-id` and `id` must be at most " + std::to_string(node_max) +
+                              " together, not " + std::to_string(number));
     if (motes_.has_number(number))
       refuse(mark_of(id), "there are two nodes with the id " + std::to_string(number));
     auto& mote = motes_.at(motes_.by_number(number, mark_of(id)));
     const auto p = place(pos);
     mote.place = {p.x_m + shift_.x_m, p.y_m + shift_.y_m, p.z_m + shift_.z_m};
+    for (const auto coordinate : {mote.place.x_m, mote.place.y_m, mote.place.z_m})
+      if (std::abs(coordinate) > coordinate_max_m)
+        refuse(mark_of(pos), "with `pos-shift` it is more than " +
+                                 std::to_string(static_cast<long>(coordinate_max_m)) +
+                                 " m away from the origin");
     for (const auto& each : x)
       if (const auto key = scalar(each.first, "a key"); key.text != "id" && key.text != "pos")
         notes_.add(key.at, quoted(key.text) + " of nodes");
@@ -107,6 +116,8 @@ public:
       refuse({1, 1}, "there is no list of nodes, nor a list `items`");
     for (const auto& each : items)
       read_node(each);
+    if (motes_.size() == 0 && items.size() > 0)
+      refuse(mark_of(items[0]), "no node has a position");
     notes_.add({}, "what radios receive there: a disk of 50 m instead");
     return finished(std::move(out_), motes_, notes_);
   }

@@ -10,10 +10,12 @@
 #include "cli/hosts/hosted_part.hpp"
 #include "cli/hosts/hosted_seeds.hpp"
 #include "cli/print/console.hpp"
+#include "cli/print/served_metrics.hpp"
 #include "cli/words/version.hpp"
 #include "control/server.hpp"
 #include "core/overloads.hpp"
 #include "core/text/printable.hpp"
+#include "deploy/host_metrics.hpp"
 #include "io/files/file_lock.hpp"
 #include "io/files/stored_number.hpp"
 #include "io/loop.hpp"
@@ -61,10 +63,13 @@ public:
                               : ", for certificates of " + command_.tls.authority));
     for (const auto& each : identity_.own().warnings())
       say(each);
+    if (command_.metrics)
+      metrics_.emplace(*command_.metrics);
     while (!ending_ || (part_.is_running() && steady::now() < *ending_ + host_goodbye_max)) {
       loop_.wait_until(steady::now() + host_look_every);
       part_.on_time();
       seeds_.on_time();
+      show_metrics();
     }
     hangups_.reset();
     server_.reset();
@@ -97,6 +102,13 @@ private:
 
   void say(const std::string& text) const {
     static_cast<void>(print(stderr, printable(command_.name + "  " + text) + '\n'));
+  }
+
+  void show_metrics() {
+    if (!metrics_ || steady::now() < next_metrics_)
+      return;
+    metrics_->show(part_.newest_report(), to_metrics(facts()));
+    next_metrics_ = steady::now() + served_metrics::collect_every;
   }
 
   void end() {
@@ -142,6 +154,8 @@ private:
   control::system identity_;
   hosted_part part_;
   hosted_seeds seeds_;
+  std::optional<served_metrics> metrics_;
+  steady::time_point next_metrics_{};     ///< the first at once
   std::optional<control::server> server_; ///< refers to all of these
   std::optional<io::hangup_watch> hangups_;
 };

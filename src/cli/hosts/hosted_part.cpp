@@ -383,6 +383,14 @@ void hosted_part::cut(deploy::news& x) const {
   x.change = std::ranges::find(part_->lives, x.lives.back().life, &life::number)->change;
 }
 
+std::optional<report::run_report> hosted_part::newest_report() {
+  if (!part_ || part_->lives.empty())
+    return std::nullopt;
+  take_reports();
+  const auto& newest = part_->lives.back().newest.report;
+  return newest.ecology.empty() ? std::nullopt : std::optional(newest);
+}
+
 deploy::host_facts hosted_part::facts() const {
   deploy::host_facts out;
   out.host = with_.host;

@@ -43,6 +43,9 @@ public:
   [[nodiscard]] deploy::news news_after(const deploy::ask_news& x);
   [[nodiscard]] deploy::host_facts facts() const;
 
+  /// That its newest process has left; nothing: none has.
+  [[nodiscard]] std::optional<report::run_report> newest_report();
+
   /// To be called now and then: restarts a killed process.
   void on_time();
 

@@ -71,6 +71,25 @@ CLI::Option* add_page_host(CLI::App& app, std::function<page_place*()> where) {
       ->type_name("NAME");
 }
 
+std::vector<CLI::Option*> add_metrics(CLI::App& app, std::optional<metrics_place>& x,
+                                      const std::string& when) {
+  const auto text = "Serve metrics for Prometheus at http://127.0.0.1:PORT/metrics, or at "
+                    "ADDRESS:PORT" +
+                    when;
+  auto* const place = add_parsed(app, "--metrics", "PORT", text.c_str(), [&x](const auto& where) {
+    x.emplace();
+    parse_page_place(where, x->at, "--metrics");
+  });
+  auto* const motes = app.add_flag_callback(
+      "--metrics-of-motes",
+      [&x] {
+        if (x)
+          x->motes = true;
+      },
+      "Metrics of each mote too, not only of islands");
+  return {place, motes->needs(place)};
+}
+
 CLI::Option* add_log(CLI::App& app, std::string& level) {
   return app.add_option("--log", level, "Least level logged on standard error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))

@@ -41,6 +41,10 @@ CLI::Option* add_page(CLI::App& app, std::optional<page_place>& x);
 /// are parsed; nullptr: it is not served
 CLI::Option* add_page_host(CLI::App& app, std::function<page_place*()> where);
 
+/// `--metrics` and `--metrics-of-motes`. @param when they are served, behind what the first says
+std::vector<CLI::Option*> add_metrics(CLI::App& app, std::optional<metrics_place>& x,
+                                      const std::string& when = {});
+
 /// `--log`
 CLI::Option* add_log(CLI::App& app, std::string& level);
 

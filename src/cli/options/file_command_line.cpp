@@ -77,9 +77,10 @@ void file_command_line::add_check() {
 
 void file_command_line::add_import() {
   import_app_
-      .add_option("FILE", import_.file,
-                  "Cooja's .csc, movements of setdest, YAML of OTNS, JSON of IoT-LAB, gains of "
-                  "TOSSIM, a topology of RIOT's ZEP dispatcher, or a K7 trace")
+      .add_option(
+          "FILE", import_.file,
+          "Cooja's .csc, movements of setdest, YAML of OTNS, JSON of IoT-LAB, gains of "
+          "TOSSIM, a topology of RIOT's ZEP dispatcher, or a K7 trace; may be compressed (gzip)")
       ->required()
       ->type_name("");
   import_app_
@@ -93,6 +94,11 @@ void file_command_line::add_import() {
                if (!import_.format)
                  throw CLI::ValidationError("--format", "there is no format '" + text + "'");
              });
+  import_app_
+      .add_option("--sink", import_.sink,
+                  "Mote of FILE that is the sink: its name, or its number if it has none; default: "
+                  "the first one that does not move")
+      ->type_name("MOTE");
   import_app_.add_flag("--force", import_.is_forced, "Overwrite a file that exists");
   import_app_.footer("It prints what it has not taken, a line each.");
 }

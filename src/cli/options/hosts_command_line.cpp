@@ -71,6 +71,7 @@ void hosts_command_line::add_host() {
            "Folder for files and start counts; default: a folder of the user");
   add_path(host_app_, "--files", "DIR", host_.files_folder,
            "Folder where recorders of the file write; default: NAME-files in that folder");
+  add_metrics(host_app_, host_.metrics);
   host_app_.footer("It runs until Ctrl-C or SIGTERM, which also ends its part of the ecology.\n"
                    "Without certificates it accepts commands from this computer only.");
 }

@@ -122,19 +122,8 @@ void run_command_line::add_page() {
 }
 
 void run_command_line::add_metrics() {
-  auto& metrics = run_.watch.metrics;
-  auto* const place =
-      shows(add_parsed(app_, "--metrics", "PORT",
-                       "Serve metrics for Prometheus at http://127.0.0.1:PORT/metrics, or at "
-                       "ADDRESS:PORT; in wall time",
-                       [&metrics](const auto& text) {
-                         metrics.emplace();
-                         parse_page_place(text, metrics->at, "--metrics");
-                       }));
-  shows(app_.add_flag_callback(
-            "--metrics-of-motes", [&metrics] { metrics->motes = true; },
-            "Metrics of each mote too, not only of islands"))
-      ->needs(place);
+  for (auto* const each : cli::add_metrics(app_, run_.watch.metrics, "; in wall time"))
+    shows(each);
 }
 
 void run_command_line::add_logs() {

@@ -251,7 +251,7 @@ exit_status report_run(const run_command& x, ecology_file file) {
   if (x.watch.metrics) {
     metrics.emplace(*x.watch.metrics);
     options.report_every = served_metrics::collect_every;
-    options.on_report = [&metrics](const report::run_report& so_far) { metrics->show(so_far); };
+    options.on_report = [&metrics](report::run_report so_far) { metrics->show(std::move(so_far)); };
   }
   std::optional<viewed_run> viewed;
   if (x.watch.view) {

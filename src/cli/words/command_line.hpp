@@ -79,6 +79,7 @@ struct import_command {
   std::string file;
   std::string to;                        ///< empty: FILE's name with .toml; `-`: standard output
   std::optional<imports::format> format; ///< unset: by FILE's name and content
+  std::string sink;                      ///< the mote that is it; empty: the first one that stays
   bool is_forced = false;                ///< overwrites a file
 };
 
@@ -119,8 +120,9 @@ struct host_command {
   std::uint16_t port = 4242;
   control::tls_files tls;
   deploy::host_access access;
-  std::string state_folder; ///< empty: one of the user
-  std::string files_folder; ///< where parts write; empty: one in that of the state
+  std::string state_folder;             ///< empty: one of the user
+  std::string files_folder;             ///< where parts write; empty: one in that of the state
+  std::optional<metrics_place> metrics; ///< serves metrics
   config::extensions known;
 };
 

@@ -527,6 +527,37 @@ TEST_CASE("a condition compares numbers as numbers, and all else as text", "[cli
   CHECK_FALSE(parse_condition("<="));
 }
 
+TEST_CASE("a host serves metrics only on request", "[cli][ACT-06]") {
+  const auto host = [](std::vector<const char*> words) {
+    words.insert(words.begin(), {"host", "--name", "west"});
+    const auto x = parse(words);
+    REQUIRE(std::holds_alternative<host_command>(x));
+    return std::get<host_command>(x);
+  };
+  CHECK_FALSE(host({}).metrics);
+  const auto local = host({"--metrics", "9464"});
+  REQUIRE(local.metrics);
+  CHECK(local.metrics->at.address == "127.0.0.1");
+  CHECK(local.metrics->at.port == 9464);
+  CHECK_FALSE(local.metrics->motes);
+  const auto others = host({"--metrics-of-motes", "--metrics", "192.168.1.5:0"});
+  REQUIRE(others.metrics);
+  CHECK(others.metrics->at.address == "192.168.1.5");
+  CHECK(others.metrics->motes);
+  CHECK(contains(refusal({"host", "--name", "west", "--metrics-of-motes"}), "--metrics"));
+  CHECK(contains(refusal({"host", "--name", "west", "--metrics", "web"}), "--metrics"));
+}
+
+TEST_CASE("an import may name its sink and its format", "[cli]") {
+  const auto x = parse({"import", "hall.k7.gz", "-", "--sink", "3", "--format", "k7"});
+  REQUIRE(std::holds_alternative<import_command>(x));
+  const auto& import = std::get<import_command>(x);
+  CHECK(import.sink == "3");
+  CHECK(import.to == "-");
+  CHECK(import.format == imports::format::k7);
+  CHECK(contains(refusal({"import", "a", "--format", "k8"}), "there is no format 'k8'"));
+}
+
 TEST_CASE("settings are kept in their order, and repeated", "[cli]") {
   const std::vector<std::string> all{"radio.loss=0.2", "island.*.sink.position_m=[3, 4]"};
   const auto run = parse_run({"--set", all[0].c_str(), "--set", all[1].c_str()});
