@@ -58,7 +58,9 @@ public:
   [[nodiscard]] std::optional<instant> deadline() const { return pc_.deadline(); } ///< the term's
   [[nodiscard]] std::optional<duration> clock_offset() const { return clock_offset_; }
   [[nodiscard]] const communication::layer& above() const { return pc_.above(); }
-  [[nodiscard]] std::size_t outstanding() const { return above().ports().messages.core().outstanding(); }
+  [[nodiscard]] std::size_t outstanding() const {
+    return above().ports().messages.core().outstanding();
+  }
   // Of all terms.
   [[nodiscard]] communication::layer_totals layer_counters() const;
   [[nodiscard]] communication::pc_counters counters() const;

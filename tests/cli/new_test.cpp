@@ -172,8 +172,9 @@ TEST_CASE("a study in Python to begin with finds a window", "[cli]") {
   const scratch_folder folder;
   const auto made = rubicon_in(folder, "new --python 'my study'");
   CHECK(made.status == 0);
-  const std::string before = "wrote window.py, distance.py, environment.py, test_room.py and room.toml "
-                             "in my study\nNext: ";
+  const std::string before =
+      "wrote window.py, distance.py, environment.py, test_room.py and room.toml "
+      "in my study\nNext: ";
   REQUIRE(made.out.starts_with(before));
   CHECK(made.out.ends_with(" python3 'my study/window.py'\n"));
   CHECK(rubicon_in(folder, "check --strict 'my study/room.toml'").status == 0);

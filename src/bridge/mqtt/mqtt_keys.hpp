@@ -10,9 +10,9 @@ namespace rubicon::bridge {
 
 inline auto keys_of(const mqtt_config*) {
   return keys::of(
-      keys::optional("base", &mqtt_config::base, keys::name_text{},
-                     {"first part of all own topics: bridges of one broker differ in it",
-                      "`rubicon`"}),
+      keys::optional(
+          "base", &mqtt_config::base, keys::name_text{},
+          {"first part of all own topics: bridges of one broker differ in it", "`rubicon`"}),
       keys::optional("home_assistant", &mqtt_config::home_assistant, keys::flag{},
                      "announces objects to Home Assistant"),
       keys::optional("discovery", &mqtt_config::discovery, keys::name_text{},

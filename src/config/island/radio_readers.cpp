@@ -179,8 +179,9 @@ void read_range(table_reader& in, radio::channel_config& out) {
     in.problems().add(in.at("range"), "`range` belongs to model = \"unit_disk\": "
                                       "[radio.propagation] has another");
   else if (in.has("propagation") && in.content().find("propagation")->find("range") != nullptr)
-    in.problems().add(in.at("range"), "`range` is in [radio.propagation] already " +
-                                          place_text(in.content().find("propagation")->find("range")->at));
+    in.problems().add(in.at("range"),
+                      "`range` is in [radio.propagation] already " +
+                          place_text(in.content().find("propagation")->find("range")->at));
   else
     disk->range_m = found.range_m;
 }

@@ -233,7 +233,8 @@ private:
     }
     const auto* mote = find(x.mote);
     if (mote == nullptr) {
-      if (const auto* of = in.shared().names->find(x.mote.island); of != nullptr && !of->is_simulated)
+      if (const auto* of = in.shared().names->find(x.mote.island);
+          of != nullptr && !of->is_simulated)
         refuse(in, "mote", "that island has a real sink: nothing of its motes is simulated");
       return nullptr; // otherwise reported elsewhere
     }
