@@ -40,7 +40,7 @@ bool is_tables(const node& x) {
 
 std::string written_value(const node& x);
 
-struct value_text {
+struct value_writer {
   std::string operator()(const node_table& x) const {
     std::string out;
     for (const auto& each : x)
@@ -66,7 +66,7 @@ struct value_text {
 };
 
 std::string written_value(const node& x) {
-  return std::visit(value_text{}, x.content);
+  return std::visit(value_writer{}, x.content);
 }
 
 void write(const node_table& table, const std::string& path, std::string& out) {
