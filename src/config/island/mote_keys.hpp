@@ -21,10 +21,12 @@ inline auto profile_keys() {
            "`\"micaz\"`"}),
       keys::optional("battery", &x::battery_mah, charge{},
                      {"charge of the battery at the start", "the mote type's, or the platform's"}),
-      keys::optional(
-          "power", &x::transmit_dbm, power_level{-100, 30},
-          {"transmit power: -25 to 0 dBm on a MicaZ or a TelosB, -17 to 3 dBm on an IRIS",
-           "the mote type's, or the platform's maximum", "power, as the platform has it"}),
+      keys::optional("power", &x::transmit_dbm, power_level{-100, 30},
+                     {"transmit power: -25 to 0 dBm on a MicaZ or a TelosB, -17 to 3 dBm on an "
+                      "IRIS; in a unit "
+                      "disk (`range`) it changes only the charge used",
+                      "the mote type's, or the platform's maximum",
+                      "power, as the platform has it"}),
       keys::optional(
           "channel", &x::channel, radio_channel,
           {"channel of its radio, which exchanges frames only with radios of the same channel",

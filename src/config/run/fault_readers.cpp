@@ -144,18 +144,19 @@ private:
   }
 
   void describe_radio() {
-    kind("noise", of(required("island", &noise_fault::island, island_name{},
-                              "island whose radio medium is disturbed"),
-                     required("position_m", &noise_fault::place, place{}, "where"),
-                     optional("power", &noise_fault::transmit_dbm, power_level{-100, 30}, "power"),
-                     optional("channel", &noise_fault::channel, radio_channel,
-                              {"channel that it disturbs", "all"}),
-                     optional("duty", &noise_fault::duty, ratio{},
-                              {"share of the time that it transmits", "", "ratio above 0"}),
-                     optional("burst", &noise_fault::burst, time_span{100us, 1h},
-                              "length of each transmission, if not continuous; gaps are drawn from "
-                              "0 to twice their mean"),
-                     optional("for", &noise_fault::length, span, "total length")));
+    kind("noise",
+         of(required("island", &noise_fault::island, island_name{},
+                     "island whose radio medium is disturbed"),
+            required("position_m", &noise_fault::place, place{}, "where"),
+            optional("power", &noise_fault::transmit_dbm, power_level{-100, 30}, "transmit power"),
+            optional("channel", &noise_fault::channel, radio_channel,
+                     {"channel that it disturbs", "all"}),
+            optional("duty", &noise_fault::duty, ratio{},
+                     {"share of the time that it transmits", "", "ratio above 0"}),
+            optional("burst", &noise_fault::burst, time_span{100us, 1h},
+                     "length of each transmission, if not continuous; gaps are drawn from "
+                     "0 to twice their mean"),
+            optional("for", &noise_fault::length, span, "total length")));
     kind("radio_loss", of(required("loss", &radio_loss_fault::loss, ratio{},
                                    "probability that a copy of a frame is lost, in addition to "
                                    "`loss` of `[radio]` and its links"),
