@@ -125,7 +125,7 @@ TEST_CASE("a receiver without room throttles senders, in all placements",
   world.run_for(1min); // beyond all attempts
   CHECK(receiver.messages.empty());
   CHECK(sender.acks.empty());
-  CHECK(world.layer_of(x.to).messages().counters().throttled > 50);
+  CHECK(world.layer_of(x.to).ports().messages.core().counters().throttled > 50);
   receiver.layer->release(user_am_type);
   world.run_for(10s);
   CHECK(receiver.messages.size() == 5);
