@@ -6,13 +6,11 @@
 #include <cstdint>
 #include <map>
 #include <set>
-#include <string>
 #include <variant>
 #include <vector>
 
 #include "core/bytes.hpp"
 #include "core/numbers/random.hpp"
-#include "core/time.hpp"
 #include "peis/media/simulated_media.hpp"
 
 namespace rubicon::peis {
@@ -61,8 +59,7 @@ public:
   [[nodiscard]] outputs connect(station_id station, attempt_id attempt, peer_id to);
 
   /// For all others that receive announcements.
-  /// In a large network one that has not changed arrives once in repeat_after.
-  [[nodiscard]] outputs announce(station_id station, const payload& octets, instant now);
+  [[nodiscard]] outputs announce(station_id station, const payload& octets);
 
   /// One end has closed a link, and notifies the other end itself.
   void end_link(link_id link) { links_.erase(link); }
@@ -81,10 +78,6 @@ private:
     bool hears = true;
     bool runs = true;
     bool powered = true;
-    payload announced{};               ///< last
-    std::string computer{};            ///< by that
-    instant since{};                   ///< when the first of those below received it
-    std::vector<station_id> reached{}; ///< who has it, ascending
   };
   struct connection {
     station_id initiator;
@@ -102,8 +95,6 @@ private:
   [[nodiscard]] bool can_refuse(const process& from, peer_id id) const;
   [[nodiscard]] bool settle(link_id number, connection& x, outputs& out) const;
   [[nodiscard]] outputs settle_links();
-  void forget_announcements();
-  void note_announced(process& from, const payload& octets, instant now) const;
 
   double loss_ = 0;
   random_stream rng_;
