@@ -89,7 +89,7 @@ apps = [{ app = "colector", keys = ["a"] }]
 
 apps = [{ app = "collector", keys = ["a"], rate = "1s" }]
 #                                          ^ unknown key `rate` in app = "collector": it is a
-#   key of subscriptions of a member, [peis.bluetooth]; see rubicon check --explain rate
+#   key of subscriptions of a member, [peis.bluetooth], [mqtt]; see rubicon check --explain rate
 
 apps = [{ app = "collector", keys = ["devices.*.output.*"], every = "1s" }]
 #                                                                   ^ `every` needs a key that names
