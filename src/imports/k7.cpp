@@ -35,7 +35,7 @@ public:
       refuse({1, 1}, "the header is missing");
     read_header(lines);
     if (!lines.next())
-      refuse({2, 1}, "the names of the columns are missing");
+      refuse({1, 1}, "no names of columns follow this line");
     read_columns(lines);
     while (lines.next())
       if (!lines.fields().empty())

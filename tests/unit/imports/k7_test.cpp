@@ -79,7 +79,7 @@ TEST_CASE("a K7 trace without header, columns or rows is refused", "[imports]") 
   CHECK(refused(format::k7, "") == "1:1: the header is missing");
   CHECK(refused(format::k7, "datetime,src,dst,pdr\n") ==
         "1:1: the header must be a line with a JSON object");
-  CHECK(refused(format::k7, "{}") == "2:1: the names of the columns are missing");
+  CHECK(refused(format::k7, "{}") == "1:1: no names of columns follow this line");
   CHECK(refused(format::k7, k7("", "datetime,src,pdr")) == "2:17: there is no column `dst`");
   CHECK(refused(format::k7, k7("")).find("there is no measurement") != std::string::npos);
   CHECK_FALSE(refused(format::k7, std::string(100'000, '[') + "\n").empty());
