@@ -1,5 +1,6 @@
 // Files of OTNS in YAML, and of IoT-LAB in JSON, which is read as YAML for the places of its
 // values.
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -23,8 +24,8 @@ YAML::Node yaml_of(std::string_view text) {
   try {
     return YAML::Load(std::string(text));
   } catch (const YAML::Exception& x) {
-    const text_place at{static_cast<std::size_t>(x.mark.line + 1),
-                        static_cast<std::size_t>(x.mark.column + 1)};
+    const text_place at{static_cast<std::size_t>(x.mark.line + 1), // it may count an end of its own
+                        std::min(static_cast<std::size_t>(x.mark.column + 1), text.size() + 1)};
     refuse(at, x.msg);
   }
 }
