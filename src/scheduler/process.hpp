@@ -54,7 +54,7 @@ struct process_output {
   std::vector<remark_later> remarks;
 };
 
-/// Who sees what is delivered to the actors of a process; nullptr: nobody.
+/// Who sees what is delivered to the actors of a process; nullptr: none.
 struct delivery_watch {
   trace_part* trace = nullptr; ///< where deliveries are folded
   delivery_tap* tap = nullptr; ///< sees all messages before they are delivered
@@ -98,7 +98,7 @@ public:
   /// Hands out what is due next, but gives nobody a turn. @pre it is due before never
   void fire_next();
 
-  /// @pre somebody waits in the queue
+  /// @pre the queue is not empty
   void give_turn();
 
   [[nodiscard]] run_queue& queue() { return queue_; }

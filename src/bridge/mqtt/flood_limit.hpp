@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "bridge/table/per_second_limit.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::bridge {
@@ -18,16 +19,11 @@ public:
   [[nodiscard]] bool accepts(bool retained, instant now) {
     if (retained)
       return retained_ < retained_max && ++retained_ > 0;
-    if (now >= second_begins_ + 1s) {
-      second_begins_ = now;
-      in_second_ = 0;
-    }
-    return in_second_ < received_max && ++in_second_ > 0;
+    return received_.accepts(now);
   }
 
 private:
-  instant second_begins_{}; ///< in which messages are counted
-  std::size_t in_second_ = 0;
+  per_second_limit received_{received_max};
   std::size_t retained_ = 0;
 };
 

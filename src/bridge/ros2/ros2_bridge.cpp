@@ -154,18 +154,10 @@ ros2_outputs ros2_bridge::on_disconnected(instant now) {
   return out;
 }
 
-bool ros2_bridge::is_flood(instant now) {
-  if (now >= second_begins_ + 1s) {
-    second_begins_ = now;
-    in_second_ = 0;
-  }
-  return ++in_second_ > received_max;
-}
-
 ros2_outputs ros2_bridge::on_text(std::string_view text, instant now) {
   ros2_outputs out;
   ++counters_.received;
-  if (is_flood(now)) {
+  if (!flood_.accepts(now)) {
     ++counters_.flooded;
     return out;
   }

@@ -16,6 +16,7 @@
 #include "bridge/ros2/ros2_services.hpp"
 #include "bridge/ros2/topic_outbox.hpp"
 #include "bridge/ros2/topic_rules.hpp"
+#include "bridge/table/per_second_limit.hpp"
 #include "core/component.hpp"
 #include "core/describe/fields.hpp"
 #include "core/numbers/random.hpp"
@@ -103,7 +104,6 @@ private:
   void perform(ros2_service_outputs todo, ros2_outputs& out);
   void send_waiting(instant now, ros2_outputs& out);
   void publish_clock(instant now);
-  [[nodiscard]] bool is_flood(instant now);
   void on_operation(const nlohmann::json& x, instant now, ros2_outputs& out);
   void on_message(const nlohmann::json& x, ros2_outputs& out);
   [[nodiscard]] duration stamp(instant now) const;
@@ -120,8 +120,7 @@ private:
   std::optional<instant> clock_at_;
   reconnect_pause pause_;
   std::size_t in_flight_ = 0;
-  instant second_begins_{}; ///< in which messages are counted
-  std::size_t in_second_ = 0;
+  per_second_limit flood_{received_max};
   ros2_counters counters_;
 };
 

@@ -30,7 +30,7 @@ public:
   /// A node calls a service of the bridge.
   [[nodiscard]] components::outputs call(const std::string& service, const std::string& id,
                                          const std::string& arguments, instant now);
-  /// The server ends; while it is off, the bridge tries to connect in vain.
+  /// The server ends; while it is off, attempts to connect fail.
   [[nodiscard]] components::outputs stop_server(instant now);
   void start_server() { is_on_ = true; }
 

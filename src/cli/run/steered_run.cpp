@@ -82,7 +82,7 @@ public:
         control_->stop();
     };
     run_.emplace(std::move(file.ecology), std::move(options));
-    run_->run_until(instant{}); // before, nobody is there yet who could be asked
+    run_->run_until(instant{}); // before, no actor runs that could answer
   }
 
   steering::session& session() { return session_; }
