@@ -71,7 +71,7 @@ void send_status(air_pointer self) {
     if (state.tells_energy[i])
       self->send(state.ecology, energy_of(self, radio::radio_index(static_cast<std::uint32_t>(i))));
   }
-  const auto counted = state.channel.counted_by_radio();
+  const auto counted = state.channel.counts().by_radio();
   for (std::size_t i = 0; i < state.addresses.size(); ++i) // sources of noise count nothing
     islands[state.addresses[i].island] += counted[i];
   for (const auto& [island, counters] : islands)

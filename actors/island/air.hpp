@@ -7,7 +7,7 @@
 #include "actors/base/timer.hpp"
 #include "actors/messages/air.hpp"
 #include "actors/messages/supervision.hpp"
-#include "radio/medium/channel.hpp"
+#include "radio/channel/channel.hpp"
 #include "radio/medium/interferer.hpp"
 
 namespace rubicon {

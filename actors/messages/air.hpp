@@ -7,7 +7,7 @@
 #include "actors/messages/common.hpp"
 #include "core/address.hpp"
 #include "core/bytes.hpp"
-#include "radio/medium/channel.hpp"
+#include "radio/channel/output.hpp"
 
 namespace rubicon {
 

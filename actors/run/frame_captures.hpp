@@ -9,7 +9,7 @@
 #include "config/plan/ecology.hpp"
 #include "io/files/pcap_file.hpp"
 #include "io/files/pcapng.hpp"
-#include "radio/medium/channel.hpp"
+#include "radio/channel/output.hpp"
 
 namespace rubicon {
 

@@ -146,7 +146,7 @@ private:
       if (state == nullptr || std::ranges::find(seen, state) != seen.end())
         continue;
       seen.push_back(state);
-      const auto radios = state->channel.counted_by_radio();
+      const auto radios = state->channel.counts().by_radio();
       for (std::size_t i = 0; i < state->addresses.size(); ++i)
         lost_[state->addresses[i].island].radio += radios[i];
     }

@@ -11,7 +11,7 @@
 #include "actors/run/run_source.hpp"
 #include "config/plan/ecology.hpp"
 #include "explain/record.hpp"
-#include "radio/medium/channel.hpp"
+#include "radio/channel/output.hpp"
 #include "report/history.hpp"
 #include "scheduler/trace.hpp"
 

@@ -21,72 +21,74 @@ mote_address address_of(island_octet island, std::uint16_t mote) {
 
 // 5.3.1
 
-status interface::create_syn_channel_out(std::uint16_t dest, std::uint8_t size, syn_params params) {
+status synaptic_interface::create_syn_channel_out(std::uint16_t dest, std::uint8_t size,
+                                                  syn_params params) {
   const auto x = synaptic::parse_parameters(params);
   return create_syn_channel_out({x.island, mote_id(dest)}, size, x) > 0 ? SUCCESS : FAIL;
 }
 
-status interface::create_syn_channel_in(std::uint16_t src, std::uint8_t size, syn_params params) {
+status synaptic_interface::create_syn_channel_in(std::uint16_t src, std::uint8_t size,
+                                                 syn_params params) {
   const auto x = synaptic::parse_parameters(params);
   return create_syn_channel_in({x.island, mote_id(src)}, size, x) > 0 ? SUCCESS : FAIL;
 }
 
-int interface::create_syn_channel_out(mote_address dest, std::uint8_t size,
-                                      const synaptic::parameters& params) {
+int synaptic_interface::create_syn_channel_out(mote_address dest, std::uint8_t size,
+                                               const synaptic::parameters& params) {
   return below_->synaptic.create(true, dest, size, params);
 }
 
-int interface::create_syn_channel_in(mote_address src, std::uint8_t size,
-                                     const synaptic::parameters& params) {
+int synaptic_interface::create_syn_channel_in(mote_address src, std::uint8_t size,
+                                              const synaptic::parameters& params) {
   return below_->synaptic.create(false, src, size, params);
 }
 
-status interface::dispose_syn_channel(int channel) {
+status synaptic_interface::dispose_syn_channel(int channel) {
   return below_->synaptic.dispose(channel);
 }
 
-status interface::start_syn_channel(int channel) {
+status synaptic_interface::start_syn_channel(int channel) {
   return below_->synaptic.start(channel);
 }
 
-status interface::stop_syn_channel(int channel) {
+status synaptic_interface::stop_syn_channel(int channel) {
   return below_->synaptic.stop(channel);
 }
 
-status interface::write_output(int channel, std::uint8_t k, float val) {
+status synaptic_interface::write_output(int channel, std::uint8_t k, float val) {
   return below_->synaptic.write_output(channel, k, val);
 }
 
-float interface::read_input(int channel, std::uint8_t index) {
+float synaptic_interface::read_input(int channel, std::uint8_t index) {
   return below_->synaptic.read_input(channel, index);
 }
 
 // 5.3.2
 
-status interface::open_remote(island_octet island_addr, std::uint16_t mote_addr,
-                              std::uint16_t symbolic_name, std::uint32_t stream_rate,
-                              std::uint8_t qos, std::size_t buffer_size) {
+status stream_interface::open_remote(island_octet island_addr, std::uint16_t mote_addr,
+                                     std::uint16_t symbolic_name, std::uint32_t stream_rate,
+                                     std::uint8_t qos, std::size_t buffer_size) {
   return open_end({false, address_of(island_addr, mote_addr), symbolic_name, stream_rate, qos,
                    buffer_size}) > 0
              ? SUCCESS
              : FAIL;
 }
 
-status interface::open_write_end(mote_address to, std::uint16_t symbolic_name,
-                                 std::uint32_t stream_rate, std::uint8_t qos,
-                                 std::size_t buffer_size) {
+status stream_interface::open_write_end(mote_address to, std::uint16_t symbolic_name,
+                                        std::uint32_t stream_rate, std::uint8_t qos,
+                                        std::size_t buffer_size) {
   return open_end({true, to, symbolic_name, stream_rate, qos, buffer_size}) > 0 ? SUCCESS : FAIL;
 }
 
-int interface::open_end(const stream_end& end) {
+int stream_interface::open_end(const stream_end& end) {
   if (end.other.island.value > 0 && end.rate_ms <= stream_rate_max_ms)
     return below_->streams.open_end(end);
   below_->node.refuse();
   return -1;
 }
 
-int interface::open_sensor(std::uint8_t sensor_tid, std::uint32_t stream_rate,
-                           stream::sampling sampling_type) {
+int stream_interface::open_sensor(std::uint8_t sensor_tid, std::uint32_t stream_rate,
+                                  stream::sampling sampling_type) {
   if (stream_rate > stream_rate_max_ms) {
     below_->node.refuse();
     return -1;
@@ -94,61 +96,61 @@ int interface::open_sensor(std::uint8_t sensor_tid, std::uint32_t stream_rate,
   return below_->streams.open_sensor(sensor_tid, stream_rate, sampling_type);
 }
 
-int interface::open_local() {
+int stream_interface::open_local() {
   return below_->streams.open_local();
 }
 
-status interface::close(int desc) {
+status stream_interface::close(int desc) {
   return below_->streams.close(desc);
 }
 
-status interface::read(int desc, std::size_t nbytes) {
+status stream_interface::read(int desc, std::size_t nbytes) {
   return below_->streams.read(desc, nbytes);
 }
 
-int interface::write(int desc, byte_view buf) {
+int stream_interface::write(int desc, byte_view buf) {
   return below_->streams.write(desc, buf) == SUCCESS ? static_cast<int>(buf.size()) : -1;
 }
 
-bool interface::has_ended(int desc) const {
+bool stream_interface::has_ended(int desc) const {
   return below_->streams.has_ended(desc);
 }
 
-std::optional<duration> interface::latency_bound(int desc) const {
+std::optional<duration> stream_interface::latency_bound(int desc) const {
   return below_->streams.latency_bound(desc);
 }
 
 // 5.3.3
 
-status interface::send(island_octet island_addr, std::uint16_t mote_addr, byte_view buf,
-                       bool reliable, std::uint8_t am_type) {
+status message_interface::send(island_octet island_addr, std::uint16_t mote_addr, byte_view buf,
+                               bool reliable, std::uint8_t am_type) {
   return send_numbered(address_of(island_addr, mote_addr), buf, reliable, am_type) ? SUCCESS : FAIL;
 }
 
-std::optional<std::uint32_t> interface::send_numbered(mote_address to, byte_view buf, bool reliable,
-                                                      std::uint8_t am_type) {
+std::optional<std::uint32_t> message_interface::send_numbered(mote_address to, byte_view buf,
+                                                              bool reliable, std::uint8_t am_type) {
   return below_->messages.send(to, buf, reliable, am_type);
 }
 
-status interface::provide(std::uint8_t am_type) {
+status message_interface::provide(std::uint8_t am_type) {
   return is_reserved(am_type) ? below_->node.refuse() : below_->messages.provide(am_type);
 }
 
-void interface::hold(std::uint8_t am_type) {
+void message_interface::hold(std::uint8_t am_type) {
   below_->messages.hold(am_type);
 }
 
-void interface::release(std::uint8_t am_type) {
+void message_interface::release(std::uint8_t am_type) {
   below_->messages.release(am_type);
 }
 
 // What the mote carries.
 
-status interface::read_transducers(std::span<const device::quantity> kinds) {
+status device_interface::read_transducers(std::span<const device::quantity> kinds) {
   return below_->node.read_transducers(kinds);
 }
 
-status interface::set_actuator(std::string_view name, std::uint8_t state) {
+status device_interface::set_actuator(std::string_view name, std::uint8_t state) {
   return below_->node.set_actuator(name, state);
 }
 

@@ -1,7 +1,8 @@
 // The Mockup interface: what the Communication Layer offers to a program, on a mote or on a PC
-// (D1.1 5.3; MCK-01..18, PAR-05). Commands and events have D1.1's names. Commands return at once;
-// an event reports the outcome later (AM-02). A program is the same wherever it runs and
-// wherever the other end is: only addresses differ.
+// (D1.1 5.3; MCK-01..18, PAR-05). Commands and events have D1.1's names; the class `interface` has
+// all commands, those of each group in a class of the group. Commands return at once; an event
+// reports the outcome later (AM-02). A program is the same wherever it runs and wherever the other
+// end is: only addresses differ.
 //
 // A program may be in the actor of its node, or in an actor of its own that exchanges messages with
 // the node's (communication/remote_process.hpp). There too commands return at once, by what the
@@ -104,13 +105,12 @@ public:
   virtual void moteJoined(std::uint16_t /*mote_addr*/, byte_view /*description*/) {}
 };
 
-/// One program's access to its node's layer. Copies are the same program.
-class interface {
+/// 5.3.1 Synaptic_Channels. Done events follow a SUCCESS. FAIL: no room, already open, size, not
+/// joined.
+class synaptic_interface {
 public:
-  /// @param below outlives this and its copies
-  explicit interface(process& below) : below_(&below) {}
+  explicit synaptic_interface(process& below) : below_(&below) {}
 
-  // 5.3.1. Done events follow a SUCCESS. FAIL: no room, already open, size, not joined.
   /// @param dest mote; its island is params[0..1]
   status create_syn_channel_out(std::uint16_t dest, std::uint8_t size, syn_params params);
   status create_syn_channel_in(std::uint16_t src, std::uint8_t size, syn_params params);
@@ -126,7 +126,15 @@ public:
   /// NaN, and counted, for what is no element of an open in channel.
   float read_input(int channel, std::uint8_t index);
 
-  // 5.3.2. A descriptor is 1 or more.
+private:
+  process* below_;
+};
+
+/// 5.3.2 Streams. A descriptor is 1 or more.
+class stream_interface {
+public:
+  explicit stream_interface(process& below) : below_(&below) {}
+
   /// The read end passes its own address (STR-11). @param stream_rate ms; 0: at any time
   status open_remote(island_octet island_addr, std::uint16_t mote_addr, std::uint16_t symbolic_name,
                      std::uint32_t stream_rate, std::uint8_t qos,
@@ -153,7 +161,15 @@ public:
   /// openRemoteDone(), for other streams, and for one from this node to itself.
   [[nodiscard]] std::optional<duration> latency_bound(int desc) const;
 
-  // 5.3.3
+private:
+  process* below_;
+};
+
+/// 5.3.3 Connectionless.
+class message_interface {
+public:
+  explicit message_interface(process& below) : below_(&below) {}
+
   /// FAIL: not joined, bad address, more than 256 octets, too many reliable ones in flight.
   status send(island_octet island_addr, std::uint16_t mote_addr, byte_view buf, bool reliable,
               std::uint8_t am_type);
@@ -167,13 +183,36 @@ public:
   void hold(std::uint8_t am_type);
   void release(std::uint8_t am_type);
 
-  // Extensions: what its mote carries.
+private:
+  process* below_;
+};
+
+/// Extensions: what its mote carries.
+class device_interface {
+public:
+  explicit device_interface(process& below) : below_(&below) {}
+
   /// transducersRead() follows. FAIL: the node has not all of them, which no PC has.
   status read_transducers(std::span<const device::quantity> kinds);
   /// actuatorChanged() follows, and again when what takes its time has come there. FAIL: a PC.
   status set_actuator(std::string_view name, std::uint8_t state);
 
-  // 5.3.4
+private:
+  process* below_;
+};
+
+/// One program's access to its node's layer: all of these, 5.3.4 Component management, and the
+/// time. Copies are the same program.
+class interface : public synaptic_interface,
+                  public stream_interface,
+                  public message_interface,
+                  public device_interface {
+public:
+  /// @param below outlives this and its copies
+  explicit interface(process& below)
+      : synaptic_interface(below), stream_interface(below), message_interface(below),
+        device_interface(below), below_(&below) {}
+
   status initCommunications();
   status joinIsland(byte_view description);
   [[nodiscard]] std::optional<mote_address> address() const; ///< nothing before joined()

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/time.hpp"
@@ -34,20 +35,29 @@ struct event {
 class event_queue {
 public:
   void push(const event& x) {
+    if (sure_ && x.at <= sure_->at)
+      doubt();
     push_silent(x);
     expect_output(x);
+  }
+
+  /// An event that will have its output no earlier than `hopeful` says, unless another comes before
+  /// it: then it is as `cautious` says. The two differ in output_at alone.
+  void push_sure(const event& hopeful, const event& cautious) {
+    push(hopeful);
+    sure_ = cautious;
+  }
+
+  /// The last sure event may turn out otherwise.
+  void doubt() {
+    if (sure_)
+      expect_output(*std::exchange(sure_, std::nullopt));
   }
 
   /// Of an event without any output: next_output() does not count it.
   void push_silent(const event& x) {
     entries_.push_back({x, pushed_++});
     std::push_heap(entries_.begin(), entries_.end(), later);
-  }
-
-  /// An event in the queue may have an output earlier than it said.
-  void expect_output(const event& x) {
-    by_output_.push_back(x);
-    std::push_heap(by_output_.begin(), by_output_.end(), output_later);
   }
 
   /// The earliest output_at among events that are still to come.
@@ -78,6 +88,11 @@ public:
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
 private:
+  void expect_output(const event& x) {
+    by_output_.push_back(x);
+    std::push_heap(by_output_.begin(), by_output_.end(), output_later);
+  }
+
   struct entry {
     event content;
     std::uint64_t order;
@@ -93,6 +108,7 @@ private:
 
   std::vector<entry> entries_;
   std::vector<event> by_output_;
+  std::optional<event> sure_; ///< with the moment from which it may have an output if it is not
   std::uint64_t pushed_ = 0;
 };
 

@@ -56,7 +56,7 @@ std::uint64_t collisions(const access_parameters& access) {
     x.send(b, 0, 3, 28);
     x.run_for(100ms);
   }
-  return x.channel.counted_by(middle).copies.of(copy_outcome::collision);
+  return x.channel.counts().by(middle).copies.of(copy_outcome::collision);
 }
 
 /// Frames of 1000 that arrive where three in ten copies are lost.
@@ -155,7 +155,7 @@ TEST_CASE("a repeat after a long back-off is known as one", "[radio][channel][NE
       x.run_for(2s);
     }
     CHECK(x.delivered_to(receiver) == 50);
-    CHECK(x.channel.counted_by(a).requests.failed.no_ack == 50);
+    CHECK(x.channel.counts().by(a).requests.failed.no_ack == 50);
   }
 }
 
@@ -166,8 +166,8 @@ TEST_CASE("radios on different channels neither receive nor disturb each other",
   const auto b = x.add(radio_at(2, 10, {}, 15));
   const auto c = x.add(radio_at(3, 5, {}, 16));
   const auto d = x.add(radio_at(4, 6, {}, 16));
-  CHECK(x.channel.neighbours(a) == std::vector<radio_index>{b});
-  CHECK(x.channel.neighbours(d) == std::vector<radio_index>{c});
+  CHECK(x.neighbours(a) == std::vector<radio_index>{b});
+  CHECK(x.neighbours(d) == std::vector<radio_index>{c});
   // Both at once, without back-off: on one channel nothing would arrive.
   for (int i = 0; i < 100; ++i) {
     x.send(a, 0, 2, 28);
@@ -176,11 +176,11 @@ TEST_CASE("radios on different channels neither receive nor disturb each other",
   }
   CHECK(x.delivered_to(b) == 100);
   CHECK(x.delivered_to(d) == 100);
-  const auto all = x.channel.counted().copies;
+  const auto all = x.channel.counts().by_all().copies;
   CHECK(all.of(copy_outcome::collision) == 0);
   CHECK(all.of(copy_outcome::captured) == 0);
-  CHECK(x.channel.counted().requests.failed.channel_access_failure == 0);
-  CHECK(x.channel.balanced());
+  CHECK(x.channel.counts().by_all().requests.failed.channel_access_failure == 0);
+  CHECK(x.channel.counts().balanced());
 }
 
 TEST_CASE("no gain leads from one channel to another", "[radio][topology][NET-15]") {
@@ -189,13 +189,13 @@ TEST_CASE("no gain leads from one channel to another", "[radio][topology][NET-15
   }));
   const auto a = x.add(radio_at(1, 0, {}, 11));
   const auto b = x.add(radio_at(2, 500, {}, 26));
-  CHECK(x.channel.neighbours(a).empty()); // for all the gain that the file gives them
+  CHECK(x.neighbours(a).empty()); // for all the gain that the file gives them
   x.channel.move(b, {1, 0, 0});
-  CHECK(x.channel.neighbours(a).empty());
+  CHECK(x.neighbours(a).empty());
   x.channel.change({{here, mote_id{2}}, {here, mote_id{1}}, {}, -50.0});
-  CHECK(x.channel.neighbours(b).empty());
+  CHECK(x.neighbours(b).empty());
   const auto c = x.add(radio_at(2, 500, {}, 11)); // on the sender's, it has that gain
-  CHECK(x.channel.neighbours(a) == std::vector<radio_index>{c});
+  CHECK(x.neighbours(a) == std::vector<radio_index>{c});
 }
 
 TEST_CASE("noise disturbs its own channel, or all", "[radio][channel][GEN-03]") {

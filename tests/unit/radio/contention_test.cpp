@@ -27,7 +27,7 @@ copy_counters two_senders(double apart_m) {
     x.send(&next == &next_a ? a : b, 0, 3, 28);
     next += rng.between(20ms, 40ms);
   }
-  return x.channel.counted_by(middle).copies;
+  return x.channel.counts().by(middle).copies;
 }
 
 } // namespace
@@ -53,7 +53,7 @@ TEST_CASE("a saturated sender reaches the arithmetic of the standard", "[radio][
     x.add(2, 10, 1, &quick);
     const auto sent = x.saturate({a}, 2, size, ack, 20s);
     CHECK(static_cast<double>(sent) == Approx(20e6 / period_us).epsilon(0.02));
-    CHECK(x.channel.counted().copies.of(copy_outcome::overflow) == 0);
+    CHECK(x.channel.counts().by_all().copies.of(copy_outcome::overflow) == 0);
   }
 }
 
@@ -114,12 +114,12 @@ TEST_CASE("a crowd that hears each other keeps the channel busy and fails at tim
   for (std::uint16_t i = 1; i <= 30; ++i)
     senders.push_back(x.add(i, 0.1 * i));
   const auto sent = x.saturate(senders, 0xffff, 28, false, 5s);
-  const auto radio_counters = x.channel.counted();
+  const auto radio_counters = x.channel.counts().by_all();
   CHECK(radio_counters.requests.failed.channel_access_failure > 100);
   CHECK(sent > 1000);
   CHECK(radio_counters.copies.of(copy_outcome::collision) > 0);
   CHECK(radio_counters.copies.of(copy_outcome::half_duplex) > 0);
-  CHECK(x.channel.balanced());
+  CHECK(x.channel.counts().balanced());
 }
 
 TEST_CASE("a sink under load runs out of receive slots and acks only what it took",
@@ -133,9 +133,9 @@ TEST_CASE("a sink under load runs out of receive slots and acks only what it too
     senders.push_back(x.add(i, i));
   x.saturate(senders, 1, 10, true, 10s);
   x.run_for(1s);
-  const auto radio_counters = x.channel.counted_by(sink);
+  const auto radio_counters = x.channel.counts().by(sink);
   CHECK(radio_counters.copies.of(copy_outcome::overflow) > 100);
-  CHECK(x.channel.counted().requests.failed.no_ack > 100);
+  CHECK(x.channel.counts().by_all().requests.failed.no_ack > 100);
   CHECK(radio_counters.acks == radio_counters.copies.of(copy_outcome::delivered) +
                                    radio_counters.copies.of(copy_outcome::duplicate));
   // The MCU serves one frame in 30 ms and nothing more.
@@ -143,7 +143,7 @@ TEST_CASE("a sink under load runs out of receive slots and acks only what it too
             radio_counters.copies.of(copy_outcome::duplicate) <=
         11'000 / 30 + 3);
   CHECK(radio_counters.copies.of(copy_outcome::delivered) > 300);
-  CHECK(x.channel.balanced());
+  CHECK(x.channel.counts().balanced());
 }
 
 TEST_CASE("the slots of a radio take exactly their number of frames", "[radio][channel]") {
@@ -156,7 +156,7 @@ TEST_CASE("the slots of a radio take exactly their number of frames", "[radio][c
     x.send(a, i, 2, 4);
   x.run_until(instant(500ms));
   CHECK(x.delivered_to(sink) == 3);
-  CHECK(x.channel.counted_by(sink).copies.of(copy_outcome::overflow) == 1);
+  CHECK(x.channel.counts().by(sink).copies.of(copy_outcome::overflow) == 1);
   const auto ended = x.all<done>();
   REQUIRE(ended.size() == 4);
   for (std::size_t i = 0; i < 4; ++i)

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "radio/medium/channel.hpp"
+#include "radio/channel/channel.hpp"
 #include "radio/medium/tossim_files.hpp"
 
 namespace rubicon::test {
@@ -94,6 +94,14 @@ public:
     for (const auto& x : log)
       if (std::holds_alternative<T>(x.what))
         found.push_back(x.at);
+    return found;
+  }
+
+  /// Radios in reach of this one, in ascending order.
+  [[nodiscard]] std::vector<radio::radio_index> neighbours(radio::radio_index radio) const {
+    std::vector<radio::radio_index> found;
+    for (const auto& x : *channel.links().around(radio))
+      found.push_back(x.radio);
     return found;
   }
 

@@ -30,9 +30,9 @@ link_override gain_of(mote_address from, mote_address to, double gain_db) {
 /// The sum of the radio_counters of all links that radios have now.
 copy_counters over_links(const channel& x) {
   copy_counters sum;
-  for (std::uint32_t from = 0; from < x.radios(); ++from)
-    for (std::uint32_t to = 0; to < x.radios(); ++to)
-      sum += x.counted_on(radio_index{from}, radio_index{to});
+  for (std::uint32_t from = 0; from < x.links().size(); ++from)
+    for (std::uint32_t to = 0; to < x.links().size(); ++to)
+      sum += x.counts().on_link(radio_index{from}, radio_index{to});
   return sum;
 }
 
@@ -86,13 +86,13 @@ TEST_CASE("a file's loss of 1 on one link lets nothing cross it and leaves the o
     for (std::uint32_t to = 0; to < 3; ++to) {
       if (from == to)
         continue;
-      const auto counters = lossy.channel.counted_on(radio_index{from}, radio_index{to});
+      const auto counters = lossy.channel.counts().on_link(radio_index{from}, radio_index{to});
       INFO(from << " to " << to);
       CHECK(counters.sent == 30);
       if (from == 0 && to == 1)
         CHECK(counters.of(copy_outcome::loss) == 30);
       else
-        CHECK(counters == plain.channel.counted_on(radio_index{from}, radio_index{to}));
+        CHECK(counters == plain.channel.counts().on_link(radio_index{from}, radio_index{to}));
     }
   }
   CHECK(lossy.delivered_to(radio_index{1}) == 30);
@@ -114,7 +114,7 @@ TEST_CASE("a link's loss replaces the channel's", "[radio][links][GEN-03]") {
     x.run_for(10ms);
   }
   const auto lost = [&](radio_index to) {
-    return static_cast<double>(x.channel.counted_on(a, to).of(copy_outcome::loss)) / frames;
+    return static_cast<double>(x.channel.counts().on_link(a, to).of(copy_outcome::loss)) / frames;
   };
   CHECK(lost(b) == Approx(0.1).margin(0.025)); // five standard deviations
   CHECK(lost(c) == 0);
@@ -135,12 +135,12 @@ TEST_CASE("a link's gain holds for its direction only", "[radio][links]") {
     x.send(from, 0, 0xffff, 4);
     x.run_for(100ms);
   }
-  CHECK(x.channel.counted_on(a, b).of(copy_outcome::delivered) == 1);
-  CHECK(x.channel.counted_on(b, a).of(copy_outcome::delivered) == 1);
-  CHECK(x.channel.counted_on(b, c).of(copy_outcome::weak) == 1); // below the sensitivity
-  CHECK(x.channel.counted_on(c, b).of(copy_outcome::delivered) == 1);
-  CHECK(x.channel.counted_on(c, a).sent == 0); // below the cutoff: no link
-  CHECK(x.channel.counted_on(a, c).of(copy_outcome::delivered) == 1);
+  CHECK(x.channel.counts().on_link(a, b).of(copy_outcome::delivered) == 1);
+  CHECK(x.channel.counts().on_link(b, a).of(copy_outcome::delivered) == 1);
+  CHECK(x.channel.counts().on_link(b, c).of(copy_outcome::weak) == 1); // below the sensitivity
+  CHECK(x.channel.counts().on_link(c, b).of(copy_outcome::delivered) == 1);
+  CHECK(x.channel.counts().on_link(c, a).sent == 0); // below the cutoff: no link
+  CHECK(x.channel.counts().on_link(a, c).of(copy_outcome::delivered) == 1);
   for (const auto& got : x.all<delivered>()) {
     if (got.to == b && got.content.source == mote_id{1})
       CHECK(got.rssi_dbm == -92);
@@ -163,10 +163,10 @@ TEST_CASE("an ack goes back over the other direction", "[radio][links]") {
   CHECK(ended.status == send_status::no_ack);
   CHECK(ended.arrived);
   CHECK(ended.transmissions == 3);
-  CHECK(x.channel.counted_on(a, b).of(copy_outcome::delivered) == 1);
-  CHECK(x.channel.counted_on(a, b).of(copy_outcome::duplicate) == 2);
-  CHECK(x.channel.counted_by(b).acks == 3);
-  CHECK(x.channel.counted_on(b, a) == copy_counters{});
+  CHECK(x.channel.counts().on_link(a, b).of(copy_outcome::delivered) == 1);
+  CHECK(x.channel.counts().on_link(a, b).of(copy_outcome::duplicate) == 2);
+  CHECK(x.channel.counts().by(b).acks == 3);
+  CHECK(x.channel.counts().on_link(b, a) == copy_counters{});
 }
 
 TEST_CASE("a request has the outcome of its last copy at its destination", "[radio][links]") {
@@ -203,19 +203,19 @@ TEST_CASE("links add up to the radios and these to the channel", "[radio][links]
     for (std::uint16_t i = 1; i <= 4; ++i)
       x.add(i, 25.0 * i);
     chatter(x, seed);
-    const auto all = x.channel.counted();
+    const auto all = x.channel.counts().by_all();
     CHECK(over_links(x.channel) == all.copies);
     for (std::uint32_t to = 0; to < 4; ++to) {
       copy_counters into;
       for (std::uint32_t from = 0; from < 4; ++from) {
-        const auto link = x.channel.counted_on(radio_index{from}, radio_index{to});
+        const auto link = x.channel.counts().on_link(radio_index{from}, radio_index{to});
         CHECK(link.balanced());
         into += link;
       }
-      CHECK(into == x.channel.counted_by(radio_index{to}).copies);
-      CHECK(x.channel.counted_by(radio_index{to}) == x.channel.counted_by_radio()[to]);
+      CHECK(into == x.channel.counts().by(radio_index{to}).copies);
+      CHECK(x.channel.counts().by(radio_index{to}) == x.channel.counts().by_radio()[to]);
     }
-    CHECK(x.channel.balanced());
+    CHECK(x.channel.counts().balanced());
   }
 }
 
@@ -229,21 +229,21 @@ TEST_CASE("a radio that moves closes the radio_counters of its links but loses n
     x.send(a, 0, 0xffff, 4);
     x.run_for(20ms);
   }
-  CHECK(x.channel.counted_on(a, b).of(copy_outcome::delivered) == 5);
+  CHECK(x.channel.counts().on_link(a, b).of(copy_outcome::delivered) == 5);
   x.channel.move(b, {500, 0, 0});
   x.send(a, 0, 0xffff, 4);
   x.run_for(20ms);
-  CHECK(x.channel.counted_on(a, b) == copy_counters{});
-  CHECK(x.channel.counted_on(a, c).sent == 1);
-  CHECK(x.channel.counted_by(b).copies.sent == 5); // not forgotten
-  CHECK(x.channel.counted_by(c).copies.sent == 6);
-  CHECK(x.channel.balanced());
+  CHECK(x.channel.counts().on_link(a, b) == copy_counters{});
+  CHECK(x.channel.counts().on_link(a, c).sent == 1);
+  CHECK(x.channel.counts().by(b).copies.sent == 5); // not forgotten
+  CHECK(x.channel.counts().by(c).copies.sent == 6);
+  CHECK(x.channel.counts().balanced());
   x.channel.move(b, {10, 0, 0});
   x.send(a, 0, 0xffff, 4);
   x.run_for(20ms);
-  CHECK(x.channel.counted_on(a, b).of(copy_outcome::delivered) == 1);
-  CHECK(x.channel.counted_by(b).copies.sent == 6);
-  CHECK(x.channel.balanced());
+  CHECK(x.channel.counts().on_link(a, b).of(copy_outcome::delivered) == 1);
+  CHECK(x.channel.counts().by(b).copies.sent == 6);
+  CHECK(x.channel.counts().balanced());
 }
 
 TEST_CASE("radio_counters balance while radios wander and more of them come", "[radio][links]") {
@@ -258,20 +258,20 @@ TEST_CASE("radio_counters balance while radios wander and more of them come", "[
     for (std::uint16_t i = 1; i <= 4; ++i)
       x.add(i, 10.0 * i);
     for (int i = 0; i < 300; ++i) {
-      const radio_index any{static_cast<std::uint32_t>(rng.below(x.channel.radios()))};
+      const radio_index any{static_cast<std::uint32_t>(rng.below(x.channel.links().size()))};
       x.send(any, 0, 0xffff, rng.below(100));
       x.run_for(rng.between(0ms, 3ms));
-      const radio_index mover{static_cast<std::uint32_t>(rng.below(x.channel.radios()))};
+      const radio_index mover{static_cast<std::uint32_t>(rng.below(x.channel.links().size()))};
       if (rng.chance(0.3))
         x.channel.move(mover, {60 * rng.unit(), 0, 0});
       if (rng.chance(0.02))
         x.add(static_cast<std::uint16_t>(5 + i), 60 * rng.unit());
-      if (!x.channel.balanced())
+      if (!x.channel.counts().balanced())
         FAIL("out of balance at step " << i);
     }
     x.run_for(1s);
-    CHECK(x.channel.balanced());
-    const auto all = x.channel.counted();
+    CHECK(x.channel.counts().balanced());
+    const auto all = x.channel.counts().by_all();
     CHECK(all.copies.sent > over_links(x.channel).sent);
   }
 }
@@ -301,7 +301,7 @@ TEST_CASE("watching lets frames out and changes nothing else", "[radio][links]")
         seen = x.all<overheard>();
       else
         CHECK(x.all<overheard>().empty());
-      counted[watch ? 1 : 0] = x.channel.counted();
+      counted[watch ? 1 : 0] = x.channel.counts().by_all();
     }
     CHECK(plain == watched);
     CHECK(plain.size() > 300);
@@ -369,11 +369,11 @@ TEST_CASE("an ack that falls due while its radio sends is not sent", "[radio][li
     x.run_for(rng.between(0ms, 8ms));
   }
   x.run_for(1s);
-  const auto radio_counters = x.channel.counted_by(b);
+  const auto radio_counters = x.channel.counts().by(b);
   CHECK(radio_counters.copies.of(copy_outcome::delivered) > 1000);
   CHECK(radio_counters.acks > 1000);
   CHECK(radio_counters.acks < radio_counters.copies.of(copy_outcome::delivered));
-  CHECK(x.channel.balanced());
+  CHECK(x.channel.counts().balanced());
 }
 
 TEST_CASE("one mote of two islands with the same id is not the other", "[radio][links][RTG-06]") {
@@ -391,7 +391,7 @@ TEST_CASE("one mote of two islands with the same id is not the other", "[radio][
   x.run_for(100ms);
   CHECK(x.delivered_to(b1) == 0);
   CHECK(x.delivered_to(b2) == 1);
-  CHECK(x.channel.counted_on(a1, b1).of(copy_outcome::loss) == 1);
-  CHECK(x.channel.counted_on(a1, b2).of(copy_outcome::filtered) == 1);
-  CHECK(x.channel.counted_on(a2, b1).of(copy_outcome::filtered) >= 1);
+  CHECK(x.channel.counts().on_link(a1, b1).of(copy_outcome::loss) == 1);
+  CHECK(x.channel.counts().on_link(a1, b2).of(copy_outcome::filtered) == 1);
+  CHECK(x.channel.counts().on_link(a2, b1).of(copy_outcome::filtered) >= 1);
 }

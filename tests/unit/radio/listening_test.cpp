@@ -141,12 +141,12 @@ TEST_CASE("copies go on until an ack ends them, and the receiver reports one",
     const auto took = f.times_of<done>()[0] - asked;
     CHECK(took < 512ms + 11ms + 10ms); // a check and a copy
     // A copy each 2 to 6 ms; 1 ack.
-    const auto counted = f.channel.counted();
+    const auto counted = f.channel.counts().by_all();
     CHECK(counted.acks == 1);
     CHECK(counted.transmissions - 1 <= static_cast<std::uint64_t>(took / 2ms + 2));
     CHECK(counted.transmissions - 1 >= static_cast<std::uint64_t>(took / 6ms));
     CHECK(counted.copies.of(copy_outcome::off) + 12 >= counted.transmissions); // but a check's
-    CHECK(f.channel.balanced());
+    CHECK(f.channel.counts().balanced());
   }
 }
 
@@ -159,7 +159,7 @@ TEST_CASE("a frame to a radio that is on takes one copy", "[radio][listening][NR
   f.run_for(100ms);
   REQUIRE(f.all<done>().size() == 1);
   CHECK(f.all<done>()[0].status == send_status::sent);
-  CHECK(f.channel.counted_by(from).transmissions == 1);
+  CHECK(f.channel.counts().by(from).transmissions == 1);
   CHECK(f.delivered_to(on) == 1);
 }
 
@@ -200,15 +200,15 @@ TEST_CASE("a broadcast is repeated for the whole interval, and each radio report
     const auto took = f.times_of<done>()[0] - asked;
     CHECK(took >= 532ms);
     CHECK(took <= 545ms);
-    CHECK(f.channel.counted().acks == 0);
+    CHECK(f.channel.counts().by_all().acks == 0);
     for (const auto each : others)
       CHECK(f.delivered_to(each) == 1);
-    CHECK(f.channel.counted().copies.of(copy_outcome::delivered) == others.size());
+    CHECK(f.channel.counts().by_all().copies.of(copy_outcome::delivered) == others.size());
     f.send(from, 2, broadcast, size); // the next one is another
     f.run_for(2s);
     for (const auto each : others)
       CHECK(f.delivered_to(each) == 2);
-    CHECK(f.channel.balanced());
+    CHECK(f.channel.counts().balanced());
   }
 }
 
@@ -224,7 +224,7 @@ TEST_CASE("lost copies do not lose a frame", "[radio][listening][NRG-02]") {
     f.run_for(2s);
     delivered_count += f.delivered_to(to);
     CHECK(f.delivered_to(to) <= 1);
-    CHECK(f.channel.balanced());
+    CHECK(f.channel.counts().balanced());
   }
   CHECK(delivered_count == 40);
 }
@@ -256,7 +256,7 @@ TEST_CASE("energy of a train follows from its length",
   f.send(from, 1, 3, size);
   f.run_for(10s);
   const auto after = f.channel.energy(from, f.now).times;
-  const auto copies = f.channel.counted_by(from).transmissions;
+  const auto copies = f.channel.counts().by(from).transmissions;
   CHECK(after.radio_transmit - before.radio_transmit ==
         static_cast<duration::rep>(copies) * air_time(overhead + size));
   // A copy is 1248 us; until the next 864 us for an ack, 320 to 1280 us, 128 and 192 us.
@@ -323,7 +323,7 @@ TEST_CASE("when a channel is asked does not matter to radios that listen at low 
         f.run_for(97ms);
     }
     f.run_for(2s);
-    CHECK(f.channel.balanced());
+    CHECK(f.channel.counts().balanced());
     return times_of(f);
   };
   CHECK(run(false) == run(true));

@@ -104,7 +104,7 @@ TEST_CASE("noise keeps a channel busy for who senses energy, and for its time on
   w.run_for(2s);
   CHECK(w.all<done>()[1].status == send_status::sent);
   CHECK(w.delivered_to(b) == 1);
-  CHECK(w.channel.balanced());
+  CHECK(w.channel.counts().balanced());
 }
 
 TEST_CASE("noise spoils what it overlaps on a disk too, and takes back what was hoped for",
@@ -129,7 +129,7 @@ TEST_CASE("noise spoils what it overlaps on a disk too, and takes back what was 
   }
   CHECK(arrived > 0);
   CHECK(arrived < 50);
-  CHECK(w.channel.balanced());
+  CHECK(w.channel.counts().balanced());
 }
 
 TEST_CASE("losses of a fault plan hit radios of their PAN, add up as chances and end",
@@ -158,7 +158,7 @@ TEST_CASE("losses of a fault plan hit radios of their PAN, add up as chances and
   w.channel.end_loss(one);
   w.channel.end_loss(all);
   CHECK(arrivals(a, 2, b) == 400);
-  CHECK(w.channel.balanced());
+  CHECK(w.channel.counts().balanced());
 }
 
 TEST_CASE("a battery that comes from elsewhere goes on being used", "[radio][NRG-05][ACT-04]") {

@@ -37,10 +37,10 @@ TEST_CASE("switching a sender off aborts all it had and cuts its frame off", "[r
     CHECK(ended[i].status == send_status::aborted);
     CHECK(ended[i].transmissions == (i == 0 ? 1U : 0U));
   }
-  CHECK(x.channel.counted_by(a).requests ==
+  CHECK(x.channel.counts().by(a).requests ==
         request_counters{.requests = 3, .failed = {.aborted = 3}});
-  CHECK(x.channel.counted_by(b).copies.of(copy_outcome::off) == 1);
-  CHECK(x.channel.balanced());
+  CHECK(x.channel.counts().by(b).copies.of(copy_outcome::off) == 1);
+  CHECK(x.channel.counts().balanced());
   const auto sent_for = x.channel.energy(a, x.now).times.radio_transmit;
   x.run_for(1s);
   CHECK(x.log.size() == 3); // nothing came later
@@ -53,7 +53,7 @@ TEST_CASE("switching a sender off aborts all it had and cuts its frame off", "[r
   x.run_for(1s);
   CHECK(x.all<done>().back().status == send_status::sent);
   CHECK(x.delivered_to(b) == 1);
-  CHECK(x.channel.balanced());
+  CHECK(x.channel.counts().balanced());
 }
 
 TEST_CASE("a receiver that is off, or was for a moment, gets nothing", "[radio][power]") {
@@ -67,12 +67,12 @@ TEST_CASE("a receiver that is off, or was for a moment, gets nothing", "[radio][
   x.set_power(b, power::on);
   x.run_for(100ms);
   CHECK(x.all<delivered>().empty());
-  CHECK(x.channel.counted_by(b).copies.of(copy_outcome::off) == 1);
+  CHECK(x.channel.counts().by(b).copies.of(copy_outcome::off) == 1);
   x.set_power(b, power::off);
   x.send(a, 2, 2, 100);
   x.run_for(100ms);
-  CHECK(x.channel.counted_by(b).copies.of(copy_outcome::off) == 2);
-  CHECK(x.channel.counted().requests.failed.no_ack == 2);
+  CHECK(x.channel.counts().by(b).copies.of(copy_outcome::off) == 2);
+  CHECK(x.channel.counts().by_all().requests.failed.no_ack == 2);
 }
 
 TEST_CASE("a receiver switched off before its ack leaves does not ack", "[radio][power]") {
@@ -86,7 +86,7 @@ TEST_CASE("a receiver switched off before its ack leaves does not ack", "[radio]
   x.set_power(b, power::off);
   x.set_power(b, power::on);
   x.run_for(100ms);
-  CHECK(x.channel.counted_by(b).acks == 0);
+  CHECK(x.channel.counts().by(b).acks == 0);
   CHECK(x.all<done>().front().status == send_status::no_ack);
 }
 
@@ -196,7 +196,7 @@ TEST_CASE("a battery that ends switches its radio off and says so once", "[radio
     x.send(b, 2, 1, 4);
     x.run_for(1s);
     CHECK(x.all<done>().back().status == send_status::no_ack);
-    CHECK(x.channel.balanced());
+    CHECK(x.channel.counts().balanced());
   }
 }
 

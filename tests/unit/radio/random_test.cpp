@@ -147,7 +147,7 @@ public:
   void go() {
     for (int i = 0; i < what_.steps; ++i) {
       step();
-      if (!world.channel.balanced())
+      if (!world.channel.counts().balanced())
         FAIL("radio_counters do not balance at " << to_text(world.now));
     }
     world.run_for(5s); // everything comes to its end, unless a channel is never clear
@@ -248,15 +248,15 @@ TEST_CASE("both radio_counters balance at every moment of a random run",
     const bool any = seed >= 20;
     random_run run(seed, {.any_channel = any});
     run.go();
-    const auto radio_counters = run.world.channel.counted();
-    CHECK(run.world.channel.balanced());
+    const auto radio_counters = run.world.channel.counts().by_all();
+    CHECK(run.world.channel.counts().balanced());
     CHECK(radio_counters.requests.requests == run.requests());
     CHECK(run.world.all<done>().size() + radio_counters.requests.open == run.requests());
     CHECK(run.world.all<delivered>().size() ==
           radio_counters.copies.of(copy_outcome::delivered) - radio_counters.acks_received);
     CHECK(run.world.all<overheard>().size() == radio_counters.transmissions);
-    auto parts = run.world.channel.counted_in_pan(1);
-    parts += run.world.channel.counted_in_pan(2);
+    auto parts = run.world.channel.counts().in_pan(1);
+    parts += run.world.channel.counts().in_pan(2);
     CHECK(parts == radio_counters);
     all += radio_counters.copies;
   }
@@ -271,7 +271,7 @@ TEST_CASE("the simple channel brings every request to its end", "[radio][random]
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     random_run run(seed, {.any_channel = false});
     run.go();
-    CHECK(run.world.channel.counted().requests.open == 0);
+    CHECK(run.world.channel.counts().by_all().requests.open == 0);
   }
 }
 
@@ -302,7 +302,7 @@ TEST_CASE("every request ends once, and its outcome is true", "[radio][random]")
       if (x.arrived)
         CHECK(takers.count(x.token) == 1);
     }
-    CHECK(ended.size() + run.world.channel.counted().requests.open == run.requests());
+    CHECK(ended.size() + run.world.channel.counts().by_all().requests.open == run.requests());
   }
 }
 
@@ -402,6 +402,6 @@ TEST_CASE("a deadline comes no later than the next output", "[radio][random]") {
       if (a.what.index() != b.what.index() || a.at != b.at)
         FAIL("output " << i << " at " << to_text(a.at) << " or " << to_text(b.at));
     }
-    CHECK(asked.world.channel.counted() == restless.world.channel.counted());
+    CHECK(asked.world.channel.counts().by_all() == restless.world.channel.counts().by_all());
   }
 }

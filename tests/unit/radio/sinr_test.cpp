@@ -310,7 +310,7 @@ TEST_CASE("the whole channel delivers by the same curve", "[radio][sinr][channel
       x.run_for(10ms);
     }
     const auto expected = survival(gain, {-89}, 8 * 47);
-    const auto copies = x.channel.counted_on(a, b);
+    const auto copies = x.channel.counts().on_link(a, b);
     CHECK(copies.sent == frames);
     CHECK(copies.of(copy_outcome::delivered) + copies.of(copy_outcome::weak) == frames);
     CHECK(std::abs(static_cast<double>(copies.of(copy_outcome::delivered)) / frames - expected) <
@@ -335,7 +335,8 @@ TEST_CASE("with an edge of noise 1 % is lost at the sensitivity, and more and mo
       x.send(from, 0, 2, 7, false);
       x.run_for(20ms);
     }
-    return static_cast<double>(x.channel.counted_on(from, to).of(copy_outcome::delivered)) / trials;
+    return static_cast<double>(x.channel.counts().on_link(from, to).of(copy_outcome::delivered)) /
+           trials;
   };
   constexpr double sensitivity_dbm = -95; // of a MicaZ
   for (const auto curve : {error_curve::oqpsk, error_curve::tossim}) {
@@ -573,7 +574,7 @@ TEST_CASE("by default the threshold is the platform's, and a file may say anothe
     const auto b = x.add(2, 1);
     // Frames that do not hold each other off overlap nearly always.
     x.saturate({a, b}, 0xffff, 100, false, 10s);
-    const auto copies = x.channel.counted_on(a, b);
+    const auto copies = x.channel.counts().on_link(a, b);
     const auto overlapping = static_cast<double>(copies.of(copy_outcome::half_duplex)) /
                              static_cast<double>(copies.sent);
     CHECK((overlapping < 0.25 || overlapping > 0.75));

@@ -1,5 +1,5 @@
 // Radios that listen at low power: when they are switched on and off while their motes are on.
-#include "radio/medium/channel.hpp"
+#include "radio/channel/channel.hpp"
 
 namespace rubicon::radio {
 

@@ -1,4 +1,4 @@
-// From the first octet of a frame on the air to what has become of its copies.
+// From a request to what has become of the copies of its frame.
 #include <algorithm>
 #include <cassert>
 #include <chrono>
@@ -7,11 +7,29 @@
 
 #include "core/account/message_ledger.hpp"
 #include "core/codec.hpp"
-#include "radio/medium/channel.hpp"
+#include "radio/channel/channel.hpp"
+#include "radio/raw_frame.hpp"
 
 namespace rubicon::radio {
 
 namespace {
+
+outgoing encoded(std::uint64_t token, const frame& header) {
+  outgoing x;
+  x.token = token;
+  x.content = header;
+  x.psdu = encode(header);
+  x.content.payload = x.psdu.view().subspan(header_size, header.payload.size());
+  return x;
+}
+
+outgoing pack_raw(std::uint64_t token, byte_view octets, std::uint16_t pan) {
+  outgoing x;
+  x.token = token;
+  x.content = read_header(octets, pan);
+  x.psdu = with_fcs(octets);
+  return x;
+}
 
 /// The frame as it goes on the air from `begin` on.
 transmission stamped(radio_index from, const outgoing& x, instant begin) {
@@ -56,6 +74,47 @@ copy_outcome to_copy_outcome(outcome x) {
 
 } // namespace
 
+outgoing channel::pack(station& x, const request& what) {
+  if (what.is_raw)
+    return pack_raw(what.token, what.payload.view(), x.pan);
+  frame header;
+  header.ack_request = what.ack && what.destination != broadcast_mote;
+  header.dsn = x.next_dsn++;
+  header.pan = x.pan;
+  header.destination = what.destination;
+  header.source = x.address;
+  header.am_type = what.am_type;
+  header.payload = what.payload.view();
+  auto frame = encoded(what.token, header);
+  frame.age_at = what.age_at;
+  frame.in_slot = what.in_slot && !x.sender.repeats();
+  return frame;
+}
+
+void channel::conclude(radio_index radio, const finished& x, outputs& out) {
+  auto& counters = at(radio).counted.requests;
+  switch (x.status) {
+  case send_status::sent:
+    ++counters.sent;
+    if (!x.arrived)
+      note_loss(x.from, x.acked ? loss::false_ack : loss::not_received);
+    break;
+  case send_status::no_ack:
+    ++counters.failed.no_ack;
+    break;
+  case send_status::channel_access_failure:
+    ++counters.failed.channel_access_failure;
+    break;
+  case send_status::queue_full:
+    ++counters.failed.queue_full;
+    break;
+  case send_status::aborted:
+    ++counters.failed.aborted;
+    break;
+  }
+  out.emplace_back(done{radio, x.token, x.status, x.transmissions, x.arrived, x.last, x.from});
+}
+
 void channel::send_current(radio_index radio, instant now) {
   auto& x = at(radio);
   const auto& current = x.sender.current();
@@ -70,11 +129,11 @@ void channel::put_on_air(transmission x, instant now) {
   const auto end = now + x.length;
   ++at(from).counted.transmissions;
   const auto slot = medium_.start(std::move(x), topology_.around(from));
-  schedule({.at = end,
-            .output_at = end,
-            .stamp = medium_.stamp(slot),
-            .subject = slot,
-            .kind = event_kind::frame_end});
+  queue_.push({.at = end,
+               .output_at = end,
+               .stamp = medium_.stamp(slot),
+               .subject = slot,
+               .kind = event_kind::frame_end});
 }
 
 void channel::end_frame(slot_index slot, instant now, outputs& out) {
@@ -96,7 +155,7 @@ void channel::end_frame(slot_index slot, instant now, outputs& out) {
       return to_copy_outcome(end);
     if (x.loss != 0 && rng_.chance(static_cast<double>(x.loss) / 65535))
       return copy_outcome::loss;
-    if (!disturbances_.empty() && is_disturbed(x.radio))
+    if (!disturbances_.empty() && rng_.chance(disturbances_.loss_in(at(x.radio).pan)))
       return copy_outcome::loss;
     if (guards)
       at(x.radio).guarded_until = now + at(x.radio).sender.rules().guard;
@@ -129,13 +188,6 @@ bool channel::filters_most(slot_index slot) const {
   const auto& content = medium_.content(slot).content;
   const bool is_for_one = content.type == frame_type::ack || content.destination != broadcast_mote;
   return is_for_one && medium_.is_lone(slot) && disturbances_.empty() && !guards_ && !sleeps_;
-}
-
-bool channel::is_disturbed(radio_index radio) {
-  double arrives = 1;
-  for (const auto& x : disturbances_)
-    arrives *= x.pan.value_or(at(radio).pan) == at(radio).pan ? 1 - x.loss : 1;
-  return rng_.chance(1 - arrives);
 }
 
 /// Makes the sender's counters those about the frame's hearers, and counts the frame there.
@@ -195,11 +247,11 @@ copy_outcome channel::on_data(const transmission& sent, const hearer& x, instant
   if (sent.content.ack_request && addressed) {
     y.ack_dsn = sent.content.dsn;
     const auto begin = now + y.sender.rules().ack_delay;
-    schedule({.at = begin,
-              .output_at = begin + air_time(ack_size),
-              .stamp = ++y.ack_stamp,
-              .subject = x.radio.value,
-              .kind = event_kind::ack_due});
+    queue_.push({.at = begin,
+                 .output_at = begin + air_time(ack_size),
+                 .stamp = ++y.ack_stamp,
+                 .subject = x.radio.value,
+                 .kind = event_kind::ack_due});
     y.sender.on_own_ack(begin + air_time(ack_size), rng_);
     follow(x.radio, {}, now, out);
   }

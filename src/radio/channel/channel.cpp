@@ -1,4 +1,4 @@
-#include "radio/medium/channel.hpp"
+#include "radio/channel/channel.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -7,46 +7,13 @@
 #include "core/account/message_ledger.hpp"
 #include "radio/medium/power.hpp"
 #include "radio/medium/reception.hpp"
-#include "radio/raw_frame.hpp"
 
 namespace rubicon::radio {
 
-std::string to_string(power x) {
-  switch (x) {
-  case power::on:
-    return "on";
-  case power::off:
-    return "off";
-  case power::flat:
-    return "flat";
-  }
-  return "unknown";
-}
-
 namespace {
-
-/// A battery is asked whether it is flat no more often than this.
-constexpr duration battery_check = 10ms;
 
 /// Below every signal.
 constexpr double no_limit_dbm = -160;
-
-outgoing encoded(std::uint64_t token, const frame& header) {
-  outgoing x;
-  x.token = token;
-  x.content = header;
-  x.psdu = encode(header);
-  x.content.payload = x.psdu.view().subspan(header_size, header.payload.size());
-  return x;
-}
-
-outgoing pack_raw(std::uint64_t token, byte_view octets, std::uint16_t pan) {
-  outgoing x;
-  x.token = token;
-  x.content = read_header(octets, pan);
-  x.psdu = with_fcs(octets);
-  return x;
-}
 
 const mac_rules* rules_for(const platform& kind, const channel_config& config) {
   const auto* rules = mac_of(config, kind);
@@ -99,11 +66,11 @@ radio_index channel::add(const radio_config& config, instant now) {
   station x;
   x.address = config.address;
   x.pan = config.pan;
-  x.added_at = now;
+  x.battery.begin(now);
   x.next_dsn = static_cast<std::uint8_t>(rules->dsn_from_address ? 16 * config.address.value
                                                                  : rng_.below(256));
   if (config.listening.enabled() && config.listening.checks)
-    x.listens = std::make_unique<listening>(listening{config.listening, {}, 0});
+    x.listens = std::make_unique<low_power_listening>(low_power_listening{config.listening, {}, 0});
   x.sender = mac(rules, config_.queue, retries_of(config, *rules), config.listening.train());
   x.inbox = receiver(rules, config_.receive_slots.value_or(kind.receive_slots),
                      memory_of(config, *rules));
@@ -166,43 +133,15 @@ outputs channel::set_noise(radio_index from, bool on, instant now) {
     medium_.end_noise(from, now);
     return out;
   }
-  if (sure_) { // it may find the channel busy now
-    queue_.expect_output(*sure_);
-    sure_.reset();
-  }
+  queue_.doubt(); // an assessment may find the channel busy now
   medium_.start_noise(from, topology_.around(from), now);
   return out;
 }
 
-std::uint32_t channel::begin_loss(std::optional<std::uint16_t> pan, double loss) {
-  disturbances_.push_back({++disturbances_so_far_, pan, loss});
-  return disturbances_so_far_;
-}
-
-void channel::end_loss(std::uint32_t name) {
-  std::erase_if(disturbances_, [name](const auto& x) { return x.name == name; });
-}
-
 void channel::restart_energy(radio_index radio, double used_mah, instant now) {
   medium_.meter(radio).restart(used_mah, now);
-  at(radio).added_at = now;
-  at(radio).runs_low = false;
+  at(radio).battery.begin(now);
   watch_battery(radio, now);
-}
-
-outgoing channel::pack(station& x, const request& what) {
-  frame header;
-  header.ack_request = what.ack && what.destination != broadcast_mote;
-  header.dsn = x.next_dsn++;
-  header.pan = x.pan;
-  header.destination = what.destination;
-  header.source = x.address;
-  header.am_type = what.am_type;
-  header.payload = what.payload.view();
-  auto frame = encoded(what.token, header);
-  frame.age_at = what.age_at;
-  frame.in_slot = what.in_slot && !x.sender.repeats();
-  return frame;
 }
 
 outputs channel::send(radio_index radio, request what, instant now) {
@@ -218,7 +157,7 @@ outputs channel::send(radio_index radio, request what, instant now) {
     conclude(radio, {.token = what.token, .status = send_status::queue_full}, out);
     return out;
   }
-  auto frame = what.is_raw ? pack_raw(what.token, what.payload.view(), x.pan) : pack(x, what);
+  auto frame = pack(x, what);
   frame.asked = now;
   stay_awake(radio, now);
   x.sender.submit(std::move(frame), now, rng_);
@@ -341,40 +280,47 @@ void channel::on_frame_end(slot_index slot, instant now, outputs& out) {
 }
 
 void channel::on_battery_low(radio_index radio, instant now, outputs& out) {
-  const auto& meter = medium_.meter(radio);
-  const auto left_mah = meter.battery_mah() - meter.used_mah(now);
-  if (left_mah <= meter.battery_mah() * battery_reserve && !std::exchange(at(radio).runs_low, true))
+  auto& x = at(radio);
+  const auto found = x.battery.look(medium_.meter(radio), now);
+  if (found.runs_low)
     out.emplace_back(running_low{radio});
-  if (left_mah > 0) {
+  if (!found.is_flat) {
     watch_battery(radio, now);
     return;
   }
-  if (at(radio).supply == power::on)
+  if (x.supply == power::on)
     silence(radio, now, out);
-  at(radio).supply = power::flat;
+  x.supply = power::flat;
   run_down(radio, now);
   out.emplace_back(exhausted{radio});
 }
 
 void channel::run_down(radio_index radio, instant now) {
   medium_.meter(radio).stop(now);
-  at(radio).flat_at = now;
+  at(radio).battery.run_down(now);
 }
 
 void channel::watch_battery(radio_index radio, instant now) {
-  const auto& meter = medium_.meter(radio);
-  at(radio).lasts_until = meter.lasts_until(now);
-  const auto reserve_mah = at(radio).runs_low ? 0 : meter.battery_mah() * battery_reserve;
-  const auto lasts = meter.lasts_until(now, reserve_mah);
-  if (lasts != instant::max())
-    schedule({.at = std::max(lasts, now + battery_check),
-              .output_at = std::max(lasts, now + battery_check),
-              .stamp = 0,
-              .subject = radio.value,
-              .kind = event_kind::battery_low});
+  if (const auto due = at(radio).battery.next_look(medium_.meter(radio), now))
+    queue_.push({.at = *due,
+                 .output_at = *due,
+                 .stamp = 0,
+                 .subject = radio.value,
+                 .kind = event_kind::battery_low});
 }
 
-// --------------------------------------------------------------------------------------- reception
+energy_use channel::energy(radio_index radio, instant now) const {
+  return at(radio).battery.use(medium_.meter(radio), medium_.times(radio, now), now);
+}
+
+instant channel::batteries_last_until() const {
+  auto first = instant::max();
+  for (const auto& x : stations_)
+    first = std::min(first, x.battery.lasts_until());
+  return first;
+}
+
+// ----------------------------------------------------------------------------------- medium access
 
 void channel::follow(radio_index radio, const mac_action& todo, instant now, outputs& out) {
   if (todo.transmit)
@@ -406,44 +352,11 @@ void channel::schedule_mac(radio_index radio, instant due) {
   const bool is_next = queue_.empty() || due < queue_.top().at;
   const bool is_sure =
       is_next && x.sender.assesses() && x.guarded_until <= due && medium_.stays_clear(radio, due);
+  if (!is_sure)
+    return queue_.push(cautious);
   auto hopeful = cautious;
-  if (is_sure)
-    hopeful.output_at = x.sender.earliest_output_if_clear();
-  schedule(hopeful);
-  if (is_sure)
-    sure_ = cautious;
-}
-
-void channel::schedule(const event& x) {
-  if (sure_ && x.at <= sure_->at) {
-    queue_.expect_output(*sure_);
-    sure_.reset();
-  }
-  queue_.push(x);
-}
-
-void channel::conclude(radio_index radio, const finished& x, outputs& out) {
-  auto& counters = at(radio).counted.requests;
-  switch (x.status) {
-  case send_status::sent:
-    ++counters.sent;
-    if (!x.arrived)
-      note_loss(x.from, x.acked ? loss::false_ack : loss::not_received);
-    break;
-  case send_status::no_ack:
-    ++counters.failed.no_ack;
-    break;
-  case send_status::channel_access_failure:
-    ++counters.failed.channel_access_failure;
-    break;
-  case send_status::queue_full:
-    ++counters.failed.queue_full;
-    break;
-  case send_status::aborted:
-    ++counters.failed.aborted;
-    break;
-  }
-  out.emplace_back(done{radio, x.token, x.status, x.transmissions, x.arrived, x.last, x.from});
+  hopeful.output_at = x.sender.earliest_output_if_clear();
+  queue_.push_sure(hopeful, cautious);
 }
 
 /// A radio that was on goes off.

@@ -5,133 +5,21 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <variant>
 #include <vector>
 
-#include "core/account/provenance.hpp"
-#include "core/address.hpp"
-#include "core/bytes.hpp"
 #include "core/numbers/random.hpp"
 #include "core/time.hpp"
-#include "radio/energy.hpp"
+#include "radio/channel/channel_counts.hpp"
+#include "radio/channel/disturbances.hpp"
+#include "radio/channel/output.hpp"
+#include "radio/channel/request.hpp"
+#include "radio/channel/station.hpp"
 #include "radio/event_queue.hpp"
-#include "radio/frame.hpp"
-#include "radio/listener.hpp"
-#include "radio/mac.hpp"
-#include "radio/mac_rules.hpp"
 #include "radio/medium/medium.hpp"
-#include "radio/medium/receiver.hpp"
 #include "radio/medium/topology.hpp"
 #include "radio/parameters.hpp"
-#include "radio/radio_counters.hpp"
 
 namespace rubicon::radio {
-
-/// A radio that joins the channel. It is on from the start.
-struct radio_config {
-  mote_id address;                 ///< unique in its PAN
-  std::uint16_t pan = default_pan; ///< one per island; frames of other PANs only disturb
-  position place;
-  const platform* kind = nullptr; ///< never nullptr; one of platforms(), or outlives the channel
-  std::optional<double> transmit_dbm; ///< unset: the platform's full power
-  std::optional<double> battery_mah;  ///< > 0; unset: the platform's; infinity: fed by a cable
-  bool promiscuous = false;     ///< delivers all data frames received, of any PAN and for any mote
-  access_parameters access{};   ///< macMinBE is not above macMaxBE
-  listening_config listening{}; ///< the same for all radios of a PAN, but for its `checks`
-  /// Radios of other channels neither receive it nor are disturbed; all_channels: of a source of
-  /// noise.
-  std::uint8_t channel = default_channel;
-};
-
-/// A request to send one frame.
-struct request {
-  std::uint64_t token = 0; ///< comes back in `done`; the channel attaches no meaning
-  mote_id destination = broadcast_mote;
-  std::uint8_t am_type = 0;
-  rubicon::payload payload; ///< at most payload_max octets
-  bool ack = true;          ///< unicast only: wait for an ack and repeat without one
-  /// Where in the payload a uint32 in network byte order lies, to which each transmission adds the
-  /// microseconds from this request to its start-of-frame delimiter (CLK-01; chips with a frame
-  /// buffer can do it while they send). @pre four octets of payload follow
-  std::optional<std::size_t> age_at = {};
-  /// No radio near is to send now, but one is right afterwards: the channel is assessed without
-  /// a back-off, and neither a busy channel nor a missing ack leads to another attempt. Where
-  /// radios listen at low power it means nothing.
-  bool in_slot = false;
-  /// `payload` is a whole frame of whatever layout, without its FCS (radio/raw_frame.hpp), and
-  /// nothing of the above but the token means anything. @pre it is no ack, and has 3 octets or more
-  bool is_raw = false;
-};
-
-/// What became of a mote's power.
-enum class power : std::uint8_t {
-  on,
-  off,  ///< crashed or being restarted: the radio is off, the MCU draws its sleep current
-  flat, ///< the battery is at its end: nothing is drawn any more. Final: there is no route back to
-        ///< on
-};
-
-[[nodiscard]] std::string to_string(power x);
-
-/// A frame for the mote of radio `to`.
-struct delivered {
-  radio_index to;
-  payload psdu;             ///< one object for all receivers
-  frame content;            ///< views `psdu`, valid as long as any copy of it
-  std::int8_t rssi_dbm = 0; ///< whole dBm, as the chips report it
-  std::uint8_t lqi = 0;     ///< 50..110 (docs/tinyos.md 4.1)
-  provenance from = {};     ///< of the request
-};
-
-/// A request has come to its end; each gets exactly one.
-struct done {
-  radio_index radio;
-  std::uint64_t token = 0;
-  send_status status = send_status::sent;
-  unsigned transmissions = 0; ///< times the frame was put on the air; a train of copies is one
-  bool arrived = false;       ///< its destination accepted it, whether or not the sender knows
-  copy_outcome last =
-      copy_outcome::out_of_reach; ///< of the last copy at its destination; unicast only
-  provenance from = {};           ///< of the request
-};
-
-/// The battery of a mote is flat. The radio has already been switched to power::flat.
-struct exhausted {
-  radio_index radio;
-};
-
-/// Share of a battery's charge that is left when its mote is warned.
-inline constexpr double battery_reserve = 0.05;
-
-/// No more than battery_reserve is left in a mote's battery.
-struct running_low {
-  radio_index radio;
-};
-
-/// A frame has ended; only while the channel is watched.
-struct overheard {
-  std::uint16_t pan = 0; ///< of its sender
-  instant begin;         ///< of its preamble
-  payload psdu;          ///< acks included
-  bool received = false; ///< by anybody it was meant for
-  copy_outcome outcome =
-      copy_outcome::out_of_reach; ///< of the copy at its destination; unicast data only
-  provenance from = {};           ///< of the request
-};
-
-using output = std::variant<delivered, done, exhausted, running_low, overheard>;
-using outputs = std::vector<output>;
-
-/// What a mote has used so far.
-struct energy_use {
-  energy_times times;
-  energy_charges charges;
-  bool radio_on = false; ///< at this moment
-  duration elapsed{};    ///< since it was added, until now or until its battery was flat
-  double used_mah = 0;   ///< never above battery_mah by more than 10 ms of current
-  double battery_mah = 0;
-  instant empty_at; ///< if it goes on doing what it does at this moment
-};
 
 /// Radios of one or several islands that share a place: PHY and MAC of all of them, on whatever
 /// channels, as one sans-I/O core with an event queue of its own (docs/architecture.md, Actors;
@@ -193,8 +81,10 @@ public:
 
   /// From now on copies for radios of a PAN, or of all, are lost by this chance besides; several
   /// add up as chances do. @returns its name for end_loss()
-  std::uint32_t begin_loss(std::optional<std::uint16_t> pan, double loss);
-  void end_loss(std::uint32_t name);
+  std::uint32_t begin_loss(std::optional<std::uint16_t> pan, double loss) {
+    return disturbances_.begin(pan, loss);
+  }
+  void end_loss(std::uint32_t name) { disturbances_.end(name); }
 
   /// The mote of a radio comes with a battery of which so much is used; its energy is counted from
   /// now on. @pre it is off, and on_time() has been called for this moment
@@ -218,18 +108,10 @@ public:
   /// From now on frames come out as `overheard` too; that changes nothing else.
   void watch() { watched_ = true; }
 
-  [[nodiscard]] radio_counters counted_by(radio_index radio) const;   ///< costs O(links)
-  [[nodiscard]] std::vector<radio_counters> counted_by_radio() const; ///< costs O(links)
-  [[nodiscard]] radio_counters counted_in_pan(std::uint16_t pan) const;
-  [[nodiscard]] radio_counters counted() const; ///< by all radios
+  [[nodiscard]] channel_counts counts() const { return {stations_, medium_.copies()}; }
 
-  /// The copies on one link while `from` has had it last: they begin anew when `from` gets another
-  /// list of hearers, because a radio near it is added or moves or set_loss() concerns it.
-  [[nodiscard]] copy_counters counted_on(radio_index from, radio_index to) const;
-
-  /// Whether the counters of every radio and the copies of every link balance, and no copy is
-  /// missing from the sum of them. Always true; costs O(links).
-  [[nodiscard]] bool balanced() const;
+  /// Which radios hear which.
+  [[nodiscard]] const topology& links() const { return topology_; }
 
   /// @pre now is not before any earlier call's, and on_time(now) has been called
   [[nodiscard]] energy_use energy(radio_index radio, instant now) const;
@@ -238,44 +120,10 @@ public:
   /// Costs O(radios).
   [[nodiscard]] instant batteries_last_until() const;
 
-  [[nodiscard]] power power_of(radio_index radio) const;
-  [[nodiscard]] std::size_t radios() const;
-  /// Radios within range, in ascending order.
-  [[nodiscard]] std::vector<radio_index> neighbours(radio_index radio) const;
+  [[nodiscard]] power power_of(radio_index radio) const { return at(radio).supply; }
   [[nodiscard]] std::uint64_t events() const { return events_; } ///< handled so far
 
 private:
-  /// One mote's radio above the medium.
-  /// A radio that listens at low power.
-  struct listening {
-    listening_config config;
-    std::optional<listener> ears;  ///< nothing: its mote is off
-    std::uint64_t event_stamp = 0; ///< of the event in the queue
-  };
-
-  struct station {
-    mote_id address;
-    std::uint16_t pan = default_pan;
-    duration service_time{};
-    power supply = power::on;
-    std::uint8_t next_dsn = 0;
-    mac sender;
-    receiver inbox;
-    radio_counters
-        counted; ///< copies: of links that are no more; requests.open: filled in when asked
-    link_counters copies; ///< that it has sent
-    instant added_at;
-    bool runs_low = false;                ///< its owner knows
-    instant lasts_until = instant::max(); ///< at least, as found at the last look at its battery
-    instant flat_at = instant::max();
-    instant guarded_until;            ///< mac_rules::guard
-    std::optional<instant> scheduled; ///< the deadline of `sender` that stands in the event queue
-    std::uint64_t mac_stamp = 0;
-    std::optional<std::uint8_t> ack_dsn; ///< of the ack it is about to send
-    std::uint64_t ack_stamp = 0;
-    std::unique_ptr<listening> listens; ///< nullptr: its radio is on as long as its mote is
-  };
-
   [[nodiscard]] static outgoing pack(station& x, const request& what);
   void run_until(instant now, outputs& out);
   [[nodiscard]] const mac_rules* rules_of(const radio_config& config);
@@ -287,7 +135,6 @@ private:
   void on_ack_due(radio_index radio, instant now);
   void on_frame_end(slot_index slot, instant now, outputs& out);
   void on_battery_low(radio_index radio, instant now, outputs& out);
-  [[nodiscard]] bool is_disturbed(radio_index radio);
   [[nodiscard]] bool filters_most(slot_index slot) const;
   [[nodiscard]] copy_outcome on_ack(radio_index radio, std::uint8_t dsn, instant now, outputs& out);
   [[nodiscard]] copy_outcome on_data(const transmission& sent, const hearer& x, instant now,
@@ -297,7 +144,6 @@ private:
   [[nodiscard]] overheard describe(const transmission& x) const;
   void put_on_air(transmission x, instant now);
   void send_current(radio_index radio, instant now);
-  void schedule(const event& x);
   void schedule_mac(radio_index radio, instant due);
   void follow(radio_index radio, const mac_action& todo, instant now, outputs& out);
   void end_frame(slot_index slot, instant now, outputs& out);
@@ -324,18 +170,9 @@ private:
   /// Of radios with parameters of their own; they stay where they are.
   std::vector<std::unique_ptr<const mac_rules>> own_rules_;
   duration longest_own_{}; ///< for which such a radio may repeat a frame
-  struct disturbance {
-    std::uint32_t name = 0;
-    std::optional<std::uint16_t> pan;
-    double loss = 0;
-  };
-  std::vector<disturbance> disturbances_;
-  std::uint32_t disturbances_so_far_ = 0;
+  disturbances disturbances_;
   std::vector<station> stations_;
   event_queue queue_;
-  /// An assessment that must find the channel clear, unless an event is put before it; with the
-  /// moment from which it may have an output if it does not.
-  std::optional<event> sure_;
   instant ran_until_ = instant::min();
   std::uint64_t events_ = 0;
   bool watched_ = false;
