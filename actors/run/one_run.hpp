@@ -15,7 +15,7 @@
 #include "config/plan/ecology.hpp"
 #include "io/process/hangup_watch.hpp"
 #include "io/process/signal_watch.hpp"
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "scheduler/world.hpp"
 
 namespace rubicon {

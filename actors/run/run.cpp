@@ -10,7 +10,7 @@
 #include "actors/run/run_files.hpp"
 #include "core/text/shell_word.hpp"
 #include "io/process/large_pages.hpp"
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "report/invariants.hpp"
 
 namespace rubicon {

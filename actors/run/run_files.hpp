@@ -13,7 +13,7 @@
 #include "actors/run/run_record.hpp"
 #include "actors/serial/serial_recorder.hpp"
 #include "config/plan/ecology.hpp"
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "report/history.hpp"
 #include "scheduler/trace.hpp"
 

@@ -23,7 +23,7 @@
 #include "core/numbers/random.hpp"
 #include "io/loop.hpp"
 #include "mote/nonvolatile.hpp"
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "report/fault_plan.hpp"
 #include "report/invariants.hpp"
 #include "report/report.hpp"

@@ -128,8 +128,8 @@ scheduler::process& add_process(ecology_pointer self, const config::air_descript
   // Without latency neither side may be ahead of the other.
   auto& its = latency == duration{} ? *state.pcs : scheduler.add_process();
   if (latency > duration{} && latency < duration::max()) {
-    scheduler.link(its, *state.pcs, latency);
-    scheduler.link(*state.pcs, its, latency);
+    scheduler.rounds().link(its, *state.pcs, latency);
+    scheduler.rounds().link(*state.pcs, its, latency);
   }
   for (const auto id : air.islands)
     state.processes[id] = &its;

@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "report/expect/situation.hpp"
 #include "report/invariants.hpp"
-#include "report/situation.hpp"
 
 namespace rubicon::cli {
 

@@ -7,7 +7,7 @@
 
 #include "page/markup.hpp"
 #include "page/parts.hpp"
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "report/figures.hpp"
 #include "report/print/repeated_violations.hpp"
 #include "report/report_parts.hpp"

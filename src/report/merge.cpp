@@ -6,7 +6,7 @@
 
 #include "core/hash.hpp"
 #include "report/event_log.hpp"
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "report/figures.hpp"
 #include "report/invariants.hpp"
 

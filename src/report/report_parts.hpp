@@ -33,6 +33,15 @@ inline constexpr std::size_t motes_listed_max = 12; ///< one by one; of more, th
 /// The share in percent; `–` of nothing.
 [[nodiscard]] std::string share_of(std::uint64_t part, std::uint64_t whole);
 
+/// What became of messages and frames of each island.
+void add_islands(report_page& page, const run_report& x);
+
+/// How packets reach the sinks, and how exact clocks are; nothing without any.
+void add_network(report_page& page, const run_report& x);
+
+/// Motes of SMEPP groups; nothing without any.
+void add_groups(report_page& page, const run_report& x);
+
 /// Packets of the measuring apps; nothing without any.
 void add_flows(report_page& page, const run_report& x);
 

@@ -17,10 +17,9 @@
 
 #include "core/time.hpp"
 #include "io/process/spare_memory.hpp"
-#include "parallel/horizons.hpp"
-#include "parallel/workers.hpp"
 #include "scheduler/outside.hpp"
 #include "scheduler/process.hpp"
+#include "scheduler/process_rounds.hpp"
 #include "scheduler/run_clock.hpp"
 
 namespace rubicon::io {
@@ -52,10 +51,6 @@ struct coordinator_options {
   bool in_order = false;    ///< as in world_options; so it is in paced time and while observed
 };
 
-/// When the supervisor reacts to one process, what it does to another takes so long: that may be so
-/// far ahead.
-inline constexpr duration supervision_delay = 10s;
-
 /// The configuration that installs the coordinator and carries its options.
 struct coordinator_config : caf::actor_system_config {
   explicit coordinator_config(coordinator_options x);
@@ -66,13 +61,8 @@ struct coordinator_config : caf::actor_system_config {
 /// Runs actors and timeouts. Each process has its own: ready actors in first in, first out order;
 /// when none is ready, the timeouts of the next time at which there are any
 /// (parallel::event_order). In wall time there is one process, whose loop waits; sockets share its
-/// thread.
-///
-/// In virtual time there may be several. One may run ahead of another as far as nothing can come
-/// from there that it should have known (horizons). At one time the supervisor goes first if a
-/// timeout of its own is due, and last, again and again, with what others have sent it. So nothing
-/// depends on how far who runs ahead, nor on the number of threads. While events are observed, and
-/// in time that is paced, nobody runs ahead.
+/// thread. In virtual time there may be several, in rounds. While events are observed, and in time
+/// that is paced, nobody runs ahead.
 ///
 /// Threads that execute no process may send messages, also delayed ones, and ask for a stop; what
 /// they ask is taken over by the thread that made the actor system in the order it was asked.
@@ -92,11 +82,11 @@ public:
   /// supervisor's, which is the one that is returned. Lives as long as the coordinator.
   [[nodiscard]] process& add_process();
 
-  /// Declares that actors of `from` send to those of `to`, with at least this delay. @pre delay > 0
-  void link(const process& from, const process& to, duration delay);
-
   /// The process of whoever supervises all others, and of everybody who was placed in no other.
   [[nodiscard]] process& supervisor() { return *processes_.front(); }
+
+  /// What processes send each other, and who may be ahead of whom.
+  [[nodiscard]] process_rounds& rounds() { return rounds_; }
 
   /// Executes every event at or before `end`, ending the run early if a stop is requested: looked
   /// at before every turn if there is one process, and between their rounds if there are several,
@@ -147,13 +137,6 @@ public:
   /// thread that executes none.
   [[nodiscard]] process* sender_here();
 
-  /// When something arrives that is sent now, to be there at `due`.
-  [[nodiscard]] instant arrival(const process& from, const process& to, instant due) const;
-
-  /// Takes a delayed message of the supervisor to itself, if it is a part of what it does about
-  /// something that a process has sent it.
-  [[nodiscard]] bool react_later(add_timeout& x);
-
   /// Whether an instant that has given so many turns is to be broken off: a stop is requested, or
   /// nobody expects it to end.
   [[nodiscard]] bool gives_up(std::uint64_t turns) const;
@@ -180,44 +163,12 @@ protected:
   void stop() override;
 
 private:
-  /// What a process has sent the supervisor, and what that will do about it.
-  struct arrival_at_supervisor {
-    process* cause = nullptr;
-    timeout what;
-  };
-
-  /// A process in a round, and up to where it may run.
-  struct runner {
-    process* who = nullptr;
-    instant end;
-  };
-
   stop_cause run_alone(instant end);
   stop_cause run_together(instant end);
 
   /// drain() of several processes.
   bool drain_together(std::size_t turns_max);
-  /// Lets the supervisor do what is next for it, if nobody has anything to do before.
-  /// @param others when the first of the others does something
-  /// @returns whether it did
-  bool let_supervise(instant others);
-  /// Lets all others run ahead as far as they may. @pre one of them has something to do before
-  /// `end`
-  void let_run(instant others, instant end);
-  /// Rounds are to be long, but nobody is to wait for them.
-  void follow_pace(std::chrono::steady_clock::duration round);
-  void take_over_sent();
-  void update_next();
-  [[nodiscard]] instant next_of_others();
-  /// When the first message of other processes reaches the supervisor; or never.
-  [[nodiscard]] instant next_arrival() const;
-  [[nodiscard]] std::uint64_t turns_so_far() const; ///< of those in the round
-  /// Lets everything be said that was to be said before that time.
-  void say_before(instant end);
-  /// All others have come to the same time.
-  void meet(instant at);
-
-  [[nodiscard]] bool somebody_is_stuck() const;
+  [[nodiscard]] instant latest_now() const; ///< of all processes
 
   void run_ready();
   void wait_until(instant next);
@@ -226,18 +177,7 @@ private:
   outside outside_;
   std::vector<std::unique_ptr<process>> processes_; ///< the first is the supervisor's
   run_clock clock_;
-  parallel::horizons horizons_;
-  std::vector<instant> next_; ///< of each process, from round to round
-  std::vector<remark_later> to_be_said_;
-  std::vector<runner> round_; ///< the last: who had something to do
-  std::uint64_t turns_of_round_ = 0;
-  std::unique_ptr<parallel::workers> workers_; ///< from the first round that pays for them
-  const unsigned threads_;
-  parallel::timer_queue<arrival_at_supervisor> arrivals_;
-  instant together_at_{};          ///< when the supervisor has last acted of itself
-  const process* cause_ = nullptr; ///< whom the supervisor reacts to; nullptr: it acts of itself,
-                                   ///< and nobody is ahead of it
-  duration reach_;                 ///< how far others run ahead of each other
+  process_rounds rounds_;
   io::loop* loop_;
   trace_recorder* trace_ = nullptr;
   std::atomic<bool> stop_requested_ = false;

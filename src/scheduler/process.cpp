@@ -83,7 +83,7 @@ void process::give_turn() {
 
 void process::send(process& to, timeout what, std::optional<instant> due) {
   auto when = to.supervises() ? order_as_one(due.value_or(now())) : order_of(due.value_or(now()));
-  when.due = owner_.arrival(*this, to, when.due);
+  when.due = owner_.rounds().arrival(*this, to, when.due);
   if (to.supervises())
     sent_supervisor_at_ = now();
   output_.sent.push_back({this, &to, when, std::move(what)});

@@ -77,7 +77,7 @@ process& run_clock::here() const {
 
 void run_clock::apply(add_timeout x) {
   auto& process = here();
-  if (process.supervises() && process.owner().react_later(x))
+  if (process.supervises() && process.owner().rounds().react_later(x))
     return;
   const auto& receiver = *actor_at(x.what.receiver);
   if (receiver.where() != &process)

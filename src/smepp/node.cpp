@@ -15,10 +15,17 @@ peer_config peer_config_of(const node_config& x) {
   out.energy = x.settings.energy;
   out.event_window = x.settings.event_window;
   out.events.authenticates_sender = x.settings.authenticates_sender;
+  if (x.settings.authenticates_sender)
+    for (const auto other : x.others)
+      out.pairwise.emplace_back(
+          other, pairwise_key(x.settings.pairwise_root.value_or(key()), x.self, other));
   // A question has to meet a window of each group that may be there.
-  for (const auto& [config, description] : x.members)
+  for (const auto& [config, description] : x.members) {
     out.groups.discovery.patience =
         std::max(out.groups.discovery.patience, description.management.period + 1s);
+    if (description.master)
+      out.masters[description.name] = *description.master;
+  }
   return out;
 }
 
@@ -80,17 +87,9 @@ node::node(node_config config, random_stream rng, instant begin, instant now,
     : peer_(peer_config_of(config), random_stream(rng.next()), now, std::move(before)),
       network_{config.settings.network_key.value_or(key()),
                config.settings.network_mac.value_or(key())} {
-  for (auto& [program, description] : config.members) {
-    if (description.master)
-      peer_.provision(description.name, *description.master);
+  for (auto& [program, description] : config.members)
     members_.emplace_back(std::move(program), std::move(description), begin,
                           random_stream(rng.next()));
-  }
-  if (!config.settings.authenticates_sender)
-    return;
-  for (const auto other : config.others)
-    static_cast<void>(peer_.set_pairwise_key(
-        other, pairwise_key(config.settings.pairwise_root.value_or(key()), config.self, other)));
 }
 
 template <class Turn>

@@ -41,7 +41,10 @@ peer::peer(peer_config config, random_stream rng, instant now, persistent_state 
               agreement(*persistent_.identity)),
       events_(config_.events, random_stream(rng_.next())), energy_(config_.energy),
       outbox_(config_.outbox_max, config_.send_spread, random_stream(rng_.next())),
-      awake_until_(now), cycles_from_(now), last_(now) {}
+      awake_until_(now), cycles_from_(now), last_(now) {
+  for (const auto& [other, shared] : config_.pairwise)
+    static_cast<void>(events_.set_pairwise_key(other, shared));
+}
 
 // ---- commands
 
@@ -74,10 +77,11 @@ std::optional<group_description> peer::smepp_getGroupDescription(group_id group)
 void peer::smepp_joinGroup(group_id group, const std::optional<key>& master_key, instant now,
                            outputs& out) {
   const auto description = groups_.description(group);
-  const auto provisioned = description ? provisioned_.find(description->name) : provisioned_.end();
-  if (provisioned != provisioned_.end() && master_key && !(provisioned->second == *master_key))
+  const auto& masters = config_.masters;
+  const auto provisioned = description ? masters.find(description->name) : masters.end();
+  if (provisioned != masters.end() && master_key && !(provisioned->second == *master_key))
     actions_.emplace_back(signal{joinGroup_result{group, {}, failure::wrong_master_key}});
-  else if (provisioned != provisioned_.end())
+  else if (provisioned != masters.end())
     groups_.join(group, provisioned->second, with(now));
   else
     groups_.join(group, master_key, with(now));

@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -28,6 +29,7 @@
 
 namespace rubicon::smepp {
 
+/// Holds keys: neither logged nor sent.
 struct peer_config {
   mote_id self;                    ///< the mote's TinyOS id (SMP-01)
   transducer_mask transducers = 0; ///< what the mote is equipped with (SMP-11)
@@ -46,6 +48,10 @@ struct peer_config {
   security_config security = {}; ///< self is set by the peer, here and below
   group_config groups = {};
   event_config events = {};
+  /// Master keys by a group's name: joinGroup takes no other there.
+  std::map<std::string, key> masters = {};
+  /// Shared with one other each; those beyond the room of pairwise_keys are not used.
+  std::vector<std::pair<mote_id, key>> pairwise = {};
 };
 
 /// All that outlasts a loss of power. Holds keys: neither logged nor sent.
@@ -133,13 +139,8 @@ public:
 
   // ---- beyond table 1
 
-  /// Of a group's name: joinGroup takes no other.
-  void provision(const std::string& group_name, const key& master) {
-    provisioned_[group_name] = master;
-  }
   void set_network_keys(const key& network_key, const key& network_mac, instant now, outputs& out);
   std::optional<failure> refresh_session_keys(group_id group, instant now, outputs& out);
-  bool set_pairwise_key(mote_id other, const key& x) { return events_.set_pairwise_key(other, x); }
 
   // ---- the mote
 
@@ -211,7 +212,6 @@ private:
   energy energy_;
   outbox outbox_;
   actions actions_; ///< being performed
-  std::map<std::string, key> provisioned_;
   std::optional<flight> flight_;
   std::uint64_t frame_ = 0;
   instant awake_until_;

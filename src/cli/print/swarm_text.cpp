@@ -8,10 +8,10 @@
 #include "config/run/variation.hpp"
 #include "core/text/printable.hpp"
 #include "core/text/shell_word.hpp"
+#include "report/expect/situation.hpp"
 #include "report/figures.hpp"
 #include "report/print/text_layout.hpp"
 #include "report/print/variation_json.hpp"
-#include "report/situation.hpp"
 
 namespace rubicon::cli {
 

@@ -18,7 +18,7 @@
 #include "io/loop.hpp"
 #include "io/process/signal_watch.hpp"
 #include "peis/tuples/key.hpp"
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "view/page_files.hpp"
 #include "view/recorded.hpp"
 #include "view/report_sample.hpp"

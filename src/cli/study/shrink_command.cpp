@@ -21,7 +21,7 @@
 #include "core/text/printable.hpp"
 #include "core/text/shell_word.hpp"
 #include "io/files/replace_file.hpp"
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "report/figures.hpp"
 #include "study/outline.hpp"
 #include "study/shrink.hpp"

@@ -3,7 +3,7 @@
 #include <variant>
 
 #include "core/text/decimal.hpp"
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "report/figures.hpp"
 
 namespace rubicon::report {

@@ -1,7 +1,7 @@
 #include <string>
 #include <utility>
 
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "support/catch.hpp"
 #include "unit/report/sample.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "report/invariants.hpp"
 #include "support/catch.hpp"
 

@@ -122,7 +122,8 @@ mark_actor::behavior_type boss(boss_pointer self, std::uint64_t seed, outcome* r
   for (std::size_t i = 0; i < places; ++i)
     for (std::size_t j = 0; j < places; ++j)
       if (i != j)
-        scheduler.link(*state.processes[i], *state.processes[j], duration(100 + 50 * i + 10 * j));
+        scheduler.rounds().link(*state.processes[i], *state.processes[j],
+                                duration(100 + 50 * i + 10 * j));
   state.all.resize(places * actors_each);
   for (std::size_t i = 0; i < state.all.size(); ++i) {
     state.where.push_back(i % places);
@@ -189,6 +190,15 @@ mark_actor::behavior_type hasty(counted_pointer self, mark_actor to, bool* refus
   }};
 }
 
+/// Adds a process after a while, and sends to who is there.
+mark_actor::behavior_type founder(mark_pointer self, events* log) {
+  self->delayed_send(self, 1ms, mark{0});
+  return {[self, log](mark) {
+    auto& added = coordinator::of(self->system())->add_process();
+    self->send(spawn_in(added, self, "newcomer", recorder, log, 0), mark{7});
+  }};
+}
+
 } // namespace
 
 TEST_CASE("what happens does not depend on who runs ahead of whom, nor on the number of threads",
@@ -217,7 +227,7 @@ TEST_CASE("a message to another process without the delay of its link is refused
     auto& here = world.scheduler().add_process();
     auto& there = world.scheduler().add_process();
     if (linked)
-      world.scheduler().link(here, there, 1us);
+      world.scheduler().rounds().link(here, there, 1us);
     const auto place_in = [&](auto& where, auto fun, auto... args) {
       auto handle = make_at(world.system(), where, "actor", fun, args...);
       handle.get().launch(nullptr, false, false);
@@ -228,6 +238,16 @@ TEST_CASE("a message to another process without the delay of its link is refused
     world.run_for(10ms);
     CHECK(refused);
   }
+}
+
+TEST_CASE("who is in a process that is added during a run receives what it is sent",
+          "[scheduler][NFR-08]") {
+  events log;
+  world world;
+  static_cast<void>(world.scheduler().add_process());
+  world.spawn("founder", founder, &log);
+  world.run_for(10ms);
+  CHECK(log == events{{1ms, 7}});
 }
 
 TEST_CASE("in wall time there is one process", "[scheduler][GEN-07]") {

@@ -332,17 +332,11 @@ TEST_CASE("a forged join costs more than it is answered with", "[smepp][SMP-03][
 
 TEST_CASE("a group's keys prove membership, a pairwise key the sender", "[smepp][SMP-03][SMP-13]") {
   for (const bool authenticate : {false, true}) {
-    world w({.peers = 3}, [&](peer_config& x) { x.events.authenticates_sender = authenticate; });
     const key root = key_of(77); // known to who deploys the motes alone
-    if (authenticate)
-      for (const auto& [a, b] : {std::pair(1, 2), std::pair(1, 3), std::pair(2, 3)}) {
-        const mote_id first{static_cast<std::uint16_t>(a)};
-        const mote_id second{static_cast<std::uint16_t>(b)};
-        w.at(static_cast<std::size_t>(a))
-            .set_pairwise_key(second, pairwise_key(root, first, second));
-        w.at(static_cast<std::size_t>(b))
-            .set_pairwise_key(first, pairwise_key(root, first, second));
-      }
+    world w({.peers = 3}, [&](peer_config& x) {
+      if (authenticate)
+        prove_senders(x, 3, root);
+    });
     const auto group = w.build_group(closed_kitchen());
     w.subscribe(1, group, "door is open");
     w.run_for(5s);

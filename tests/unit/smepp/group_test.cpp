@@ -160,9 +160,11 @@ TEST_CASE("a join that cannot be is reported", "[smepp][SMP-22]") {
 }
 
 TEST_CASE("the provisioned master key is the only one that is taken", "[smepp][SMP-13]") {
-  world w({.peers = 2});
+  world w({.peers = 2}, [](peer_config& x) {
+    if (x.self == mote_id{2})
+      x.masters["kitchen"] = key_of(9);
+  });
   const auto group = create(w, 1, described_kitchen());
-  w.at(2).provision("kitchen", key_of(9));
   CHECK(w.join(2, group, key_of(8), {}) == failure::wrong_master_key);
   CHECK(w.join(2, group, std::nullopt, {}) == std::nullopt);
 }

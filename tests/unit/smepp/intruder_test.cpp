@@ -11,8 +11,14 @@ using namespace rubicon::smepp::test;
 // ---- into another group
 
 TEST_CASE("who has a master key enters no group without it", "[smepp][SMP-05][SMP-09]") {
-  for (const bool is_closed : {false, true}) {
-    world w({.peers = 3}); // 1 is an impostor that has the network's keys, 3 is true
+  for (const auto& [is_closed, is_provisioned] : {std::pair(false, false), std::pair(false, true),
+                                                  std::pair(true, false), std::pair(true, true)}) {
+    CAPTURE(is_closed, is_provisioned);
+    // 1 is an impostor that has the network's keys, 3 is true
+    world w({.peers = 3}, [has_key = is_provisioned](peer_config& x) {
+      if (has_key && x.self == mote_id{2})
+        x.masters["kitchen"] = key_of(9);
+    });
     auto false_one = kitchen();
     false_one.is_closed = is_closed;
     false_one.master = is_closed ? std::optional(key_of(66)) : std::nullopt;
@@ -22,8 +28,8 @@ TEST_CASE("who has a master key enters no group without it", "[smepp][SMP-05][SM
     CHECK(w.join(2, rogue, std::nullopt, {.name = "kitchen", .master = key_of(9)}) ==
           failure::wrong_master_key);
     w.run_for(30s);
-    w.at(2).provision("kitchen", key_of(9));
-    CHECK(w.join(2, rogue, std::nullopt, {.name = "kitchen"}) == failure::wrong_master_key);
+    if (is_provisioned)
+      CHECK(w.join(2, rogue, std::nullopt, {.name = "kitchen"}) == failure::wrong_master_key);
     CHECK_FALSE(is_in(w, 2, rogue));
     CHECK(w.at(1).smepp_getPeers(rogue).size() == 1);
     // Who looks with the key sees who has it first.
@@ -211,14 +217,7 @@ TEST_CASE("one frame silences no peer", "[smepp][SMP-03][SMP-13]") {
 
 TEST_CASE("a proven event is taken once, and no false one in its place",
           "[smepp][SMP-03][SMP-13]") {
-  world w({.peers = 3}, [](peer_config& x) { x.events.authenticates_sender = true; });
-  const key root = key_of(77);
-  for (const auto& [a, b] : {std::pair(1, 2), std::pair(1, 3), std::pair(2, 3)}) {
-    const mote_id first{static_cast<std::uint16_t>(a)};
-    const mote_id second{static_cast<std::uint16_t>(b)};
-    w.at(first.value).set_pairwise_key(second, pairwise_key(root, first, second));
-    w.at(second.value).set_pairwise_key(first, pairwise_key(root, first, second));
-  }
+  world w({.peers = 3}, [](peer_config& x) { prove_senders(x, 3, key_of(77)); });
   const auto group = w.build_group(kitchen());
   w.subscribe(1, group, "alarm");
   w.run_for(10s);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/numbers/random.hpp"
+#include "smepp/crypto/pairwise.hpp"
 #include "smepp/smepp.hpp"
 
 namespace rubicon::smepp::test {
@@ -36,6 +37,14 @@ struct world_config {
   unsigned link_tries = 4; ///< of the radio, until it is acknowledged
   std::uint64_t seed = 1;
 };
+
+/// Has its events prove their sender, by a key with each of so many peers drawn from `root`.
+inline void prove_senders(peer_config& x, std::uint16_t peers, const key& root) {
+  x.events.authenticates_sender = true;
+  for (std::uint16_t i = 1; i <= peers; ++i)
+    if (const mote_id other{i}; other != x.self)
+      x.pairwise.emplace_back(other, pairwise_key(root, x.self, other));
+}
 
 class world {
 public:

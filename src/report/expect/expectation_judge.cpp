@@ -1,10 +1,13 @@
-#include "report/expectations.hpp"
+#include "report/expect/expectation_judge.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 #include <utility>
 #include <variant>
 
+#include "report/expect/expectations.hpp"
 #include "report/figures.hpp"
 
 namespace rubicon::report {
@@ -12,9 +15,6 @@ namespace rubicon::report {
 namespace {
 
 using verdict = expectation_report::verdict;
-
-/// Times that may wait for one tuple: further ones count as the newest of them.
-constexpr std::size_t waiting_max = 10'000;
 
 /// Shares are counted in whole things, and `99.9%` is no binary fraction.
 constexpr double share_slack = 1e-9;
@@ -34,174 +34,14 @@ std::string seconds_text(duration x) {
 }
 
 /// `97.31%`
-std::string share_text(double x) {
+std::string measured_share(double x) {
   return fixed(std::floor(x * 1e5) / 1e3, 3) + '%';
 }
 
-} // namespace
-
-expectations::expectations(const std::vector<config::expectation>& all, duration length)
-    : end_(instant{} + length) {
-  for (const auto& each : all) {
-    auto& x = all_.emplace_back(watched{each});
-    if (const auto* tuple = std::get_if<config::tuple_expectation>(&each)) {
-      watches_tuples_ = true;
-      if (!tuple->when)
-        begin(x.tuples, instant{});
-    } else if (const auto* clock = std::get_if<config::clock_expectation>(&each)) {
-      x.clocks.next = instant{} + clock->from;
-    } else if (const auto* vectors = std::get_if<config::vectors_expectation>(&each)) {
-      x.vectors.is_due = vectors->from > 0s;
-    } else if (const auto* some = std::get_if<config::sometimes_expectation>(&each)) {
-      watches_tuples_ = watches_tuples_ || some->during;
-    }
-  }
-}
-
-// Tuples.
-
-void expectations::on_tuple(std::string_view key, std::string_view text, instant now) {
-  const std::string value(text);
-  on_value(key, &value, now);
-}
-
-void expectations::on_tuple_gone(std::string_view key, instant now) {
-  on_value(key, nullptr, now);
-}
-
-void expectations::on_value(std::string_view key, const std::string* text, instant now) {
-  for (auto& each : all_) {
-    if (const auto* some = std::get_if<config::sometimes_expectation>(&each.what))
-      each.situation.on_tuple(*some, key, text, now);
-    const auto* what = std::get_if<config::tuple_expectation>(&each.what);
-    if (what == nullptr)
-      continue;
-    auto& x = each.tuples;
-    if (equal_keys(key, what->then.key)) {
-      x.then_holds = holds(what->then, text);
-      if (x.then_holds)
-        come_true(*what, x, now);
-    }
-    if (what->when && equal_keys(key, what->when->key)) {
-      const bool held = std::exchange(x.when_holds, holds(*what->when, text));
-      if (!held && x.when_holds) {
-        begin(x, now);
-        if (x.then_holds)
-          come_true(*what, x, now);
-      }
-    }
-  }
-}
-
-void expectations::begin(tuple_watch& x, instant now) {
-  if (x.waiting.size() == waiting_max)
-    return;
-  ++x.times;
-  x.waiting.push_back(now);
-}
-
-void expectations::come_true(const config::tuple_expectation& what, tuple_watch& x, instant now) {
-  expire(what, x, now);
-  for (const auto since : x.waiting)
-    x.slowest = std::max(x.slowest, now - since);
-  x.met += x.waiting.size();
-  x.waiting.clear();
-}
-
-/// Those that it is too late for at `now`.
-void expectations::expire(const config::tuple_expectation& what, tuple_watch& x, instant now) {
-  while (!x.waiting.empty() && now - x.waiting.front() > what.within) {
-    if (!x.missed)
-      x.missed = x.waiting.front();
-    x.waiting.pop_front();
-  }
-}
-
-// The event log.
-
-void expectations::on_event(const logged_event& x) {
-  hears_events_ = true;
-  for (auto& each : all_) {
-    if (const auto* what = std::get_if<config::event_log_expectation>(&each.what))
-      take(*what, each.log, x);
-    else if (const auto* some = std::get_if<config::sometimes_expectation>(&each.what))
-      each.situation.on_event(*some, x);
-  }
-}
-
-void expectations::take(const config::event_log_expectation& what, log_watch& x,
-                        const logged_event& line) {
-  if (line.what.find(what.text) == std::string::npos ||
-      line.who.find(what.who) == std::string::npos)
-    return;
-  ++x.count;
-  x.last = line.at;
-}
-
-// Members, clocks and programs.
-
-void expectations::on_joined(const mote_address& mote, instant now) {
-  joined_.emplace(mote, now);
-}
-
-std::optional<instant> expectations::next_sample() const {
-  std::optional<instant> next;
-  for (const auto& each : all_) {
-    if (std::holds_alternative<config::clock_expectation>(each.what))
-      next = earliest(next, each.clocks.next);
-    else if (const auto* x = std::get_if<config::vectors_expectation>(&each.what);
-             x != nullptr && each.vectors.is_due)
-      next = earliest(next, instant{} + x->from);
-  }
-  return next && *next <= end_ ? next : std::nullopt;
-}
-
-void expectations::on_sample(instant now) {
-  for (auto& each : all_) {
-    if (const auto* clock = std::get_if<config::clock_expectation>(&each.what)) {
-      while (each.clocks.next <= now)
-        each.clocks.next += clock->every;
-    } else if (const auto* x = std::get_if<config::vectors_expectation>(&each.what);
-               x != nullptr && now >= instant{} + x->from) {
-      each.vectors.is_due = false;
-    }
-  }
-}
-
-void expectations::on_clock(const mote_address& mote, const std::string& name, duration error,
-                            instant now) {
-  for (auto& each : all_) {
-    const auto* what = std::get_if<config::clock_expectation>(&each.what);
-    if (what == nullptr || now < instant{} + what->from || !what->of.contains(mote))
-      continue;
-    auto& x = each.clocks;
-    ++x.samples;
-    if (error > x.worst) {
-      x.worst = error;
-      x.worst_at = name + ' ' + at_text(now);
-    }
-    if (error <= what->at_most)
-      continue;
-    ++x.bad;
-    if (!x.first_bad)
-      x.first_bad = now;
-  }
-}
-
-void expectations::on_vectors(const std::string& node, std::uint32_t program, std::uint64_t missed,
-                              instant now) {
-  for (auto& each : all_) {
-    const auto* what = std::get_if<config::vectors_expectation>(&each.what);
-    if (what != nullptr && what->from > 0s && now <= instant{} + what->from)
-      each.vectors.before[{node, program}] = missed;
-  }
-}
-
-// Judgements.
-
-struct expectations::judge_one {
-  const expectations& all;
-  const watched& of;
+/// Judges an expectation of each kind.
+struct judge_one {
+  const noticed& all;
+  const watched_expectation& of;
   const run_report& run;
   expectation_report& out;
 
@@ -244,7 +84,7 @@ struct expectations::judge_one {
       if (count > 0)
         text += ", " + cause + ' ' + with_thousands(count);
     decide(reaches(*share, x.at_least),
-           share_text(*share) + " of " + counted(sum.offered, "message") + text);
+           measured_share(*share) + " of " + counted(sum.offered, "message") + text);
   }
 
   void operator()(const config::acknowledged_expectation& x) const {
@@ -257,7 +97,7 @@ struct expectations::judge_one {
     const auto share =
         static_cast<double>(sum.reliable_acked) / static_cast<double>(offered - sum.reliable_open);
     decide(reaches(share, x.at_least),
-           share_text(share) + ": " + with_thousands(sum.reliable_acked) + " of " +
+           measured_share(share) + ": " + with_thousands(sum.reliable_acked) + " of " +
                with_thousands(offered) + ", " + with_thousands(total(sum.refused)) + " refused");
   }
 
@@ -275,7 +115,7 @@ struct expectations::judge_one {
     const auto pause_max = x.pause.value_or(duration::max());
     decide(reaches(share, x.at_least) && found->pause <= pause_max &&
                found->first_after <= x.first_within.value_or(pause_max),
-           share_text(share) + ": " + with_thousands(found->read) + " read of " +
+           measured_share(share) + ": " + with_thousands(found->read) + " read of " +
                with_thousands(found->produced) + " produced, " + with_thousands(found->written) +
                " written, " + counted(found->openings, "opening") + ", the first after " +
                seconds_text(found->first_after) + ", longest pause " + seconds_text(found->pause));
@@ -293,12 +133,12 @@ struct expectations::judge_one {
                                           : static_cast<double>(sum.acknowledged) /
                                                 static_cast<double>(sum.requested);
     decide(sum.requested >= x.count && reaches(share, x.at_least),
-           (sum.requested == 0 ? std::string() : share_text(share) + ": ") + text);
+           (sum.requested == 0 ? std::string() : measured_share(share) + ": ") + text);
   }
 
   void operator()(const config::tuple_expectation& x) const {
     auto watch = of.tuples;
-    expire(x, watch, instant{} + run.simulated);
+    watch.expire(x, instant{} + run.simulated);
     out.explain = {x.then.key};
     if (watch.missed) {
       const auto due = *watch.missed + x.within;
@@ -332,7 +172,7 @@ struct expectations::judge_one {
     const auto good = static_cast<double>(watch.samples - watch.bad);
     const auto share = good / static_cast<double>(watch.samples);
     decide(reaches(share, x.share),
-           share_text(share) + " of " + counted(watch.samples, "sample") + ", worst " +
+           measured_share(share) + " of " + counted(watch.samples, "sample") + ", worst " +
                rubicon::to_text(watch.worst) +
                (watch.worst_at.empty() ? "" : " (" + watch.worst_at + ')'),
            reaches(share, x.share) ? std::nullopt : watch.first_bad);
@@ -345,8 +185,8 @@ struct expectations::judge_one {
     std::string names;
     each_mote(x.of, [&](const std::string& name, const mote_report& mote) {
       ++motes;
-      const auto found = all.joined_.find(mote.address);
-      const bool joined = found != all.joined_.end();
+      const auto found = all.joined.find(mote.address);
+      const bool joined = found != all.joined.end();
       if (joined)
         slowest = std::max(slowest, found->second.time_since_epoch());
       if (joined && found->second.time_since_epoch() <= x.within)
@@ -396,7 +236,7 @@ struct expectations::judge_one {
       who = name;
     });
     decide(found && is_good(*found, bound),
-           found ? share_text(*found) + " (" + who + ')' : "there is no such mote");
+           found ? measured_share(*found) + " (" + who + ')' : "there is no such mote");
   }
 
   void operator()(const config::battery_expectation& x) const {
@@ -459,9 +299,9 @@ struct expectations::judge_one {
 
   void operator()(const config::event_log_expectation& x) const {
     log_watch found = of.log;
-    if (!all.hears_events_)
+    if (!all.hears_events)
       for (const auto& line : run.event_log)
-        take(x, found, line);
+        found.take(x, line);
     decide(found.count >= x.at_least && (!x.at_most || found.count <= *x.at_most),
            counted(found.count, "line") + (found.last ? ", the last " + at_text(*found.last) : ""));
   }
@@ -469,7 +309,7 @@ struct expectations::judge_one {
   /// A run that does not come into it has done nothing wrong.
   void operator()(const config::sometimes_expectation& x) const {
     auto found = of.situation;
-    if (!all.hears_events_ && !x.during)
+    if (!all.hears_events && !x.during)
       for (const auto& line : run.event_log)
         found.on_event(x, line);
     if (!found.first()) {
@@ -483,24 +323,18 @@ struct expectations::judge_one {
   }
 };
 
-std::vector<expectation_report> expectations::judge(const run_report& x) const {
-  std::vector<expectation_report> out;
-  for (const auto& each : all_) {
-    auto& one = out.emplace_back();
-    one.text = to_text(each.what);
-    if (x.complete && !x.interrupted) {
-      std::visit(judge_one{*this, each, x, one}, each.what);
-    } else {
-      one.measured = "the run was aborted";
-      one.at = instant{} + x.simulated;
-    }
+} // namespace
+
+expectation_report judge(const watched_expectation& x, const noticed& all, const run_report& run) {
+  expectation_report out;
+  out.text = to_text(x.what);
+  if (run.complete && !run.interrupted) {
+    std::visit(judge_one{all, x, run, out}, x.what);
+  } else {
+    out.measured = "the run was aborted";
+    out.at = instant{} + run.simulated;
   }
   return out;
-}
-
-violation violation_of(const expectation_report& x) {
-  return {x.at, std::string(expected) + x.text,
-          x.measured + (x.command.empty() ? "" : "; " + x.command)};
 }
 
 } // namespace rubicon::report

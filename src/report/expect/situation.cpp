@@ -1,4 +1,4 @@
-#include "report/situation.hpp"
+#include "report/expect/situation.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -3,18 +3,16 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "config/plan/expectation.hpp"
 #include "core/time.hpp"
+#include "report/expect/expectation_judge.hpp"
+#include "report/expect/expectation_watch.hpp"
 #include "report/report.hpp"
-#include "report/situation.hpp"
 
 namespace rubicon::report {
 
@@ -58,61 +56,12 @@ public:
   [[nodiscard]] std::vector<expectation_report> judge(const run_report& x) const;
 
 private:
-  /// The tuples of one expectation.
-  struct tuple_watch {
-    bool when_holds = false;
-    bool then_holds = false;
-    std::deque<instant> waiting; ///< times since which `then` is due, ascending
-    std::uint64_t times = 0;     ///< it has come to be due
-    std::uint64_t met = 0;
-    duration slowest{};
-    std::optional<instant> missed; ///< the first time it was due and did not come
-  };
-
-  /// Samples of one expectation.
-  struct clock_watch {
-    instant next;
-    std::uint64_t samples = 0;
-    std::uint64_t bad = 0;
-    duration worst{};
-    std::string worst_at; ///< mote
-    std::optional<instant> first_bad;
-  };
-
-  struct vectors_watch {
-    bool is_due = true;
-    /// Missed until `from`, by node and program.
-    std::map<std::pair<std::string, std::uint32_t>, std::uint64_t> before;
-  };
-
-  struct log_watch {
-    std::uint64_t count = 0;
-    std::optional<instant> last;
-  };
-
-  struct watched {
-    config::expectation what;
-    tuple_watch tuples = {};
-    clock_watch clocks = {};
-    vectors_watch vectors = {};
-    log_watch log = {};
-    report::situation situation = {};
-  };
-
-  struct judge_one;
-
   void on_value(std::string_view key, const std::string* text, instant now);
-  static void take(const config::event_log_expectation& what, log_watch& x,
-                   const logged_event& line);
-  static void begin(tuple_watch& x, instant now);
-  static void come_true(const config::tuple_expectation& what, tuple_watch& x, instant now);
-  static void expire(const config::tuple_expectation& what, tuple_watch& x, instant now);
 
-  std::vector<watched> all_;
-  std::map<mote_address, instant> joined_; ///< for the first time
+  std::vector<watched_expectation> all_;
+  noticed noticed_;
   instant end_;
   bool watches_tuples_ = false;
-  bool hears_events_ = false; ///< else the report's lines are all that there is to judge by
 };
 
 /// What the invariant of such a violation begins with.
