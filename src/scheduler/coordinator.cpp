@@ -37,10 +37,10 @@ constexpr std::uint64_t patience = 10'000;
 /// Turns of a round from which on sharing it among threads pays for waking them.
 constexpr std::uint64_t turns_worth_sharing = 64;
 
-/// How far one process runs ahead of another at first. How long a round takes is of no consequence,
-/// but for who waits for progress or for Ctrl-C.
+/// How far one process runs ahead of another at first. Who waits for progress or for Ctrl-C waits for
+/// a round; the longer it is, the longer an island runs once its motes are in the cache.
 constexpr duration reach_min = 10ms;
-constexpr auto round_time = 100ms;
+constexpr auto round_time = 500ms;
 
 /// Rounds of kill_all(); more than one is needed only if the dying spawn.
 constexpr int kill_rounds_max = 100;
