@@ -264,6 +264,7 @@ void coordinator::let_run(instant others, instant end) {
   follow_pace(steady::now() - started);
   for (const auto& x : round_)
     next_[x.who->number()] = x.who->next();
+  first_of_others_ = *std::ranges::min_element(next_);
 }
 
 void coordinator::follow_pace(std::chrono::steady_clock::duration round) {
@@ -288,6 +289,7 @@ void coordinator::take_over_sent() {
       } else {
         auto& next = next_[x.to->number()];
         next = std::min(next, x.when.due);
+        first_of_others_ = std::min(first_of_others_, next);
         x.to->timeouts().add(x.when, std::move(x.what));
       }
     }
@@ -300,6 +302,7 @@ void coordinator::take_over_sent() {
   take(supervisor().output());
   for (const auto& x : round_)
     take(x.who->output());
+  round_.clear(); // until the next one only the supervisor has something to take over
 }
 
 void coordinator::update_next() {
@@ -309,12 +312,13 @@ void coordinator::update_next() {
     next_[i] = processes_[i]->next();
     round_.push_back({processes_[i].get(), {}}); // so that what they have sent is taken over
   }
+  first_of_others_ = *std::ranges::min_element(next_);
 }
 
 instant coordinator::next_of_others() {
   if (next_.size() != processes_.size())
     update_next();
-  return *std::ranges::min_element(next_);
+  return first_of_others_;
 }
 
 instant coordinator::next_arrival() const {
@@ -366,9 +370,10 @@ bool coordinator::drain_together(std::size_t turns_max) {
     const auto others = next_of_others();
     if (std::min({others, supervisor().next(), next_arrival()}) > end)
       break;
-    if (!let_supervise(others))
+    const bool is_supervisors = let_supervise(others);
+    if (!is_supervisors)
       let_run(others, end);
-    if (somebody_is_stuck())
+    if (is_supervisors ? !supervisor().queue().empty() : somebody_is_stuck())
       break;
   }
   say_before(parallel::never);

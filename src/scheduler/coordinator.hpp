@@ -229,7 +229,7 @@ private:
   parallel::horizons horizons_;
   std::vector<instant> next_; ///< of each process, from round to round
   std::vector<remark_later> to_be_said_;
-  std::vector<runner> round_; ///< the last: who had something to do
+  std::vector<runner> round_; ///< who had something to do, until what they have sent is taken over
   std::uint64_t turns_of_round_ = 0;
   std::unique_ptr<parallel::workers> workers_; ///< from the first round that pays for them
   const unsigned threads_;
@@ -249,6 +249,7 @@ private:
   const bool wall_;
   const bool in_order_;
   bool requires_order_ = false;
+  instant first_of_others_{}; ///< the least of next_: each message to the supervisor asks for it
 };
 
 } // namespace rubicon::scheduler
