@@ -15,8 +15,8 @@
 namespace rubicon {
 
 /// Runs in steps short enough for a progress bar: one or two a real second, however fast time
-/// passes. They change nothing, but no round of the processes is longer than a step, and short rounds
-/// fetch each island's motes into the cache for a few events.
+/// passes. They change nothing, but no round of the processes is longer than a step, and short
+/// rounds fetch each island's motes into the cache for a few events.
 class progress_steps {
 public:
   /// @param speed ecology seconds a real second; 0: as fast as possible

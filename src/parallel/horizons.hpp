@@ -27,7 +27,8 @@ public:
   void link(std::size_t from, std::size_t to, duration delay) {
     const auto place = place_of(from, to);
     if (place != links_.end() && place->ends() == std::pair(from, to))
-      links_[static_cast<std::size_t>(place - links_.begin())].delay = std::min(place->delay, delay);
+      links_[static_cast<std::size_t>(place - links_.begin())].delay =
+          std::min(place->delay, delay);
     else
       links_.insert(place, {from, to, delay});
   }

@@ -37,8 +37,8 @@ constexpr std::uint64_t patience = 10'000;
 /// Turns of a round from which on sharing it among threads pays for waking them.
 constexpr std::uint64_t turns_worth_sharing = 64;
 
-/// How far one process runs ahead of another at first. Who waits for progress or for Ctrl-C waits for
-/// a round; the longer it is, the longer an island runs once its motes are in the cache.
+/// How far one process runs ahead of another at first. Who waits for progress or for Ctrl-C waits
+/// for a round; the longer it is, the longer an island runs once its motes are in the cache.
 constexpr duration reach_min = 10ms;
 constexpr auto round_time = 500ms;
 
