@@ -14,8 +14,9 @@
 
 namespace rubicon {
 
-/// Runs in steps short enough for a progress bar: some ten a real second, however fast time
-/// passes. They change nothing.
+/// Runs in steps short enough for a progress bar: one or two a real second, however fast time
+/// passes. They change nothing, but no round of the processes is longer than a step, and short
+/// rounds fetch each island's motes into the cache for a few events.
 class progress_steps {
 public:
   /// @param speed ecology seconds a real second; 0: as fast as possible
@@ -32,11 +33,11 @@ public:
       const auto cause = world_.run_until(std::min(until, parallel::later(world_.now(), length_)));
       const auto took = std::chrono::steady_clock::now() - started;
       options_.progress({world_.now(), end_, world_.trace().events()});
-      if (took > 200ms)
+      if (took > 1s)
         length_ = std::max(length_ / 2, shortest);
       if (cause != scheduler::stop_cause::reached_end || world_.now() >= until)
         return cause;
-      if (took < 50ms)
+      if (took < 400ms)
         length_ = std::min(2 * length_, longest_);
     }
   }

@@ -59,16 +59,18 @@ std::vector<report::peer_view> views_of(ecology_pointer self) {
   return views;
 }
 
-/// Whether nothing has happened to an island's motes for longer than any channel lasts without
-/// packets.
-bool is_quiet(ecology_pointer self, island_id island) {
+/// Islands to whose motes something has happened for less than any channel lasts without packets.
+std::set<island_id> stirred_islands(ecology_pointer self) {
   constexpr duration longest = 15min;
-  const auto sink = self->state.sinks.find(island);
-  if (sink != self->state.sinks.end() && now(self) - sink->second.changed < longest)
-    return false;
-  return std::ranges::all_of(self->state.motes, [&](const auto& x) {
-    return x.first.island != island || now(self) - x.second.changed >= longest;
-  });
+  const auto& state = self->state;
+  std::set<island_id> found;
+  for (const auto& [island, sink] : state.sinks)
+    if (now(self) - sink.changed < longest)
+      found.insert(island);
+  for (const auto& [address, mote] : state.motes)
+    if (now(self) - mote.changed < longest)
+      found.insert(address.island);
+  return found;
 }
 
 /// Whether no clock of an island was set, and its sink not started again, for longer than it takes
@@ -134,8 +136,9 @@ report::run_truth truth_of(ecology_pointer self) {
   if (has_settled_peers(self))
     truth.peers = views_of(self);
   truth.half_open = state.counters.half_open(now(self));
+  const auto stirred = stirred_islands(self);
   for (const auto& [address, table] : state.channel_tables)
-    if (is_quiet(self, address.island))
+    if (!stirred.contains(address.island))
       for (const auto& id : table)
         truth.channels.push_back({address, {address.island, id.source}, id.number});
   // In wall time a mote reads its clock when the computer comes to it.

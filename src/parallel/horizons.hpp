@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/time.hpp"
@@ -24,16 +25,21 @@ class horizons {
 public:
   /// @param delay of what `from` sends `to`; the least counts. @pre delay > 0
   void link(std::size_t from, std::size_t to, duration delay) {
-    links_.push_back({from, to, delay});
+    const auto place = place_of(from, to);
+    if (place != links_.end() && place->ends() == std::pair(from, to))
+      links_[static_cast<std::size_t>(place - links_.begin())].delay =
+          std::min(place->delay, delay);
+    else
+      links_.insert(place, {from, to, delay});
   }
 
   /// What may be sent in less time than this is not a link: nothing, if there is none.
+  /// It is asked for each message between two processes, and finds the answer among all links in
+  /// logarithmic time.
   [[nodiscard]] duration delay(std::size_t from, std::size_t to) const {
-    auto least = duration::max();
-    for (const auto& x : links_)
-      if (x.from == from && x.to == to)
-        least = std::min(least, x.delay);
-    return least;
+    const auto place = place_of(from, to);
+    const bool is_found = place != links_.end() && place->ends() == std::pair(from, to);
+    return is_found ? place->delay : duration::max();
   }
 
   /// @param next when each process does something next, if nobody sends it anything; or never
@@ -63,9 +69,17 @@ private:
     std::size_t from = 0;
     std::size_t to = 0;
     duration delay{};
+
+    [[nodiscard]] std::pair<std::size_t, std::size_t> ends() const { return {from, to}; }
   };
 
-  std::vector<one_link> links_;
+  /// Where this link is, or would be.
+  [[nodiscard]] std::vector<one_link>::const_iterator place_of(std::size_t from,
+                                                               std::size_t to) const {
+    return std::ranges::lower_bound(links_, std::pair(from, to), {}, &one_link::ends);
+  }
+
+  std::vector<one_link> links_; ///< one for each pair of ends, ascending by them
   std::vector<instant> earliest_;
   std::vector<instant> safe_;
 };

@@ -20,8 +20,9 @@ constexpr std::size_t sent_capacity_max = 256;
 /// Turns of a round from which on sharing it among threads pays for waking them.
 constexpr std::uint64_t turns_worth_sharing = 64;
 
-/// How long a round takes is of no consequence, but for who waits for progress or for Ctrl-C.
-constexpr auto round_time = 100ms;
+/// Who waits for progress or for Ctrl-C waits for a round; the longer it is, the longer an island
+/// runs once its motes are in the cache.
+constexpr auto round_time = 500ms;
 
 } // namespace
 
@@ -68,6 +69,7 @@ void process_rounds::take_over(process_output& from) {
       assert(x.to->number() < next_.size());
       auto& next = next_[x.to->number()];
       next = std::min(next, x.when.due);
+      first_of_others_ = std::min(first_of_others_, next);
       x.to->timeouts().add(x.when, std::move(x.what));
     }
   }
@@ -93,6 +95,7 @@ void process_rounds::begin() {
     next_[i] = processes_[i]->next();
     round_.push_back({processes_[i].get(), {}}); // so that what they have sent is taken over
   }
+  first_of_others_ = *std::ranges::min_element(next_);
 }
 
 instant process_rounds::next() {
@@ -101,15 +104,12 @@ instant process_rounds::next() {
   take_over(supervisor().output());
   for (const auto& x : round_)
     take_over(x.who->output());
-  return std::min({next_of_others(), supervisor().next(), next_arrival()});
-}
-
-instant process_rounds::next_of_others() const {
-  return *std::ranges::min_element(next_);
+  round_.clear(); // if the supervisor is next, only it has something to take over afterwards
+  return std::min({first_of_others_, supervisor().next(), next_arrival()});
 }
 
 void process_rounds::run_next(instant end, bool ahead) {
-  const auto others = next_of_others();
+  const auto others = first_of_others_;
   if (!let_supervise(others))
     let_run(others, end, ahead);
 }
@@ -144,13 +144,13 @@ void process_rounds::let_run(instant others, instant end, bool ahead) {
                                      parallel::later(end, moment), parallel::later(others, reach_)})
                          : parallel::later(others, moment);
   const auto safe = horizons_.of(next_);
-  round_.clear();
   for (std::size_t i = 1; i < processes_.size(); ++i)
     if (const auto until = std::min(bound, safe[i]); next_[i] < until)
       round_.push_back({processes_[i].get(), until});
   run_round(ahead);
   for (const auto& x : round_)
     next_[x.who->number()] = x.who->next();
+  first_of_others_ = *std::ranges::min_element(next_);
 }
 
 /// @param may_share among threads
@@ -187,7 +187,8 @@ std::uint64_t process_rounds::turns_so_far() const {
 }
 
 bool process_rounds::is_stuck() const {
-  return std::ranges::any_of(processes_, [](const auto& x) { return !x->queue().empty(); });
+  return !supervisor().queue().empty() ||
+         std::ranges::any_of(round_, [](const auto& x) { return !x.who->queue().empty(); });
 }
 
 void process_rounds::say_before(instant end) {

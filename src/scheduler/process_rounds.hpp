@@ -55,7 +55,8 @@ public:
   /// @param ahead whether one may be ahead of another
   void run_next(instant end, bool ahead);
 
-  /// Whether somebody has given up in the middle of an instant (coordinator::gives_up).
+  /// Whether somebody who has just run has given up in the middle of an instant
+  /// (coordinator::gives_up).
   [[nodiscard]] bool is_stuck() const;
 
   /// Lets everything be said that was to be said before that time.
@@ -84,8 +85,6 @@ private:
   };
 
   [[nodiscard]] process& supervisor() const { return *processes_.front(); }
-  /// When the first of the others does something.
-  [[nodiscard]] instant next_of_others() const;
   /// @returns whether the supervisor had something to do before others
   bool let_supervise(instant others);
   /// Lets all others run ahead as far as they may. @pre one of them has something to do before
@@ -100,8 +99,9 @@ private:
   const process_list& processes_;
   parallel::horizons horizons_;
   std::vector<instant> next_; ///< of each process, from round to round
+  instant first_of_others_{}; ///< the least of them: each message to the supervisor asks for it
   std::vector<remark_later> to_be_said_;
-  std::vector<runner> round_; ///< the last: who had something to do
+  std::vector<runner> round_; ///< who had something to do, until what they have sent is taken over
   std::uint64_t turns_of_round_ = 0;
   std::unique_ptr<parallel::workers> workers_; ///< from the first round that pays for them
   const unsigned threads_;

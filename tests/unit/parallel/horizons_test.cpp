@@ -92,3 +92,19 @@ TEST_CASE("of several links the shortest counts, and without a link there is no 
   CHECK(x.delay(1, 0) == duration::max());
   CHECK(safe_for(x, {at_ms(0), never}) == std::vector{never, at_ms(2)});
 }
+
+TEST_CASE("each of many links has its own delay, in whatever order they are declared",
+          "[parallel][NFR-06][NFR-08]") {
+  constexpr std::size_t places = 1000;
+  horizons x;
+  for (std::size_t i = 0; i < places; ++i) {
+    const auto place = 1 + i * 387 % places; // all of them once, as 387 is prime to their number
+    x.link(place, 0, duration(place));
+    x.link(0, place, duration(places + place));
+  }
+  for (std::size_t place = 1; place <= places; ++place) {
+    REQUIRE(x.delay(place, 0) == duration(place));
+    REQUIRE(x.delay(0, place) == duration(places + place));
+    REQUIRE(x.delay(place, place % places + 1) == duration::max());
+  }
+}
