@@ -1,11 +1,27 @@
 #include "actors/bridge/ros2_component.hpp"
 
+#include <filesystem>
+#include <fstream>
 #include <iterator>
-#include <variant>
 
+#include "bridge/ros2/rosbridge_place.hpp"
 #include "core/overloads.hpp"
 
 namespace rubicon {
+
+std::variant<io::web_client_settings, std::string> client_settings(const bridge::ros2_settings& x) {
+  const auto server = bridge::parse_rosbridge_place(x.server);
+  if (!server)
+    return x.place + ": " + x.server + ": not HOST:PORT";
+  io::web_client_settings out{server->where.host, server->where.port, x.path};
+  out.tls = server->tls;
+  out.verify = x.verify;
+  if (!x.ca_file.empty())
+    out.ca_file = (std::filesystem::path(x.folder) / x.ca_file).string();
+  if (!out.ca_file.empty() && !std::ifstream(out.ca_file).good())
+    return x.place + ": " + out.ca_file + ": cannot be read";
+  return out;
+}
 
 ros2_component::ros2_component(bridge::ros2_bridge core, peer_id self,
                                io::web_client_settings server)

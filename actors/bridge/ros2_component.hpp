@@ -7,12 +7,18 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include "bridge/ros2/ros2_bridge.hpp"
+#include "bridge/ros2/ros2_settings.hpp"
 #include "core/component.hpp"
 #include "io/tcp/web_client.hpp"
 
 namespace rubicon {
+
+/// Where to connect to, and whom to believe; or why that is not known.
+[[nodiscard]] std::variant<io::web_client_settings, std::string>
+client_settings(const bridge::ros2_settings& x);
 
 class ros2_component final : public components::outside_component {
 public:

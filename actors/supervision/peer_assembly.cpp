@@ -23,7 +23,6 @@
 #include "bridge/mqtt/simulated_component.hpp"
 #include "bridge/ros2/ros2_settings.hpp"
 #include "bridge/ros2/simulated_ros2.hpp"
-#include "core/text/host_port.hpp"
 #include "goal/component.hpp"
 #include "io/process/machine.hpp"
 #include "peis/wire/host_record.hpp"
@@ -285,17 +284,16 @@ struct peer_app_spawner {
     if (all.mode == config::run_mode::virtual_time)
       return add_component<bridge::simulated_ros2>(
           "ros2", bridge::ros2_bridge(x.settings->bridge, rng), peer.id);
-    const auto server = parse_host_port(x.settings->server);
-    if (!server) {
-      post(ecology_handle(self),
-           request_unmet{path("ros2"), x.settings->server + ": not HOST:PORT"});
+    auto client = client_settings(*x.settings);
+    if (auto* why = std::get_if<std::string>(&client)) {
+      post(ecology_handle(self), request_unmet{path("ros2"), std::move(*why), true});
       return;
     }
     const auto epoch =
         std::chrono::microseconds(io::system_clock_us()) - now(self).time_since_epoch();
     auto real = std::make_shared<ros2_component>(
         bridge::ros2_bridge(x.settings->bridge, rng, epoch), peer.id,
-        io::web_client_settings{server->host, server->port, x.settings->path});
+        std::get<io::web_client_settings>(std::move(client)));
     auto* const outside = real.get();
     spawn_component("ros2", 0, std::move(real), outside);
   }

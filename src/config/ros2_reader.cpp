@@ -1,5 +1,6 @@
 // [[ros2]]
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -10,8 +11,9 @@
 #include "bridge/ros2/message_types.hpp"
 #include "bridge/ros2/ros2_keys.hpp"
 #include "bridge/ros2/ros2_settings.hpp"
+#include "bridge/ros2/rosbridge_place.hpp"
 #include "config/bridge_peer.hpp"
-#include "core/text/host_port.hpp"
+#include "config/file_readers.hpp"
 #include "core/text/spelling.hpp"
 #include "translate/pattern.hpp"
 
@@ -183,6 +185,22 @@ void read_requests(table_reader& in, bridge::ros2_config& out) {
             });
 }
 
+void check_server(const ros2_checker& check, const bridge::ros2_settings& x) {
+  const auto& in = check.in;
+  const auto where = bridge::parse_rosbridge_place(x.server);
+  if (in.is_good("server") && !where)
+    check.complain("server", "`server` must be HOST:PORT or wss://HOST:PORT, as in "
+                             "\"127.0.0.1:9090\"");
+  if (in.is_good("path") && !x.path.starts_with('/'))
+    check.complain("path", "`path` must begin with `/`");
+  for (const auto* key : {"ca_file", "verify"})
+    if (in.has(key) && where && !where->tls)
+      check.complain(key, '`' + std::string(key) + "` needs TLS: `server = \"wss://" +
+                              where->where.host + ':' + std::to_string(where->where.port) + "\"`");
+  if (in.has("ca_file") && !x.verify)
+    check.complain("ca_file", "`ca_file` has no use with `verify = false`");
+}
+
 } // namespace
 
 void read_ros2(table_reader& root, ecology_description& out) {
@@ -201,11 +219,11 @@ void read_ros2(table_reader& root, ecology_description& out) {
                 if (in.walks())
                   return;
                 const ros2_checker check{in};
-                const auto where = parse_host_port(all->server);
-                if (in.is_good("server") && (!where || where->host.empty()))
-                  check.complain("server", "`server` must be HOST:PORT, as in \"127.0.0.1:9090\"");
-                if (in.is_good("path") && !all->path.starts_with('/'))
-                  check.complain("path", "`path` must begin with `/`");
+                check_server(check, *all);
+                if (const auto* files = in.shared().files; files != nullptr) {
+                  all->folder = std::filesystem::path(files->toml).parent_path().string();
+                  all->place = files->toml + ':' + std::to_string(in.at().line);
+                }
                 check.name("namespace", all->bridge.name_space);
                 add_bridge(out, place.peer, ros2_app{std::move(all)});
               });

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "bridge/mqtt/mqtt_settings.hpp"
+#include "bridge/ros2/ros2_settings.hpp"
 
 namespace rubicon::deploy {
 
@@ -73,11 +74,14 @@ void judge_island(const config::island_description& x, const host_access& access
     to.push_back("island `" + x.name + "`: " + how_to_allow(pty));
 }
 
-/// Passwords, keys and certificates, which are shown to a broker that the file names.
+/// Passwords, keys and certificates, which are shown to a server that the file names.
 std::vector<std::string> files_of_bridges(const config::ecology_description& part) {
   std::vector<std::string> out;
   for (const auto& peer : part.peers)
-    for (const auto& app : peer.apps)
+    for (const auto& app : peer.apps) {
+      if (const auto* ros2 = std::get_if<config::ros2_app>(&app))
+        if (!ros2->settings->ca_file.empty())
+          out.push_back(ros2->settings->ca_file);
       if (const auto* found = std::get_if<config::mqtt_app>(&app)) {
         const auto& broker = found->settings->broker;
         for (const auto* path :
@@ -85,6 +89,7 @@ std::vector<std::string> files_of_bridges(const config::ecology_description& par
           if (!path->empty())
             out.push_back(*path);
       }
+    }
   return out;
 }
 
@@ -150,7 +155,7 @@ std::vector<std::string> refusals(const config::ecology_description& part,
   for (const auto& path : files_of_bridges(part))
     if (!is_inside(path))
       out.push_back('`' + path +
-                    "` of [mqtt] would be read outside the part's folder: give a path within it");
+                    "` of a bridge would be read outside the part's folder: give a path within it");
   if (auto why = firmware_refusal(part, access); !why.empty())
     out.push_back(std::move(why));
   return out;

@@ -173,15 +173,38 @@ void mqtt_bridge::on_disconnected() {
 mqtt_outputs mqtt_bridge::on_message(const delivery& x, instant now) {
   ++counters_.received;
   mqtt_outputs out;
+  accept_waiting(now, out); // they are older
   if (x.topic.size() > topic_max || x.payload.size() > payload_max)
     ++counters_.oversized;
-  else if (!flood_.accepts(x.retained, now))
-    ++counters_.flooded;
-  else
+  else if (flood_.accepts(x.retained, now)) {
+    counters_.flooded += waiting_.forget(x.topic) ? 1 : 0;
     accept(x, now, out);
+  } else if (x.retained || !has_value(x.topic) || waiting_.keep(x.topic, x.payload))
+    ++counters_.flooded;
   auto more = sent(now);
   std::move(more.begin(), more.end(), std::back_inserter(out));
   return out;
+}
+
+bool mqtt_bridge::has_value(std::string_view topic) const {
+  if (std::ranges::any_of(config_.topics, [&](const auto& x) { return x.topic == topic; }))
+    return true;
+  if (!topic.starts_with(config_.base + '/'))
+    return false;
+  const auto rest = topic.substr(config_.base.size() + 1);
+  const auto slash = std::min(rest.find('/'), rest.size());
+  const auto what = rest.substr(slash);
+  return (what == "/set" || what.starts_with("/set/")) &&
+         table_.find(rest.substr(0, slash)) != nullptr;
+}
+
+void mqtt_bridge::accept_waiting(instant now, mqtt_outputs& out) {
+  if (waiting_.empty() || now < flood_.next())
+    return;
+  for (const auto& [topic, payload] : waiting_.take()) {
+    static_cast<void>(flood_.accepts(false, now)); // they count, and are no more than the limit
+    accept({topic, payload}, now, out);
+  }
 }
 
 void mqtt_bridge::accept(const delivery& x, instant now, mqtt_outputs& out) {
@@ -319,6 +342,7 @@ mqtt_outputs mqtt_bridge::on_time(instant now) {
     if (connected_)
       publish_list();
   }
+  accept_waiting(now, out);
   if (!sweep_ends_)
     for (auto& each : unnamed_.take(now))
       if (connected_)
@@ -335,6 +359,8 @@ std::optional<instant> mqtt_bridge::deadline() const {
   out = earliest(out, earliest(list_at_, removals_.deadline()));
   if (!sweep_ends_)
     out = earliest(out, unnamed_.deadline());
+  if (!waiting_.empty())
+    out = earliest(out, flood_.next());
   if (!open_.empty()) // tokens and times are in the same order
     out = earliest(out, open_.begin()->second.expires);
   return out;

@@ -15,6 +15,7 @@
 #include "bridge/mqtt/mqtt_config.hpp"
 #include "bridge/mqtt/publication_queue.hpp"
 #include "bridge/table/object_table.hpp"
+#include "bridge/table/waiting_messages.hpp"
 #include "core/component.hpp"
 #include "core/describe/fields.hpp"
 #include "core/numbers/random.hpp"
@@ -52,7 +53,9 @@ struct mqtt_counters {
   std::uint64_t commands_retained = 0;   ///< published before the subscription: never executed
   std::uint64_t unknown_topics = 0;      ///< of no object or input; dropped
   std::uint64_t oversized = 0;           ///< dropped
-  std::uint64_t flooded = 0;             ///< beyond flood_limit; dropped
+  /// of those beyond flood_limit: values and commands that a newer one has replaced, what is
+  /// neither, and what had no room; dropped
+  std::uint64_t flooded = 0;
   std::uint64_t bad_payloads = 0; ///< of topics that become tuples: not of their type; dropped
   std::uint64_t births = 0;       ///< of Home Assistant
   std::uint64_t removed = 0;      ///< objects whose announcement has been removed
@@ -78,6 +81,9 @@ RUBICON_FIELDS(mqtt_counters, connections, published, received, commands, comman
 /// A command is written to the tuple of its input. The state follows the outcome tuple, so a
 /// command that fails does not change it. Retained commands are never executed: after a restart
 /// they would be executed twice.
+///
+/// Of more messages than flood_limit allows in a second, the newest of each topic is read in the
+/// next one.
 class mqtt_bridge {
 public:
   static constexpr std::size_t payload_max = 64 * 1024; ///< octets
@@ -127,6 +133,9 @@ private:
   void announce_all();
   void announce(const object& x);
   void accept(const delivery& x, instant now, mqtt_outputs& out);
+  void accept_waiting(instant now, mqtt_outputs& out);
+  /// Whether a message is a value or a command, of which the newest is needed.
+  [[nodiscard]] bool has_value(std::string_view topic) const;
   void publish_availability(urgency how, std::string_view name, bool available);
   void publish_state(const object& x);
   void publish_list();
@@ -158,6 +167,7 @@ private:
   std::map<std::uint64_t, open_command> open_; ///< commands by token
   std::uint64_t last_token_ = 0;
   flood_limit flood_;
+  waiting_messages waiting_; ///< for the next second
   mqtt_counters counters_;
 };
 

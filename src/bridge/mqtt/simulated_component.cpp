@@ -1,10 +1,9 @@
 #include "bridge/mqtt/simulated_component.hpp"
 
-#include <deque>
-#include <iterator>
 #include <utility>
 #include <variant>
 
+#include "bridge/table/follow_up.hpp"
 #include "core/overloads.hpp"
 
 namespace rubicon::bridge {
@@ -28,28 +27,24 @@ simulated_broker::deliveries simulated_component::own_of(simulated_broker::deliv
 }
 
 components::outputs simulated_component::perform(mqtt_outputs todo, instant now) {
-  components::outputs out;
   auto& broker = site_->broker();
-  std::deque<mqtt_output> waiting(std::make_move_iterator(todo.begin()),
-                                  std::make_move_iterator(todo.end()));
   const auto deliver = [&](const simulated_broker::deliveries& all) {
+    mqtt_outputs out;
     for (const auto& each : own_of(all))
       for (auto& more : core_.on_message({each.topic, each.payload, each.retained}, now))
-        waiting.push_back(std::move(more));
+        out.push_back(std::move(more));
+    return out;
   };
-  while (!waiting.empty()) {
-    auto next = std::move(waiting.front());
-    waiting.pop_front();
-    std::visit(overloads{
-                   [&](const subscription& x) { deliver(broker.subscribe(client_, x.topic)); },
-                   [&](const unsubscription& x) { broker.unsubscribe(client_, x.topic); },
-                   [&](const publication& x) { deliver(broker.publish(x, true, client_)); },
-                   [&](components::publish& x) { out.emplace_back(std::move(x)); },
-                   [&](components::write& x) { out.emplace_back(std::move(x)); },
-               },
-               next);
-  }
-  return out;
+  return follow_up(
+      std::move(todo),
+      overloads{
+          [&](const subscription& x) { return deliver(broker.subscribe(client_, x.topic)); },
+          [&](const unsubscription& x) {
+            broker.unsubscribe(client_, x.topic);
+            return mqtt_outputs();
+          },
+          [&](const publication& x) { return deliver(broker.publish(x, true, client_)); },
+      });
 }
 
 components::outputs simulated_component::connect(instant now) {
@@ -63,9 +58,7 @@ components::outputs simulated_component::start(instant now) {
     out.emplace_back(components::watch{0, any_peer, std::move(key)});
   site_->catch_up(now);
   client_ = site_->new_client();
-  auto more = connect(now);
-  std::move(more.begin(), more.end(), std::back_inserter(out));
-  return out;
+  return joined(std::move(out), connect(now));
 }
 
 components::outputs simulated_component::on_tuple(const components::news& x, instant now) {
@@ -81,17 +74,15 @@ components::outputs simulated_component::on_time(instant now) {
   components::outputs out;
   while (const auto event = site_->take(now))
     happen(*event, now, out);
-  auto more = perform(core_.on_time(now), now);
-  std::move(more.begin(), more.end(), std::back_inserter(out));
-  return out;
+  return joined(std::move(out), perform(core_.on_time(now), now));
 }
 
 void simulated_component::happen(const simulated_event& x, instant now, components::outputs& out) {
   const auto* restart = std::get_if<broker_restart>(&x);
   const auto* other = std::get_if<other_publication>(&x);
-  auto more = restart != nullptr ? restart_broker(restart->keeps == kept_messages::retained, now)
-                                 : publish({other->topic, other->payload}, other->retain, now);
-  std::move(more.begin(), more.end(), std::back_inserter(out));
+  out = joined(std::move(out), restart != nullptr
+                                   ? restart_broker(restart->keeps == kept_messages::retained, now)
+                                   : publish({other->topic, other->payload}, other->retain, now));
 }
 
 components::outputs simulated_component::publish(const publication& x, bool retain, instant now) {

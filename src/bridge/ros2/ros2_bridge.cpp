@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bridge/ros2/message_heading.hpp"
 #include "bridge/ros2/message_types.hpp"
 #include "bridge/table/payload.hpp"
 #include "core/overloads.hpp"
@@ -157,21 +158,35 @@ ros2_outputs ros2_bridge::on_disconnected(instant now) {
 ros2_outputs ros2_bridge::on_text(std::string_view text, instant now) {
   ros2_outputs out;
   ++counters_.received;
-  if (!flood_.accepts(now)) {
-    ++counters_.flooded;
-    return out;
-  }
-  if (text.size() > message_max) {
+  read_waiting(now, out); // they are older
+  if (text.size() > message_max)
     ++counters_.oversized;
-    return out;
+  else if (flood_.accepts(now))
+    read(text, now, out);
+  else {
+    const auto topic = topic_of_publication(text);
+    const bool is_value = topics_.subscribed(topic) != nullptr;
+    counters_.flooded += !is_value || waiting_.keep(topic, text) ? 1 : 0;
   }
+  send_waiting(now, out);
+  return out;
+}
+
+void ros2_bridge::read(std::string_view text, instant now, ros2_outputs& out) {
   const auto parsed = bounded_json(text);
   if (!parsed.is_object())
     ++counters_.malformed;
   else
     on_operation(parsed, now, out);
-  send_waiting(now, out);
-  return out;
+}
+
+void ros2_bridge::read_waiting(instant now, ros2_outputs& out) {
+  if (waiting_.empty() || now < flood_.next())
+    return;
+  for (const auto& [topic, text] : waiting_.take()) {
+    static_cast<void>(flood_.accepts(now)); // they count, and are fewer than the limit
+    read(text, now, out);
+  }
 }
 
 void ros2_bridge::on_operation(const nlohmann::json& x, instant now, ros2_outputs& out) {
@@ -235,6 +250,7 @@ ros2_outputs ros2_bridge::on_time(instant now) {
     state_ = state::opening;
     out.emplace_back(open_connection{});
   }
+  read_waiting(now, out);
   publish_clock(now);
   perform(services_.on_time(now), out);
   send_waiting(now, out);
@@ -243,6 +259,8 @@ ros2_outputs ros2_bridge::on_time(instant now) {
 
 std::optional<instant> ros2_bridge::deadline() const {
   auto out = earliest(earliest(retry_at_, clock_at_), services_.deadline());
+  if (!waiting_.empty())
+    out = earliest(out, flood_.next());
   if (is_connected() && in_flight_ < in_flight_max)
     out = earliest(out, outbox_.deadline());
   return out;

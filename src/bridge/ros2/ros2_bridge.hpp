@@ -11,15 +11,16 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "bridge/ros2/reconnect_pause.hpp"
 #include "bridge/ros2/ros2_config.hpp"
 #include "bridge/ros2/ros2_services.hpp"
 #include "bridge/ros2/topic_outbox.hpp"
 #include "bridge/ros2/topic_rules.hpp"
 #include "bridge/table/per_second_limit.hpp"
+#include "bridge/table/waiting_messages.hpp"
 #include "core/component.hpp"
 #include "core/describe/fields.hpp"
 #include "core/numbers/random.hpp"
+#include "core/numbers/reconnect_pause.hpp"
 
 namespace rubicon::bridge {
 
@@ -45,11 +46,13 @@ struct ros2_counters {
   std::uint64_t topics_full = 0; ///< values of more topics than there may be; not published
   std::uint64_t received = 0;    ///< messages of the server
   std::uint64_t tuples_set = 0;
-  std::uint64_t bad_messages = 0;  ///< of topics: not of their type; dropped
-  std::uint64_t unlisted = 0;      ///< of topics and services that the file does not list; dropped
-  std::uint64_t malformed = 0;     ///< no rosbridge message; dropped
-  std::uint64_t oversized = 0;     ///< dropped
-  std::uint64_t flooded = 0;       ///< more than received_max in a second; dropped
+  std::uint64_t bad_messages = 0; ///< of topics: not of their type; dropped
+  std::uint64_t unlisted = 0;     ///< of topics and services that the file does not list; dropped
+  std::uint64_t malformed = 0;    ///< no rosbridge message; dropped
+  std::uint64_t oversized = 0;    ///< dropped
+  /// of those beyond received_max in a second: values that a newer one has replaced, what is no
+  /// value, and what had no room; dropped
+  std::uint64_t flooded = 0;
   std::uint64_t server_errors = 0; ///< that the server has reported
 };
 RUBICON_FIELDS(ros2_counters, connections, failures, published, clocks, bad_values, unconnected,
@@ -60,6 +63,9 @@ RUBICON_FIELDS(ros2_counters, connections, failures, published, clocks, bad_valu
 /// called. After each connection all is advertised and subscribed to again, and the newest message
 /// of each topic that is latched is published again.
 ///
+/// Of more than received_max messages in a second the newest value of each topic is read in the
+/// next one.
+///
 ///   opening --on_connected--> open --on_disconnected--> pausing --pause is over--> opening
 ///      |                                                   ^
 ///      +-------------------on_disconnected-----------------+
@@ -68,6 +74,8 @@ public:
   static constexpr std::size_t message_max = 64 * 1024; ///< octets
   static constexpr std::size_t received_max = 5000;     ///< messages of a second
   static constexpr std::size_t in_flight_max = 64; ///< messages that are handed over and not sent
+  static constexpr duration pause_min = 250ms;     ///< before another attempt to connect,
+  static constexpr duration pause_max = 8s;        ///< to a quarter
 
   ros2_bridge() = default;
   /// @param epoch added to ecology time in the headers of messages, if `/clock` is not published
@@ -104,6 +112,8 @@ private:
   void perform(ros2_service_outputs todo, ros2_outputs& out);
   void send_waiting(instant now, ros2_outputs& out);
   void publish_clock(instant now);
+  void read(std::string_view text, instant now, ros2_outputs& out);
+  void read_waiting(instant now, ros2_outputs& out);
   void on_operation(const nlohmann::json& x, instant now, ros2_outputs& out);
   void on_message(const nlohmann::json& x, ros2_outputs& out);
   [[nodiscard]] duration stamp(instant now) const;
@@ -118,9 +128,10 @@ private:
   state state_ = state::pausing;
   std::optional<instant> retry_at_;
   std::optional<instant> clock_at_;
-  reconnect_pause pause_;
+  reconnect_pause pause_{pause_min, pause_max};
   std::size_t in_flight_ = 0;
   per_second_limit flood_{received_max};
+  waiting_messages waiting_; ///< of topics that are subscribed to
   ros2_counters counters_;
 };
 

@@ -14,8 +14,14 @@ inline auto keys_of(const ros2_settings*) {
   return keys::of(
       keys::optional("server", &ros2_settings::server, keys::text{255},
                      {"where the rosbridge is, in wall time; in virtual time it is simulated", "",
-                      "text `\"HOST:PORT\"`"}),
-      keys::optional("path", &ros2_settings::path, keys::text{255}, "of its WebSocket"));
+                      "text `\"HOST:PORT\"`; `\"wss://HOST:PORT\"`: with TLS"}),
+      keys::optional("path", &ros2_settings::path, keys::text{255}, "of its WebSocket"),
+      keys::optional("ca_file", &ros2_settings::ca_file, keys::text{4096},
+                     {"file with the certificates that sign the server's, as PEM; needs `wss://`",
+                      "those of the system"}),
+      keys::optional("verify", &ros2_settings::verify, keys::flag{},
+                     "with `wss://`: the server must have a certificate for its host name that "
+                     "`ca_file`, or the system, trusts"));
 }
 
 inline auto keys_of(const ros2_config*) {

@@ -8,8 +8,12 @@
 namespace rubicon::bridge {
 
 struct ros2_settings {
-  std::string server = "127.0.0.1:9090"; ///< HOST:PORT of a rosbridge
+  std::string server = "127.0.0.1:9090"; ///< parse_rosbridge_place() knows it
   std::string path = "/";                ///< of its WebSocket
+  std::string ca_file; ///< certificates that sign the server's; empty: the system's. As it is named
+  bool verify = true;  ///< with TLS, the server proves who it is
+  std::string folder;  ///< that `ca_file` is relative to
+  std::string place;   ///< of [[ros2]]: `home.toml:17`
   ros2_config bridge;
 };
 

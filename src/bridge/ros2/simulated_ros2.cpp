@@ -1,39 +1,29 @@
 #include "bridge/ros2/simulated_ros2.hpp"
 
-#include <deque>
 #include <iterator>
-#include <variant>
+#include <utility>
 
+#include "bridge/table/follow_up.hpp"
 #include "core/overloads.hpp"
 
 namespace rubicon::bridge {
 
 components::outputs simulated_ros2::perform(ros2_outputs todo, instant now) {
-  components::outputs out;
-  std::deque<ros2_output> waiting(std::make_move_iterator(todo.begin()),
-                                  std::make_move_iterator(todo.end()));
-  const auto add = [&waiting](ros2_outputs more) {
-    waiting.insert(waiting.end(), std::make_move_iterator(more.begin()),
-                   std::make_move_iterator(more.end()));
-  };
-  while (!waiting.empty()) {
-    auto next = std::move(waiting.front());
-    waiting.pop_front();
-    std::visit(overloads{
-                   [&](const open_connection&) {
-                     add(is_on_ ? core_.on_connected(now) : core_.on_disconnected(now));
-                   },
-                   [&](const ros2_text& x) {
-                     for (const auto& each : server_.on_text(x.text))
-                       add(core_.on_text(each, now));
-                     add(core_.on_sent(1, now));
-                   },
-                   [&](components::publish& x) { out.emplace_back(std::move(x)); },
-                   [&](components::write& x) { out.emplace_back(std::move(x)); },
-               },
-               next);
-  }
-  return out;
+  return follow_up(std::move(todo),
+                   overloads{[&](const open_connection&) {
+                               return is_on_ ? core_.on_connected(now) : core_.on_disconnected(now);
+                             },
+                             [&](const ros2_text& x) {
+                               ros2_outputs out;
+                               const auto add = [&out](ros2_outputs more) {
+                                 out.insert(out.end(), std::make_move_iterator(more.begin()),
+                                            std::make_move_iterator(more.end()));
+                               };
+                               for (const auto& each : server_.on_text(x.text))
+                                 add(core_.on_text(each, now));
+                               add(core_.on_sent(1, now));
+                               return out;
+                             }});
 }
 
 components::outputs simulated_ros2::deliver(const simulated_rosbridge::texts& all, instant now) {
@@ -48,9 +38,7 @@ components::outputs simulated_ros2::start(instant now) {
   components::outputs out;
   for (auto& each : core_.watched(self_))
     out.emplace_back(std::move(each));
-  auto more = perform(core_.start(now), now);
-  std::move(more.begin(), more.end(), std::back_inserter(out));
-  return out;
+  return joined(std::move(out), perform(core_.start(now), now));
 }
 
 components::outputs simulated_ros2::on_tuple(const components::news& x, instant now) {

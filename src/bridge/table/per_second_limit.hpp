@@ -12,6 +12,9 @@ class per_second_limit {
 public:
   explicit per_second_limit(std::size_t most) : most_(most) {}
 
+  /// When it counts from zero again.
+  [[nodiscard]] instant next() const { return begins_ + 1s; }
+
   /// Another message has come. @returns whether it is within the limit
   [[nodiscard]] bool accepts(instant now) {
     if (now >= begins_ + 1s) {

@@ -1,6 +1,5 @@
 #include "io/mqtt/mqtt_client.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
@@ -13,6 +12,8 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include "core/numbers/random.hpp"
+#include "core/numbers/reconnect_pause.hpp"
 #include "io/mqtt/mqtt_session.hpp"
 
 namespace rubicon::io {
@@ -90,14 +91,15 @@ public:
   // For the thread.
 
   void run() {
-    duration pause = pause_min;
+    random_stream rng(static_cast<std::uint64_t>(::getpid()), settings_.client);
+    reconnect_pause pause(pause_min, pause_max);
     while (!ends()) {
       const auto result = connection();
       if (result.has_lasted)
-        pause = pause_min;
+        pause.reset();
+      const auto next = pause.next(rng);
       std::unique_lock lock(mutex_);
-      changed_.wait_for(lock, result.is_refused ? refused_pause : pause, [this] { return ends_; });
-      pause = std::min(2 * pause, pause_max);
+      changed_.wait_for(lock, result.is_refused ? refused_pause : next, [this] { return ends_; });
     }
     const std::lock_guard lock(mutex_);
     has_ended_ = true;

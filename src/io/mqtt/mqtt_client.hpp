@@ -60,9 +60,9 @@ RUBICON_FIELDS(mqtt_client_counters, attempts, refused, lost, sent, not_sent, ov
 /// broker's own limits hold. If too many wait to be sent the connection is closed, so that after
 /// the next one all is published anew.
 ///
-/// The pause before another attempt doubles from 250 ms to 2 s; it is 30 s while the broker refuses
-/// this client, and not shorter than before if the connection lasted less than `lasting`: two
-/// clients of the same id would end each other's.
+/// The pause before another attempt doubles from 250 ms to 1.6 s, each to a quarter; it is 30 s
+/// while the broker refuses this client, and not shorter than before if the connection lasted less
+/// than `lasting`: two clients of the same id would end each other's.
 class mqtt_client {
 public:
   static constexpr std::size_t payload_max = 64 * 1024; ///< octets; the broker keeps longer ones
@@ -70,7 +70,7 @@ public:
   static constexpr std::size_t inbox_octets_max = 4 * 1024 * 1024;
   static constexpr std::size_t outbox_max = 20'000; ///< publications and subscriptions
   static constexpr duration pause_min = 250ms;
-  static constexpr duration pause_max = 2s;
+  static constexpr duration pause_max = 1600ms; ///< 2 s with a quarter
   static constexpr duration refused_pause = 30s;
   static constexpr duration lasting = 5s;
 

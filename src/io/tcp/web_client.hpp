@@ -18,6 +18,9 @@ struct web_client_settings {
   std::string host; ///< name or IPv4 address
   std::uint16_t port = 0;
   std::string path = "/";
+  bool tls = false;
+  std::string ca_file = {}; ///< certificates that sign the server's, as PEM; empty: the system's
+  bool verify = true;       ///< with TLS, the server's certificate must be good and for `host`
 };
 
 struct web_connected {};

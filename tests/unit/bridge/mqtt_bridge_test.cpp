@@ -136,14 +136,40 @@ TEST_CASE("a write that fails is counted apart from refused commands", "[bridge]
   CHECK(std::get<publication>(outputs[0]).topic == "rubicon/kitchen.f");
 }
 
-TEST_CASE("of a flood the first thousand messages of a second are read", "[bridge][mqtt]") {
+TEST_CASE("of a flood the first thousand messages of a second are read, and the newest commands",
+          "[bridge][mqtt]") {
   auto x = with_fan();
   const auto now = start + 10s;
   for (std::size_t i = 0; i < flood_limit::received_max + 5; ++i)
     static_cast<void>(x.on_message({"rubicon/kitchen.f/get", "x"}, now));
   CHECK(x.counters().flooded == 5);
-  CHECK(writes_in(x.on_message({"rubicon/kitchen.f/set/switch", "on"}, now)).empty());
+  for (const auto* word : {"on", "off", "on", "off"})
+    CHECK(writes_in(x.on_message({"rubicon/kitchen.f/set/switch", word}, now)).empty());
+  for (int i = 0; i < 100; ++i)
+    CHECK(x.on_message({"rubicon/stranger" + std::to_string(i) + "/set", "{}"}, now).empty());
+  CHECK(x.counters().flooded == 5 + 3 + 100);
+  REQUIRE(x.deadline());
+  CHECK(writes_in(x.on_time(now + 1s - 1ns)).empty());
+  const auto writes = writes_in(x.on_time(now + 1s));
+  REQUIRE(writes.size() == 1);
+  CHECK(writes[0].text == "off");
   CHECK(writes_in(x.on_message({"rubicon/kitchen.f/set/switch", "on"}, now + 1s)).size() == 1);
+}
+
+TEST_CASE("a retained value is not followed by an older one of a flood", "[bridge][mqtt]") {
+  mqtt_config config;
+  config.topics.push_back({"window", "kitchen.window", payload_type::text, {}});
+  mqtt_bridge x(config, {}, random_stream(1));
+  static_cast<void>(x.on_connected(start));
+  for (std::size_t i = 0; i < flood_limit::received_max; ++i)
+    static_cast<void>(x.on_message({"window", "open"}, start));
+  static_cast<void>(x.on_message({"window", "ajar"}, start));
+  const auto newest = x.on_message({"window", "closed", true}, start);
+  REQUIRE(newest.size() == 1);
+  CHECK(to_string(byte_view(std::get<components::publish>(newest[0]).value)) == "closed");
+  CHECK(x.counters().flooded == 1);
+  for (const auto& each : x.on_time(start + 1s))
+    CHECK(!std::holds_alternative<components::publish>(each));
 }
 
 TEST_CASE("a label is the name of the device", "[bridge][mqtt]") {

@@ -3,6 +3,7 @@
 #include <variant>
 #include <vector>
 
+#include "bridge/ros2/message_heading.hpp"
 #include "bridge/ros2/simulated_ros2.hpp"
 #include "support/catch.hpp"
 #include "support/start.hpp"
@@ -51,12 +52,17 @@ components::news set_at(std::uint64_t watch, std::string_view key, std::string_v
   return {watch, owner, key, text, false};
 }
 
-std::vector<std::string> set_tuples(const components::outputs& from) {
+template <class Outputs>
+std::vector<std::string> set_tuples_of(const Outputs& from) {
   std::vector<std::string> out;
   for (const auto& each : from)
     if (const auto* found = std::get_if<components::publish>(&each))
       out.push_back(found->key + '=' + to_string(byte_view(found->value)));
   return out;
+}
+
+std::vector<std::string> set_tuples(const components::outputs& from) {
+  return set_tuples_of(from);
 }
 
 /// Until then, as its actor would.
@@ -136,17 +142,61 @@ TEST_CASE("hostile messages are dropped and counted", "[bridge][ros2]") {
   CHECK(x.counters().server_errors == 1);
 }
 
-TEST_CASE("of a flood the first messages of each second are read", "[bridge][ros2]") {
+TEST_CASE("of a flood the first messages of each second are read, and the newest of each topic",
+          "[bridge][ros2]") {
+  auto config = ros2_of_a_kitchen();
+  config.subscriptions.push_back(config.subscriptions[0]);
+  config.subscriptions[1].topic = "other";
+  config.subscriptions[1].key = "robot.other";
+  ros2_bridge x(config, random_stream(1));
+  static_cast<void>(x.start(start));
+  static_cast<void>(x.on_connected(start));
+  const auto at = [](std::string_view topic, std::size_t i) {
+    return R"({"op":"publish","topic":"/home/)" + std::string(topic) +
+           R"(","msg":{"pose":{"position":{"x":)" + std::to_string(i) + R"(,"y":2,"z":3}}}})";
+  };
+  for (std::size_t i = 0; i < ros2_bridge::received_max; ++i)
+    CHECK(set_tuples_of(x.on_text(at("target", i), start)).size() == 1);
+  for (std::size_t i = 0; i < 7; ++i) {
+    CHECK(x.on_text(at("target", 100 + i), start).empty());
+    CHECK(x.on_text(at("other", 200 + i), start + 10ms).empty());
+  }
+  CHECK(x.on_text(R"({"op":"publish","topic":"/unlisted","msg":{}})", start).empty());
+  CHECK(x.on_text(R"({"op":"call_service","service":"/fan"})", start).empty());
+  CHECK(x.on_text("no JSON", start).empty());
+  CHECK(x.counters().flooded == 6 + 6 + 3);
+  REQUIRE(x.deadline() == start + 1s);
+  CHECK(x.on_time(start + 1s - 1ns).empty());
+  CHECK(set_tuples_of(x.on_time(start + 1s)) ==
+        std::vector<std::string>{"robot.other=206 2 3", "robot.target=106 2 3"});
+  CHECK(!x.deadline());
+  CHECK(set_tuples_of(x.on_text(at("target", 300), start + 1s)) ==
+        std::vector<std::string>{"robot.target=300 2 3"});
+}
+
+TEST_CASE("a value that waits is set before those that come later", "[bridge][ros2]") {
   ros2_bridge x(ros2_of_a_kitchen(), random_stream(1));
   static_cast<void>(x.start(start));
   static_cast<void>(x.on_connected(start));
-  const auto* const text =
-      R"({"op":"publish","topic":"/home/target","msg":{"pose":{"position":{"x":1,"y":2,"z":3}}}})";
-  for (std::size_t i = 0; i < ros2_bridge::received_max + 7; ++i)
-    static_cast<void>(x.on_text(text, start));
-  CHECK(x.counters().flooded == 7);
-  CHECK(x.counters().tuples_set == ros2_bridge::received_max);
-  CHECK(x.on_text(text, start + 1s).size() == 1);
+  const auto at = [](std::string_view value) {
+    return R"({"op":"publish","topic":"/home/target","msg":{"pose":{"position":{"x":)" +
+           std::string(value) + R"(,"y":2,"z":3}}}})";
+  };
+  for (std::size_t i = 0; i <= ros2_bridge::received_max; ++i)
+    static_cast<void>(x.on_text(at("1"), start));
+  CHECK(set_tuples_of(x.on_text(at("2"), start + 1s)) ==
+        std::vector<std::string>{"robot.target=1 2 3", "robot.target=2 2 3"});
+}
+
+TEST_CASE("the topic of a message is known without reading it", "[bridge][ros2]") {
+  CHECK(topic_of_publication(R"({"op":"publish","topic":"/a","msg":no JSON)") == "/a");
+  CHECK(topic_of_publication(R"({"topic":"/a","msg":{"op":"x","topic":"/b"},"op":"publish"})") ==
+        "/a");
+  CHECK(topic_of_publication(R"({"topic":"/a","msg":)" + std::string(60'000, '[')).empty());
+  CHECK(topic_of_publication(R"({"op":"subscribe","topic":"/a"})").empty());
+  CHECK(topic_of_publication(R"({"op":"publish","topic":7})").empty());
+  CHECK(topic_of_publication(R"([{"op":"publish","topic":"/a"}])").empty());
+  CHECK(topic_of_publication("").empty());
 }
 
 TEST_CASE("after each connection all is advertised, and latched messages are sent again",

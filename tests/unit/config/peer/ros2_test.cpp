@@ -3,6 +3,7 @@
 #include <variant>
 
 #include "bridge/ros2/ros2_settings.hpp"
+#include "bridge/ros2/rosbridge_place.hpp"
 #include "config/checks/tuple_keys.hpp"
 #include "config/checks/warnings.hpp"
 #include "config/run/summary.hpp"
@@ -53,6 +54,26 @@ call = [{ key = "lamp", service = "/lamp", type = "std_srvs/SetBool", timeout = 
   CHECK(known("lamp.outcome"));
 }
 
+TEST_CASE("a rosbridge may be behind TLS", "[config][ros2]") {
+  const auto settings_of = [](const std::string& keys) {
+    const auto x = good(std::string(test::head) + "[[ros2]]\npeer = \"pc\"\n" + keys);
+    return std::get<ros2_app>(x.peers.at(0).apps.at(0)).settings;
+  };
+  const auto secure = settings_of("server = \"wss://robot:443\"\nca_file = \"ca.crt\"\n");
+  CHECK(secure->ca_file == "ca.crt");
+  CHECK(secure->verify);
+  const auto place = bridge::parse_rosbridge_place(secure->server);
+  REQUIRE(place);
+  CHECK(place->tls);
+  CHECK(place->where.host == "robot");
+  CHECK(place->where.port == 443);
+  CHECK(!bridge::parse_rosbridge_place("ws://robot:9090")->tls);
+  CHECK(!bridge::parse_rosbridge_place("robot:9090")->tls);
+  for (const auto* none :
+       {"wss://robot", "wss://:9090", "wss://robot:9090/", "wss://", "https://a:1"})
+    CHECK(!bridge::parse_rosbridge_place(none));
+}
+
 TEST_CASE("mistakes in [[ros2]] are reported where they are", "[config][ros2]") {
   check_mistakes(std::string(test::head), R"(
 [[ros2]]
@@ -62,7 +83,25 @@ peer = "robot"
 [[ros2]]
 peer = "pc"
 server = "localhost"
-#        ^ `server` must be HOST:PORT, as in "127.0.0.1:9090"
+#        ^ `server` must be HOST:PORT or wss://HOST:PORT, as in "127.0.0.1:9090"
+
+[[ros2]]
+peer = "pc"
+server = "http://robot:9090"
+#        ^ `server` must be HOST:PORT or wss://HOST:PORT, as in "127.0.0.1:9090"
+
+[[ros2]]
+peer = "pc"
+server = "robot:9090"
+ca_file = "ca.crt"
+#         ^ `ca_file` needs TLS: `server = "wss://robot:9090"`
+
+[[ros2]]
+peer = "pc"
+server = "wss://robot:9090"
+verify = false
+ca_file = "ca.crt"
+#         ^ `ca_file` has no use with `verify = false`
 
 [[ros2]]
 peer = "pc"
