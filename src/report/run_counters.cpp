@@ -230,7 +230,8 @@ std::uint64_t run_counters::vectors_missed(const std::string& node, std::uint32_
   return 0;
 }
 
-/// Records come in order: those newer than the newest that was read are in flight, if they can be.
+/// Records come in order: those newer than the newest that was read are in flight, if they can be;
+/// not so where no record has come for longer than one may take.
 stream_report run_counters::settled(const stream_counters& x, instant now) {
   auto sum = x.sum;
   const auto asked =
@@ -239,7 +240,8 @@ stream_report run_counters::settled(const stream_counters& x, instant now) {
   if (x.reader.newest_at) // its last life may have had none, or have ended
     sum.pause = std::max(sum.pause, now - *x.reader.newest_at);
   const auto unread = above(sum.produced, sum.read);
-  if (x.writer.newest_ms && x.reader.newest_ms && x.every > 0s) {
+  const bool may_come = x.reader.newest_at && now - *x.reader.newest_at <= in_flight_max + x.every;
+  if (may_come && x.writer.newest_ms && x.reader.newest_ms && x.every > 0s) {
     const auto ahead = static_cast<std::int32_t>(*x.writer.newest_ms - *x.reader.newest_ms) * 1ms;
     if (ahead > 0ms && ahead <= in_flight_max)
       sum.open = std::min(unread, static_cast<std::uint64_t>((ahead + x.every / 2) / x.every));
