@@ -85,6 +85,7 @@ void run_counters::take(const message_ledger& x) {
     account.sent = tally.sent;
     account.arrived = tally.arrived;
     account.handed_over = tally.handed_over;
+    account.handed_lately = tally.handed_lately;
     account.lost = lost_of(tally);
   }
   for (const auto& [who, count] : x.foreign_arrivals())
@@ -201,6 +202,18 @@ void run_counters::add(const unsettled_counters& x, instant begun) {
   add_to(all_.pcs, x.pcs);
   add_to(all_.accounts, x.accounts);
   add_to(all_.losses, x.losses);
+}
+
+void run_counters::end_handed_over() {
+  const std::string cause(to_string(loss::other_host));
+  for (auto& [key, x] : all_.accounts) {
+    const auto missing = above(above(x.handed_over, x.came_over), x.handed_lately);
+    if (missing == 0)
+      continue;
+    x.handed_over -= missing;
+    x.lost[cause] += missing;
+    all_.losses[{key.second, cause, {}}] += missing;
+  }
 }
 
 void unsettle(run_report& x) {
