@@ -11,7 +11,7 @@ namespace {
 /// Where a mote of that address in the file is now.
 const supervised_mote* find_mote(const ecology_state& all, mote_address x) {
   for (auto moved = all.moved.find(x); moved != all.moved.end(); moved = all.moved.find(x))
-    x = moved->second;
+    x = moved->second.to;
   const auto found = all.motes.find(x);
   return found == all.motes.end() ? nullptr : &found->second;
 }

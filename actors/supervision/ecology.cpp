@@ -78,13 +78,13 @@ void carry(ecology_pointer self, mote_address from, const planned_end& plan) {
   const auto next = state.successors.at(plan.fault);
   auto entry = state.motes.extract(from);
   auto& mote = entry.mapped();
+  state.moved[from] = {next->address, mote.arguments->name};
   self->send(mote.arguments->air, carry_away{mote.arguments->radio});
   mote.arguments = next;
   mote.in_transit = true;
   mote.last_listing.reset();
   entry.key() = next->address;
   state.motes.insert(std::move(entry));
-  state.moved[from] = next->address;
   state.gone[from] = now(self);
   self->delayed_send(self, plan.length, restart_mote{next->address});
 }

@@ -98,6 +98,12 @@ struct planned_end {
   std::uint32_t fault = 0;
 };
 
+/// A mote that the fault plan has carried to another island.
+struct carried_mote {
+  mote_address to;         ///< its address from then on
+  std::string former_name; ///< as the file has it
+};
+
 /// Where a fault of the plan has a radio of its own.
 struct fault_radio {
   air_actor air;
@@ -248,7 +254,7 @@ struct plan_progress {
   /// What a mote is after a fault of the plan, by the fault's index.
   std::map<std::uint32_t, std::shared_ptr<const mote_arguments>> successors;
   std::map<std::uint32_t, supervised_double> doubles; ///< by the fault's index
-  std::map<mote_address, mote_address> moved;         ///< where motes of other islands are now
+  std::map<mote_address, carried_mote> moved;         ///< by the address that each had before
   std::map<mote_address, instant> gone;          ///< since when they are no more where they were
   std::vector<planned_end> planned_ends;         ///< that are still to come
   std::uint64_t lan_faults = 0;                  ///< so far

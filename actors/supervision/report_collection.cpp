@@ -26,11 +26,13 @@ std::string name_elsewhere(const config::part_description& part, const mote_addr
   return x.mote == no_mote && peer != part.other_peers.end() ? peer->second : std::string();
 }
 
-/// `kitchen/fan`, or the name of a peer.
+/// `kitchen/fan`, also of a mote that was carried away from there, or the name of a peer.
 std::string node_name(ecology_pointer self, const mote_address& x) {
   const auto& state = self->state;
   if (const auto mote = state.motes.find(x); mote != state.motes.end())
     return mote->second.arguments->name;
+  if (const auto moved = state.moved.find(x); moved != state.moved.end())
+    return moved->second.former_name;
   if (state.description.part)
     if (auto name = name_elsewhere(*state.description.part, x); !name.empty())
       return name;

@@ -24,7 +24,7 @@ void note_event(ecology_pointer self, const std::string& who, std::string what) 
 supervised_mote& mote_now(ecology_pointer self, mote_address x) {
   const auto& all = self->state.moved;
   for (auto moved = all.find(x); moved != all.end(); moved = all.find(x))
-    x = moved->second;
+    x = moved->second.to;
   return self->state.motes.at(x);
 }
 

@@ -17,9 +17,19 @@ void actuator::on_start(instant) {
 
 void actuator::joined(communication::island_octet, std::uint16_t, communication::status success) {
   in_island_ = success == communication::SUCCESS;
+  number_.reset();
+  again_.reset();
   if (in_island_)
-    send_state();
+    send_news();
   begin_period();
+}
+
+void actuator::ackOf(std::uint32_t number, communication::status success) {
+  if (number != number_)
+    return; // a newer state is on its way
+  number_.reset();
+  if (success == communication::FAIL)
+    again_later();
 }
 
 void actuator::outputsWanted(std::span<const communication::output_wanted> all) {
@@ -38,11 +48,17 @@ void actuator::begin_period() {
 void actuator::on_time(instant now) {
   if (std::exchange(begins_, false))
     due_ = now + period_;
+  if (again_ && *again_ <= now) {
+    again_.reset();
+    if (layer().address()) // else it is sent when the mote has joined
+      send_state();
+  }
   if (!due_ || *due_ > now)
     return;
   while (*due_ <= now)
     *due_ += period_;
-  send_state(/*reliable=*/false); // the next one follows
+  layer().send_numbered(own_gateway, bytes{state_}, /*reliable=*/false,
+                        static_cast<std::uint8_t>(config_.channel)); // the next one follows
 }
 
 void actuator::receiveFrom(mote_address, byte_view octets, std::uint8_t) {
@@ -52,12 +68,27 @@ void actuator::receiveFrom(mote_address, byte_view octets, std::uint8_t) {
 
 void actuator::actuatorChanged(std::string_view, std::uint8_t state, bool) {
   state_ = state;
+  send_news();
+}
+
+void actuator::send_news() {
+  pause_ = again_first;
   send_state();
 }
 
-void actuator::send_state(bool reliable) {
-  layer().send_numbered(own_gateway, bytes{state_}, reliable,
-                        static_cast<std::uint8_t>(config_.channel));
+void actuator::send_state() {
+  again_.reset();
+  number_ = layer().send_numbered(own_gateway, bytes{state_}, /*reliable=*/true,
+                                  static_cast<std::uint8_t>(config_.channel));
+  if (!number_)
+    again_later();
+}
+
+void actuator::again_later() {
+  if (!layer().address())
+    return; // it is sent when the mote has joined
+  again_ = layer().now() + pause_;
+  pause_ = std::min(2 * pause_, again_max);
 }
 
 } // namespace rubicon::apps

@@ -3,6 +3,7 @@
 #include <cassert>
 
 #include "core/codec.hpp"
+#include "core/network_time.hpp"
 
 namespace rubicon::network {
 
@@ -113,7 +114,8 @@ result<sink_event> decode_time_request(byte_reader& in) {
 result<sink_event> decode_time_answer(byte_reader& in) {
   const auto number = in.big<std::uint16_t>();
   const auto us = in.big<std::uint64_t>();
-  if (us >> 52 != 0)
+  constexpr auto end = std::chrono::duration_cast<std::chrono::microseconds>(network_time_end);
+  if (us >= static_cast<std::uint64_t>(end.count()))
     return errc::bad_value;
   const time_answer x{number, std::chrono::microseconds(static_cast<std::int64_t>(us)),
                       std::chrono::microseconds(in.big<std::uint32_t>())};

@@ -84,7 +84,7 @@ struct time_request {
 /// Down: the time that the peers share, when the request came.
 struct time_answer {
   std::uint16_t number = 0;               ///< the request's
-  std::chrono::microseconds since_1970{}; ///< 0 to 2^52 - 1, which is 142 years
+  std::chrono::microseconds since_1970{}; ///< from 0, before network_time_end
   std::chrono::microseconds held{};       ///< from then until the line was free; 0 to 2^32 - 1
 
   friend bool operator==(const time_answer&, const time_answer&) = default;

@@ -82,6 +82,7 @@ void end_open(unsettled_counters& x) {
 void end_in_transit(unsettled_counters& x) {
   const std::string cause(to_string(loss::node_stopped));
   for (auto& [key, account] : x.accounts) {
+    account.handed_lately = 0; // it is long ago when all end
     const auto known = account.arrived + account.handed_over + total(account.lost);
     if (account.sent <= known)
       continue;
@@ -107,6 +108,8 @@ public:
   }
 
   void finish() {
+    if (missing_.empty())
+      counters_.end_handed_over();
     counters_.settle(out_);
     for (auto& x : check_messages(out_))
       out_.violations.push_back(std::move(x));

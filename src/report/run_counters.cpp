@@ -85,6 +85,7 @@ void run_counters::take(const message_ledger& x) {
     account.sent = tally.sent;
     account.arrived = tally.arrived;
     account.handed_over = tally.handed_over;
+    account.handed_lately = tally.handed_lately;
     account.lost = lost_of(tally);
   }
   for (const auto& [who, count] : x.foreign_arrivals())
@@ -203,6 +204,18 @@ void run_counters::add(const unsettled_counters& x, instant begun) {
   add_to(all_.losses, x.losses);
 }
 
+void run_counters::end_handed_over() {
+  const std::string cause(to_string(loss::other_host));
+  for (auto& [key, x] : all_.accounts) {
+    const auto missing = above(above(x.handed_over, x.came_over), x.handed_lately);
+    if (missing == 0)
+      continue;
+    x.handed_over -= missing;
+    x.lost[cause] += missing;
+    all_.losses[{key.second, cause, {}}] += missing;
+  }
+}
+
 void unsettle(run_report& x) {
   x.programs.clear();
   x.streams.clear();
@@ -230,7 +243,8 @@ std::uint64_t run_counters::vectors_missed(const std::string& node, std::uint32_
   return 0;
 }
 
-/// Records come in order: those newer than the newest that was read are in flight, if they can be.
+/// Records come in order: those newer than the newest that was read are in flight, if they can be;
+/// not so where no record has come for longer than one may take.
 stream_report run_counters::settled(const stream_counters& x, instant now) {
   auto sum = x.sum;
   const auto asked =
@@ -239,7 +253,8 @@ stream_report run_counters::settled(const stream_counters& x, instant now) {
   if (x.reader.newest_at) // its last life may have had none, or have ended
     sum.pause = std::max(sum.pause, now - *x.reader.newest_at);
   const auto unread = above(sum.produced, sum.read);
-  if (x.writer.newest_ms && x.reader.newest_ms && x.every > 0s) {
+  const bool may_come = x.reader.newest_at && now - *x.reader.newest_at <= in_flight_max + x.every;
+  if (may_come && x.writer.newest_ms && x.reader.newest_ms && x.every > 0s) {
     const auto ahead = static_cast<std::int32_t>(*x.writer.newest_ms - *x.reader.newest_ms) * 1ms;
     if (ahead > 0ms && ahead <= in_flight_max)
       sum.open = std::min(unread, static_cast<std::uint64_t>((ahead + x.every / 2) / x.every));

@@ -70,8 +70,9 @@ struct sender_account {
   std::uint64_t handed_over = 0; ///< to other processes
   std::uint64_t came_over = 0;   ///< of the messages of another process, those that arrived here
   cause_counts lost;
+  std::uint64_t handed_lately = 0; ///< of handed_over: they may be on their way there
 };
-RUBICON_FIELDS(sender_account, sent, arrived, handed_over, came_over, lost);
+RUBICON_FIELDS(sender_account, sent, arrived, handed_over, came_over, lost, handed_lately);
 
 /// What is counted before it is settled: parts of an ecology that ran in several processes add up.
 struct unsettled_counters {
@@ -120,6 +121,10 @@ public:
   /// What another process has counted, of other things or of later lives of the same ones.
   /// @param begun when it began: its times are since then
   void add(const unsettled_counters& x, instant begun = {});
+
+  /// All processes have reported: what was handed over to one of them and has not arrived there is
+  /// lost, but for as many as may be on their way.
+  void end_handed_over();
 
   /// Vectors that a program has missed in lives that are over.
   [[nodiscard]] std::uint64_t vectors_missed(const std::string& node, std::uint32_t number) const;

@@ -84,7 +84,8 @@ answer streams::write(descriptor stream, byte_view record, instant now) {
       x->unacked.push_back(content.record);
       x->due = x->due.value_or(now + repeat_wait(*x));
     } else {
-      keep(*x, record, now);
+      x->last_write = now;
+      keep_recent(x->recent, record);
     }
   } else if (x->what == kind::local) {
     store(*x, to_bytes(record), done.todo);
@@ -153,6 +154,7 @@ outputs streams::on_time(instant now) {
     if (x.due > now)
       return false;
     ++counters_.expired;
+    give_up(x);
     todo.emplace_back(disconnect{x.channel});
     return true;
   });

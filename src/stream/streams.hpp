@@ -42,7 +42,7 @@ struct streams_counters {
   std::uint64_t dropped = 0;       ///< oldest records of full queues (STR-03)
   std::uint64_t excess_octets = 0; ///< of records longer than what was read
   std::uint64_t oversized = 0;     ///< arrived records longer than the read end's buffer size
-  std::uint64_t unclaimed = 0;     ///< arrived records of streams that are not open here
+  std::uint64_t unclaimed = 0;     ///< arrived records of streams that were not opened here in time
   std::uint64_t lost = 0;          ///< records missing between two that arrived
   std::uint64_t resumed = 0;       ///< records that came with SS_OPEN only
   std::uint64_t repeated = 0;      ///< records that arrived twice or late
@@ -74,7 +74,8 @@ RUBICON_FIELDS(streams_counters, opened, open_failed, stored, read, dropped, exc
 ///
 /// Any other stream may lose records, most likely when its channel breaks. The write end keeps the
 /// last ones, as many as SS_OPEN holds; when the same ends open the stream again, the read end gets
-/// what it lacks of them, for which its queue has room then beside queue_size.
+/// what it lacks of them, for which its queue has room then beside queue_size. In the same way the
+/// read end's node keeps what comes before its application opens.
 ///
 /// Before open, time-outs and refusals end in open_done(failure) and the entry is free. An ended
 /// stream keeps its entry, and a reader its queue, until its application closes it.
@@ -177,8 +178,9 @@ private:
     std::uint16_t sequence = 0;
     instant due;
     bool is_reliable = false;
-    std::vector<bytes> resumed{}; ///< what came with SS_OPEN and is new here
-    std::uint64_t lost = 0;       ///< what should have
+    std::vector<bytes> records{}; ///< the newest, as many as SS_OPEN holds, without acks:
+    std::size_t resumed = 0;      ///< so many came with it and are new here, the rest since
+    std::uint64_t lost = 0;       ///< records between them that did not come
   };
 
   /// What an end of a remote stream leaves, for when both open it again.
@@ -207,12 +209,14 @@ private:
                     instant now);
   void start_reader(row& x, outputs& todo, instant now);
   void ask(row& x, outputs& todo, instant now);
-  void keep(row& x, byte_view record, instant now);
+  std::size_t keep_recent(std::vector<bytes>& recent, byte_view record) const;
   void remember(row& x);
   [[nodiscard]] const past* recall(kind what, std::uint16_t name, mote_address other) const;
   void resume(early& x, const open_message& request);
   void opened(row& x, outputs& todo);
   void take_channel(row& x, const early& from, outputs& todo);
+  void on_early_record(early& x, const write_message& content);
+  void give_up(const early& x);
   void end(row& x, outputs& todo);
   void drop(row& x, outputs& todo); ///< `x` and later rows are not where they were afterwards
   [[nodiscard]] bool on_due(row& x, outputs& todo, instant now);
@@ -229,11 +233,7 @@ private:
   void on_ack(row& x, std::uint16_t next, instant now);
   void resend(row& x, outputs& todo, instant now);
 
-  /// Octets of records that SS_OPEN holds, one more for each counted.
-  [[nodiscard]] std::size_t recent_max() const {
-    constexpr auto more = open_header_size - write_header_size;
-    return config_.record_max > more ? config_.record_max - more : 0;
-  }
+  [[nodiscard]] std::size_t recent_max() const;
   [[nodiscard]] duration patience(duration far_slack) const {
     return config_.writer_patience + 2 * (answer_slack_ + far_slack);
   }

@@ -87,25 +87,56 @@ void streams::take_channel(row& x, const early& from, outputs& todo) {
   x.sequence = from.sequence;
   x.is_reliable = from.is_reliable;
   counters_.lost += from.lost;
-  counters_.resumed += from.resumed.size();
+  counters_.resumed += from.resumed;
   opened(x, todo);
-  if (!from.resumed.empty())
-    x.queue = bounded_queue<bytes>(x.queue.capacity() + from.resumed.size(), overflow::drop_oldest);
-  for (const auto& record : from.resumed)
+  if (!from.records.empty())
+    x.queue = bounded_queue<bytes>(x.queue.capacity() + from.records.size(), overflow::drop_oldest);
+  for (const auto& record : from.records)
     deliver(x, record, todo);
 }
 
-/// As many of the last records as SS_OPEN holds.
-void streams::keep(row& x, byte_view record, instant now) {
-  x.last_write = now;
-  x.recent.push_back(to_bytes(record));
+/// Octets of records that SS_OPEN holds, one more for each counted.
+std::size_t streams::recent_max() const {
+  constexpr auto more = open_header_size - write_header_size;
+  return config_.record_max > more ? config_.record_max - more : 0;
+}
+
+/// Adds one to the last records, and drops the oldest until SS_OPEN holds them.
+/// @returns how many it has dropped
+std::size_t streams::keep_recent(std::vector<bytes>& recent, byte_view record) const {
+  recent.push_back(to_bytes(record));
   std::size_t octets = 0;
-  for (const auto& each : x.recent)
+  for (const auto& each : recent)
     octets += 1 + each.size();
-  while (octets > recent_max()) {
-    octets -= 1 + x.recent.front().size();
-    x.recent.erase(x.recent.begin());
+  auto kept = recent.begin();
+  for (; octets > recent_max(); ++kept)
+    octets -= 1 + kept->size();
+  const auto dropped = static_cast<std::size_t>(kept - recent.begin());
+  recent.erase(recent.begin(), kept);
+  return dropped;
+}
+
+/// It has come before the application has opened; one of a reliable stream comes again.
+void streams::on_early_record(early& x, const write_message& content) {
+  const auto ahead = static_cast<std::int16_t>(content.sequence - x.sequence);
+  if (x.is_reliable) {
+    ++counters_.unclaimed;
+    return;
   }
+  if (ahead < 0) {
+    ++counters_.repeated;
+    return;
+  }
+  x.lost += static_cast<std::uint64_t>(ahead);
+  x.sequence = static_cast<std::uint16_t>(content.sequence + 1);
+  const auto dropped = keep_recent(x.records, content.record);
+  counters_.unclaimed += dropped;
+  x.resumed -= std::min(x.resumed, dropped);
+}
+
+/// The application has not opened in time.
+void streams::give_up(const early& x) {
+  counters_.unclaimed += x.records.size() - x.resumed;
 }
 
 void streams::remember(row& x) {
@@ -136,8 +167,9 @@ void streams::resume(early& x, const open_message& request) {
   if (behind > resume_span)
     return;
   const auto had = request.recent.size() - std::min<std::size_t>(behind, request.recent.size());
-  x.resumed.assign(request.recent.begin() + static_cast<std::ptrdiff_t>(had), request.recent.end());
-  x.lost = behind - x.resumed.size();
+  x.records.assign(request.recent.begin() + static_cast<std::ptrdiff_t>(had), request.recent.end());
+  x.resumed = x.records.size();
+  x.lost = behind - x.resumed;
 }
 
 void streams::opened(row& x, outputs& todo) {
@@ -186,7 +218,12 @@ outputs streams::on_accepted(channel_handle channel, mote_address source, instan
 
 outputs streams::on_channel_closed(channel_handle channel) {
   outputs todo;
-  std::erase_if(early_, [&](const early& x) { return x.channel == channel; });
+  std::erase_if(early_, [&](const early& x) {
+    if (x.channel != channel)
+      return false;
+    give_up(x);
+    return true;
+  });
   if (auto* x = find(channel)) {
     x->channel.reset();
     if (is_opening(*x))
@@ -217,9 +254,7 @@ outputs streams::on_channel_octets(channel_handle channel, byte_view octets, ins
     early_.erase(found);
     on_open(x, *open, todo, now);
   } else if (found != early_.end() && found->name && record != nullptr) {
-    ++counters_.unclaimed; // a reliable one comes again
-    if (!found->is_reliable)
-      found->sequence = static_cast<std::uint16_t>(record->sequence + 1);
+    on_early_record(*found, *record);
   } else {
     ++counters_.strays;
   }
@@ -262,6 +297,7 @@ bool streams::free_name(const early& x, std::uint16_t name, outputs& todo) {
     if (rival->source != x.source)
       return false;
     todo.emplace_back(disconnect{rival->channel});
+    give_up(*rival);
     early_.erase(rival);
   }
   auto* reader = find(kind::reader, name);

@@ -21,17 +21,6 @@ bool is_of_kernel(std::string_view key) {
   return key.starts_with('*'); // may be a tuple of any kernel
 }
 
-bool strangers_may_come(const ecology_description& all) {
-  return std::ranges::any_of(all.peers, [](const peer_description& x) {
-    return has_real_links(x) || std::ranges::any_of(x.apps, [](const peer_app& app) {
-             const auto* init = std::get_if<init_app>(&app);
-             return init != nullptr && std::ranges::any_of(init->components, [](const auto& y) {
-                      return y.peer.empty();
-                    });
-           });
-  });
-}
-
 class tuple_warnings {
 public:
   tuple_warnings(const ecology_description& x, warning_list& out)
@@ -112,6 +101,17 @@ private:
 };
 
 } // namespace
+
+bool strangers_may_come(const ecology_description& all) {
+  return std::ranges::any_of(all.peers, [](const peer_description& x) {
+    return has_real_links(x) || std::ranges::any_of(x.apps, [](const peer_app& app) {
+             const auto* init = std::get_if<init_app>(&app);
+             return init != nullptr && std::ranges::any_of(init->components, [](const auto& y) {
+                      return y.peer.empty();
+                    });
+           });
+  });
+}
 
 void warn_of_tuples(const ecology_description& x, const file_places& seen, warning_list& out) {
   if (seen.uses.empty())

@@ -11,6 +11,7 @@ std::vector<problem> warnings_of(const loaded& x, const std::string& file_name) 
     warn_of_proxies(*x.ecology, x.seen, found);
     warn_of_tuples(*x.ecology, x.seen, found);
     warn_of_messages(*x.ecology, x.seen, found);
+    warn_of_streams(*x.ecology, x.seen, found);
     warn_of_radios(*x.ecology, x.seen, found);
     warn_of_traces(*x.ecology, x.seen, found);
   }

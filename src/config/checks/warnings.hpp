@@ -22,6 +22,9 @@ inline constexpr std::size_t warnings_max = 50;
 /// `warnings_max`. @pre it has no problems
 [[nodiscard]] std::vector<problem> warnings_of(const loaded& x, const std::string& file_name);
 
+/// Whether peers and programs may be there of which the file says nothing.
+[[nodiscard]] bool strangers_may_come(const ecology_description& all);
+
 /// Of proxies: their classes, fields and inputs, and the motes that have none.
 void warn_of_proxies(const ecology_description& x, const file_places& seen, warning_list& out);
 
@@ -32,6 +35,9 @@ void warn_of_tuples(const ecology_description& x, const file_places& seen, warni
 
 /// Of messages between motes: whether a program at their receiver takes them.
 void warn_of_messages(const ecology_description& x, const file_places& seen, warning_list& out);
+
+/// Of streams between programs: whether each has a read end, and one write end.
+void warn_of_streams(const ecology_description& x, const file_places& seen, warning_list& out);
 
 /// Of motes whose frames no sink can receive, and of those that walk too fast for their `step`.
 void warn_of_radios(const ecology_description& x, const file_places& seen, warning_list& out);

@@ -162,6 +162,20 @@ std::string shown(double x) {
   return {text.data(), end};
 }
 
+namespace {
+
+/// A value that is none.
+std::string what_is_wrong_with(std::string_view bare) {
+  if (has_typographic_quotes(bare))
+    return "a text needs straight quotes (\"), not typographic ones: " + std::string(bare);
+  const auto digits = bare.substr(bare.starts_with('-') || bare.starts_with('+') ? 1 : 0);
+  if (!digits.empty() && digits.find_first_not_of("0123456789_") == std::string_view::npos)
+    return "a whole number has 64 bits and no zeros in front: " + in_quotes(bare);
+  return "a text needs quotes: " + in_quotes(bare);
+}
+
+} // namespace
+
 std::variant<node, problem> parse(std::string_view text, const std::string& file) {
   if (auto reason = unfit(text, file))
     return *std::move(reason);
@@ -173,10 +187,7 @@ std::variant<node, problem> parse(std::string_view text, const std::string& file
   complaints found;
   const auto at = to_mark(parsed.error().source());
   if (const auto bare = bare_text(text, at.line))
-    found.add(bare->first, has_typographic_quotes(bare->second)
-                               ? "a text needs straight quotes (\"), not typographic ones: " +
-                                     std::string(bare->second)
-                               : "a text needs quotes: " + in_quotes(bare->second));
+    found.add(bare->first, what_is_wrong_with(bare->second));
   else
     found.add(at, cause_of(parsed.error().description()));
   return found.of_file(file).front();

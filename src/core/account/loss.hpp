@@ -40,7 +40,9 @@ namespace rubicon {
   X(not_taken, "The receiver had restarted since, or had no room for it.")                         \
   X(sender_left, "Its sender left the island while it waited.")                                    \
   X(node_stopped, "The mote, gateway or PC that held it crashed, was switched off, or no longer "  \
-                  "led its island.")
+                  "led its island.")                                                               \
+  X(other_host, "It was handed over to another host of a deployment, where it did not arrive "     \
+                "within a minute.")
 
 /// Ordered so that a later one replaces an earlier one that two copies met at the same time.
 enum class loss : std::uint8_t {

@@ -1,5 +1,6 @@
 #include "core/account/message_ledger.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cassert>
 #include <numeric>
@@ -106,8 +107,10 @@ void message_ledger::finish() {
     packages left; // destroyed unlocked: it is handed over
     const auto lock = locked();
     for (auto x = packages_.begin(); x != packages_.end();)
-      if (const auto each = x++; account_of(each->account)->leaves())
+      if (const auto each = x++; account_of(each->account)->leaves()) {
+        account_of(each->account)->note_loss(each->if_lost);
         remove(each, left);
+      }
   }
   const auto lock = locked();
   finished_ = true;
@@ -128,9 +131,19 @@ void message_ledger::end(message_account& x) {
     if (about.outcome == message_end::how::lost) {
       const auto known = places_.size() < places_max;
       ++places_[{about.kind, about.cause, known ? about.place : std::string_view()}];
+    } else if (about.outcome == message_end::how::handed_over) {
+      note_handed_over(about);
     }
   }
   notify(x.about());
+}
+
+/// The newest note says when it departed: that it will not be seen again is known later.
+void message_ledger::note_handed_over(const message_end& x) {
+  const auto at = x.at > instant{} ? x.at : time_here();
+  handed_.emplace_back(at, sender{x.source, x.kind});
+  while (handed_.size() > lately_max || at - handed_.front().first > way_elsewhere)
+    handed_.pop_front();
 }
 
 // Packages of PEIS links.
@@ -244,8 +257,12 @@ void message_account::end(std::string_view place, instant at, bool stops) {
 // What it says.
 
 message_ledger::tallies message_ledger::tallied() const {
+  const auto now = time_here();
   const auto lock = locked();
-  return {tallies_.begin(), tallies_.end()};
+  tallies all(tallies_.begin(), tallies_.end());
+  for (const auto& [at, who] : handed_)
+    all[who].handed_lately += now - at <= way_elsewhere ? 1 : 0;
+  return all;
 }
 
 message_tally message_ledger::of(mote_address source, message_kind kind) const {

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <list>
 #include <map>
@@ -45,7 +46,8 @@ enum class message_kind : std::uint8_t {
 struct message_tally {
   std::uint64_t sent = 0;
   std::uint64_t arrived = 0;
-  std::uint64_t handed_over = 0;       ///< to another process, which accounts for them
+  std::uint64_t handed_over = 0;       ///< to another process, which says whether they arrived
+  std::uint64_t handed_lately = 0;     ///< of these: they may be on their way there
   small_map<loss, std::uint64_t> lost; ///< by cause
 
   [[nodiscard]] std::uint64_t lost_in_all() const;
@@ -88,6 +90,9 @@ public:
   /// A package of a PEIS link that has not come after so long is lost.
   static constexpr duration package_lifetime = 60s;
   static constexpr std::size_t packages_max = 65536; ///< on links; older ones count as lost
+  /// In another process a message arrives within so long, or not at all.
+  static constexpr duration way_elsewhere = 60s;
+  static constexpr std::size_t lately_max = 65536; ///< older ones have arrived, or never will
 
   [[nodiscard]] static std::shared_ptr<message_ledger> make();
 
@@ -127,6 +132,7 @@ public:
   // -- what it says
 
   [[nodiscard]] tallies tallied() const;
+  /// Without handed_lately.
   [[nodiscard]] message_tally of(mote_address source, message_kind kind) const;
   [[nodiscard]] places lost_at() const;
   /// Messages of other processes that have arrived in this one, by sender.
@@ -146,6 +152,7 @@ private:
   void remove(packages::iterator which, packages& to);
   void remove(std::uint64_t name, packages& to);
   void expire(instant now, packages& to);
+  void note_handed_over(const message_end& x);
   [[nodiscard]] std::unique_lock<std::mutex> locked() const;
 
   struct sender_hash {
@@ -162,6 +169,7 @@ private:
   std::map<sender, std::uint64_t> foreign_;
   packages packages_; ///< as they departed
   std::unordered_map<std::uint64_t, packages::iterator> by_name_;
+  std::deque<std::pair<instant, sender>> handed_; ///< what was handed over, and when
   bool finished_ = false;
   std::function<void(const message_end&)> observer_;
 };

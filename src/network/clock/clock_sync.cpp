@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <cassert>
 
+#include "core/network_time.hpp"
+
 namespace rubicon::network {
 
 namespace {
 
 using std::chrono::microseconds;
 
-constexpr std::uint16_t rounds_missed_max = 64;         ///< in a row
-constexpr microseconds leap_min{1000};                  ///< of the network time: sent at once
-constexpr microseconds network_ahead_max = 24h * 36525; ///< more is nonsense
+constexpr std::uint16_t rounds_missed_max = 64; ///< in a row
+constexpr microseconds leap_min{1000};          ///< of the network time: sent at once
 constexpr microseconds hop_noise{15};   ///< of a stamp: clocks are read to a microsecond or so
 constexpr microseconds better_min{200}; ///< who is less in doubt needs no other's stamp
 constexpr microseconds time_max{std::int64_t{1} << 46}; ///< 2.2 years, within what a stamp holds
@@ -140,8 +141,8 @@ void clock_sync::take_news(const clock_stamp& x, instant sfd) {
   era_ = x.era;
   sequence_ = x.sequence;
   time_.use_slots(x.slots_used);
-  const bool is_sane =
-      x.network && x.network->ahead >= -network_ahead_max && x.network->ahead <= network_ahead_max;
+  constexpr auto ahead_max = in_us(network_time_end); // more is nonsense
+  const bool is_sane = x.network && x.network->ahead > -ahead_max && x.network->ahead < ahead_max;
   time_.set_network({is_sane ? x.network : std::nullopt, x.time});
   rounds_.on_answer(sfd);
 }

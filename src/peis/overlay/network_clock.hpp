@@ -7,6 +7,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/error.hpp"
+#include "core/network_time.hpp"
 #include "core/time.hpp"
 
 namespace rubicon::peis {
@@ -22,10 +23,6 @@ struct clock_message {
 
 /// Of the seconds the wire has the low 32 bits.
 [[nodiscard]] bytes encode(const clock_message& x);
-
-/// No network time is believed from here on, the year 2150: nanoseconds end in 2262, and an expiry
-/// may be 68 years ahead.
-inline constexpr duration network_time_end = std::chrono::seconds(5'680'281'600);
 
 /// @param known our network time: of all times with these low 32 bits of seconds the nearest to it
 /// is meant

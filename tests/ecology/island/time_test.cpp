@@ -96,6 +96,27 @@ TEST_CASE("one event has the same time in two islands", "[ecology][CLK-08][CLK-0
   }
 }
 
+TEST_CASE("motes know the time of every year that a file may name", "[ecology][CLK-08][IF-06]") {
+  const auto day_of = [](std::chrono::year_month_day x) {
+    return std::chrono::sys_days(x).time_since_epoch();
+  };
+  using namespace std::chrono_literals;
+  for (const auto day : {1970y / 1 / 1, 2038y / 1 / 19, 2069y / 12 / 31, 2070y / 1 / 2,
+                         2106y / 2 / 7, 2113y / 1 / 1, 2149y / 12 / 30}) {
+    CAPTURE(static_cast<int>(day.year()));
+    auto islands = two_islands(60);
+    islands.faults.clear();
+    islands.date = day_of(day);
+    islands.day_begins = 24h - 30s; // so that the day ends while it runs
+    const auto report = run(islands);
+    const auto truth = static_cast<double>((*islands.date + islands.day_begins + 50s) / 1ms);
+    for (const auto& island : report.islands) {
+      CHECK(island.network.aligned == motes);
+      CHECK(std::abs(sightings_of(report, island.name).event_min - truth) < 5);
+    }
+  }
+}
+
 TEST_CASE("it has so again after a gateway has started again and a cable was out",
           "[ecology][CLK-08][GW-15]") {
   for (std::uint64_t seed = 1; seed <= seeds(3); ++seed) {

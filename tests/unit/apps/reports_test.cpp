@@ -94,6 +94,7 @@ public:
   std::vector<quantity> kinds; ///< of the last
   std::vector<communication::actuator_wanted> moves;
   std::vector<sent_segment> sent; ///< but greetings
+  std::size_t packets = 0;        ///< with greetings
   bool accepts = true;
 
 private:
@@ -110,6 +111,7 @@ private:
       moves.push_back(*move);
     } else if (const auto* packet = std::get_if<transport::to_network>(&x)) {
       const auto what = transport::decode_segment(packet->segment);
+      ++packets;
       REQUIRE(what);
       if (what->what != segment::kind::hello)
         sent.push_back({now, packet->destination, *what});
@@ -365,6 +367,46 @@ TEST_CASE("an actuator obeys the first octet and answers with the state that cam
   CHECK(x.sent[1].what.what == segment::kind::reliable);
   x.join();
   CHECK(x.sent.back().what.payload == bytes{0});
+}
+
+TEST_CASE("an actuator sends its newest state until its gateway has it", "[apps][GW-12]") {
+  fixture x(std::make_unique<apps::actuator>(apps::actuator_config{"switch", 2}, std::uint8_t{1}));
+  x.join();
+  x.accepts = false;
+  x.app->actuatorChanged("switch", 0, true);
+  x.settle();
+  x.run_for(20s);
+  x.app->actuatorChanged("switch", 7, true); // what was there before is of no interest now
+  x.settle();
+  x.run_for(10min);
+  const auto packets = x.packets;
+  x.run_for(30min);
+  CHECK(x.packets - packets >= 30 / 2);     // one or more an attempt,
+  CHECK(x.packets - packets <= 5 * 30 + 5); // of which there is one a minute
+  x.sent.clear();
+  x.accepts = true;
+  x.run_for(90s);
+  REQUIRE(x.sent.size() == 1);
+  CHECK(x.sent[0].what.payload == bytes{7});
+  x.run_for(1h);
+  CHECK(x.sent.size() == 1); // the gateway has it
+}
+
+TEST_CASE("an actuator in no island sends its state when it has joined", "[apps][GW-12]") {
+  fixture x(std::make_unique<apps::actuator>(apps::actuator_config{"switch", 2}, std::uint8_t{1}));
+  x.join();
+  x.accepts = false;
+  x.app->actuatorChanged("switch", 0, true);
+  x.settle();
+  x.run_for(20s);
+  x.lose();
+  x.sent.clear();
+  x.run_for(10min);
+  CHECK(x.sent.empty());
+  x.accepts = true;
+  x.join();
+  REQUIRE(x.sent.size() == 1);
+  CHECK(x.sent[0].what.payload == bytes{0});
 }
 
 TEST_CASE("an actuator tells its state as often as somebody wants", "[apps][IF-03][IF-04]") {

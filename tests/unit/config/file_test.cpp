@@ -50,12 +50,17 @@ TEST_CASE("a text without quotes is called that", "[config][GEN-06]") {
     unsigned column;
     const char* message;
   };
-  const auto [line, column, message] =
-      GENERATE(row{"name = kitchen", 8, "a text needs quotes: \"kitchen\""},
-               row{"duration =  5min # long", 13, "a text needs quotes: \"5min\""},
-               row{"name = living room ", 8, "a text needs quotes: \"living room\""},
-               row{"name = \u2764", 8, "a text needs quotes: \"\u2764\""},
-               row{"name = caf\u00e9", 8, "a text needs quotes: \"caf\u00e9\""});
+  const auto [line, column, message] = GENERATE(
+      row{"name = kitchen", 8, "a text needs quotes: \"kitchen\""},
+      row{"duration =  5min # long", 13, "a text needs quotes: \"5min\""},
+      row{"name = living room ", 8, "a text needs quotes: \"living room\""},
+      row{"seed = 99999999999999999999 # many", 8,
+          "a whole number has 64 bits and no zeros in front: \"99999999999999999999\""},
+      row{"seed = -9_999_999_999_999_999_999", 8,
+          "a whole number has 64 bits and no zeros in front: \"-9_999_999_999_999_999_999\""},
+      row{"seed = 007", 8, "a whole number has 64 bits and no zeros in front: \"007\""},
+      row{"name = \u2764", 8, "a text needs quotes: \"\u2764\""},
+      row{"name = caf\u00e9", 8, "a text needs quotes: \"caf\u00e9\""});
   const auto found = load_text("[ecology]\n" + std::string(line) + "\n", "a.toml").problems;
   REQUIRE(found.size() == 1);
   CHECK(found[0] == problem{"a.toml", 2, column, message});

@@ -238,6 +238,78 @@ TEST_CASE("messages need a program that takes their AM type", "[config][AM-01]")
   CHECK(with("{ app = 'listener', am_type = 11 }") == nobody);
 }
 
+namespace {
+
+/// Three motes, of which one may be another mote later, with these programs, a PC with this one,
+/// and the rest of the file.
+std::vector<std::string> warnings_of_streams(const std::vector<std::string>& motes,
+                                             const std::string& pc, const std::string& rest = "") {
+  std::string toml = "[ecology]\nname = 'e'\n[mote_type.c]\ntype = 7\n"
+                     "transducers.light = { model = 'constant', value = 1 }\n[mote_type.w]\n"
+                     "type = 8\ntransducers.light = { model = 'constant', value = 1 }\n"
+                     "apps = [{ app = 'stream_writer', transducer = 'light', to = 'pc' }]\n"
+                     "[[island]]\nid = 1\nname = 'k'\n";
+  for (std::size_t i = 0; i < motes.size(); ++i)
+    toml += "[[island.mote]]\nid = " + std::to_string(i + 2) + "\nname = 'm" + std::to_string(i) +
+            "'\ntype = 'c'\nposition_m = [1, " + std::to_string(i) + "]\napps = [" + motes[i] +
+            "]\n";
+  return warnings_of(toml +
+                     "[[island]]\nid = 2\nname = 'far'\n[[peer]]\nid = 40\nname = 'pc'\napps = [" +
+                     pc + "]\n" + rest);
+}
+
+std::string writer_to(const std::string& to, int stream = 1) {
+  return "{ app = 'stream_writer', transducer = 'light', to = '" + to +
+         "', stream = " + std::to_string(stream) + " }";
+}
+
+std::string reader_of(int stream) {
+  return "{ app = 'stream_reader', stream = " + std::to_string(stream) + " }";
+}
+
+} // namespace
+
+TEST_CASE("a stream needs a program that reads it", "[config][STR-11]") {
+  CHECK(warnings_of_streams({writer_to("pc")}, reader_of(1)).empty());
+  CHECK(warnings_of_streams({writer_to("pc")}, "{ app = 'recorder', streams = [1], file = 'f' }")
+            .empty());
+  CHECK(warnings_of_streams({writer_to("k/m1"), reader_of(1)}, "").empty());
+  const std::vector<std::string> nobody{"k/m0 writes stream 1 to pc, where no program reads it"};
+  CHECK(warnings_of_streams({writer_to("pc")}, "") == nobody);
+  CHECK(warnings_of_streams({writer_to("pc"), reader_of(1)}, "") ==
+        std::vector<std::string>{nobody[0], "k/m1 reads stream 1, which no program writes to it"});
+  CHECK(warnings_of_streams({writer_to("k/m0"), reader_of(1)}, "").front() ==
+        "k/m0 writes stream 1 to itself: it needs another node to read it");
+}
+
+TEST_CASE("a stream needs one program that writes it", "[config][STR-11]") {
+  CHECK(warnings_of_streams({""}, reader_of(3)) ==
+        std::vector<std::string>{"pc reads stream 3, which no program writes to it"});
+  CHECK(warnings_of_streams({writer_to("pc"), writer_to("pc")}, reader_of(1)) ==
+        std::vector<std::string>{"k/m0 and k/m1 write stream 1 to pc, which reads one of a number: "
+                                 "each needs a `stream` of its own"});
+  CHECK(warnings_of_streams({writer_to("pc"), writer_to("pc"), writer_to("pc")}, reader_of(1)) ==
+        std::vector<std::string>{"k/m0, k/m1 and 1 more write stream 1 to pc, which reads one of a "
+                                 "number: each needs a `stream` of its own"});
+  CHECK(
+      warnings_of_streams({writer_to("pc"), writer_to("pc", 2)}, reader_of(1) + ", " + reader_of(2))
+          .empty());
+}
+
+TEST_CASE("motes may read and write a stream in turns", "[config][STR-11]") {
+  const std::string becomes = "[[fault]]\nat = '1s'\nkind = 'crash'\nmote = 'k/m1'\ntype = 'w'\n";
+  CHECK(warnings_of_streams({""}, reader_of(1)).size() == 1);
+  CHECK(warnings_of_streams({"", ""}, reader_of(1), becomes).empty());
+  CHECK(warnings_of_streams({writer_to("pc"), ""}, reader_of(1), becomes).empty());
+  CHECK(warnings_of_streams({writer_to("pc"), writer_to("pc")}, reader_of(1),
+                            "[[fault]]\nat = '1s'\nkind = 'battery_end'\nmote = 'k/m1'\n")
+            .empty());
+  CHECK(warnings_of_streams({writer_to("k/m1"), reader_of(1)}, "",
+                            "[[fault]]\nat = '1s'\nkind = 'move'\nmote = 'k/m1'\n"
+                            "to_island = 'far'\nto_m = [99, 0]\n")
+            .empty());
+}
+
 TEST_CASE("a type that nobody claims is told of once", "[config]") {
   auto toml = home_with("channel = 1\n");
   toml.replace(toml.find("types = [7]"), 11, "types = [8]");

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/account/message_ledger.hpp"
+#include "core/tuples/hand_over.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;
@@ -175,6 +176,35 @@ TEST_CASE("copies on a PEIS link are found again, or lost after a minute", "[cor
   CHECK(lost(tally(*ledger), loss::package_lost) == 2);
   ledger->package_lost(11);
   CHECK(tally(*ledger).in_transit() == 0);
+}
+
+TEST_CASE("what was handed over a minute ago is not on its way any more", "[core][ledger]") {
+  const auto ledger = message_ledger::make();
+  node peer("peer/kitchen", *ledger);
+  const turn_of turn(&peer);
+  const auto lately = [&] {
+    return ledger->tallied().at({fan, message_kind::message}).handed_lately;
+  };
+  const auto hand_one_over = [&](duration at) {
+    peer.now = instant(at);
+    const auto one = sent();
+    const acting_on its(one.from);
+    hand_over();
+  };
+  hand_one_over(1s);
+  hand_one_over(31s); // now the first one is known to have left
+  CHECK(lately() == 1);
+  hand_one_over(61s);
+  CHECK(tally(*ledger).handed_over == 2);
+  CHECK(lately() == 2);
+  peer.now = instant(62s);
+  CHECK(lately() == 1);
+  peer.now = instant(130s);
+  CHECK(tally(*ledger).handed_over == 2);
+  CHECK(lately() == 0);
+  ledger->finish();
+  CHECK(tally(*ledger).handed_over == 3);
+  CHECK(lately() == 0);
 }
 
 TEST_CASE("what has come from another process is counted for its sender", "[core][ledger]") {

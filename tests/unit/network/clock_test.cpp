@@ -1,6 +1,8 @@
 #include <cmath>
+#include <limits>
 #include <vector>
 
+#include "core/network_time.hpp"
 #include "core/numbers/random.hpp"
 #include "network/clock/clock_sync.hpp"
 #include "support/catch.hpp"
@@ -96,6 +98,38 @@ TEST_CASE("a mote knows the time from the first beacon on", "[network][CLK-04]")
   CHECK(std::chrono::abs(x.error(1)) < microseconds{50});
   CHECK(x.clocks[1].time().tick(x.crystals[1].read(x.now))->period ==
         std::chrono::milliseconds{500});
+}
+
+TEST_CASE("a mote takes the network time of any year in which there is one", "[network][CLK-08]") {
+  constexpr duration year = 24h * 365;
+  for (const auto now : {duration{}, 99 * year, 101 * year, 143 * year, network_time_end - 2s}) {
+    CAPTURE(now / year);
+    line x(2, 0);
+    x.run_for(4s);
+    x.clocks[0].set_network_time(now, 0, x.crystals[0].read(x.now));
+    x.run_for(1s);
+    const auto there = x.clocks[1].time().network_time(x.crystals[1].read(x.now));
+    REQUIRE(there);
+    CHECK(std::chrono::abs(*there - (now + 1s)) < 1ms);
+  }
+}
+
+TEST_CASE("a network time that is none is not taken", "[network][CLK-08]") {
+  using limits = std::numeric_limits<std::int64_t>;
+  const microseconds end = in_us(network_time_end);
+  for (const auto ahead : {end, -end, microseconds(limits::max()), microseconds(limits::min())}) {
+    CAPTURE(ahead.count());
+    line x(2, 0);
+    x.run_for(4s);
+    auto stamp = x.clocks[0].stamp(x.crystals[0].read(x.now));
+    REQUIRE(stamp);
+    ++stamp->sequence;
+    stamp->network = network_line{ahead, 0};
+    const auto sfd = x.crystals[1].read(x.now);
+    CHECK(is_news(x.clocks[1].on_stamp(*stamp, sfd)));
+    CHECK(x.clocks[1].time().synchronised());
+    CHECK_FALSE(x.clocks[1].time().network_time(sfd));
+  }
 }
 
 TEST_CASE("own time and island time are inverse to each other", "[network][CLK-01]") {

@@ -17,6 +17,9 @@ TEST_CASE("every event between sink and gateway survives the line", "[network][D
       {time_answer{0x0102, std::chrono::microseconds(0x0304050607),
                    std::chrono::microseconds(0x08090a0b)},
        "070102000000030405060708090a0b"},
+      {time_answer{0x0102, // the last microsecond of 2149
+                   std::chrono::microseconds(0x142e2f9efdffff), std::chrono::microseconds(1)},
+       "07010200142e2f9efdffff00000001"},
   };
   for (const auto& [event, octets] : rows) {
     CHECK(to_hex(encode(event)) == octets);
@@ -51,6 +54,7 @@ TEST_CASE("events that make no sense are refused", "[network]") {
   CHECK(decode_sink_event(*from_hex("0400")).error() == errc::truncated);
   CHECK(decode_sink_event(*from_hex("06010200")).error() == errc::truncated);
   CHECK(decode_sink_event(*from_hex("0601020000000000000001")).error() == errc::bad_value);
-  CHECK(decode_sink_event(*from_hex("0701020010000000000000")).error() == errc::bad_value);
+  CHECK(decode_sink_event(*from_hex("07010200142e2f9efe000000000000")).error() == errc::bad_value);
+  CHECK(decode_sink_event(*from_hex("070102800000000000000000000000")).error() == errc::bad_value);
   CHECK(decode_sink_event(*from_hex("07010200000003040506070000000008")).error() == errc::too_long);
 }

@@ -73,12 +73,64 @@ TEST_CASE("a message from one host to another has arrived", "[report][GEN-05]") 
   sent.offered = sent.unreliable_sent = 5;
   auto& account = kitchen.counters.accounts[{house_fan, "message"}];
   account.sent = account.handed_over = 5;
+  account.handed_lately = 1;
   bedroom.counters.accounts[{house_fan, "message"}].came_over = 4;
   const auto x = merged_of({{"a", {{0s, kitchen, true}}}, {"b", {{0s, bedroom, true}}}});
   CHECK(only_mote(x, 0).messages.arrived == 4);
   CHECK(only_mote(x, 0).messages.lost.empty());
   CHECK(only_mote(x, 0).messages.in_transit == 1);
   CHECK(x.violations.empty());
+}
+
+TEST_CASE("what did not arrive on another host is lost, unless it may be on its way",
+          "[report][GEN-05]") {
+  auto kitchen = part_with(house_fan, "kitchen");
+  auto bedroom = part_with(pager, "bedroom");
+  auto& sent = kitchen.counters.messages[house_fan];
+  sent.offered = sent.unreliable_sent = 60;
+  auto& account = kitchen.counters.accounts[{house_fan, "message"}];
+  account.sent = 60;
+  account.arrived = 5; // in the own island
+  account.lost["gave_up"] = 3;
+  account.handed_over = 51; // and one is still in transit here
+  account.handed_lately = 6;
+  const auto outcome = [&](std::uint64_t came_over, bool all_reported) {
+    bedroom.counters.accounts[{house_fan, "message"}].came_over = came_over;
+    return merged_of({{"a", {{0s, kitchen, true}}}, {"b", {{0s, bedroom, all_reported}}}});
+  };
+  for (const std::uint64_t came_over : {0, 20, 44, 45, 46, 50, 51, 99}) {
+    CAPTURE(came_over);
+    const auto x = outcome(came_over, true);
+    const auto messages = only_mote(x, 0).messages;
+    const auto arrived = std::min<std::uint64_t>(came_over, 51);
+    const auto on_their_way = std::min<std::uint64_t>(51 - arrived, 6);
+    const auto lost = 51 - arrived - on_their_way;
+    CHECK(messages.arrived == 5 + arrived);
+    CHECK(messages.in_transit == 1 + on_their_way);
+    CHECK(messages.lost.contains("other_host") == (lost > 0));
+    CHECK(total(messages.lost) == 3 + lost);
+    std::uint64_t placed = 0;
+    for (const auto& each : x.losses)
+      placed += each.cause == "other_host" ? each.count : 0;
+    CHECK(placed == lost);
+  }
+  const auto x = outcome(20, false); // what the other host has received since is not known
+  CHECK(only_mote(x, 0).messages.in_transit == 1 + 31);
+  CHECK(only_mote(x, 0).messages.lost == cause_counts{{"gave_up", 3}});
+}
+
+TEST_CASE("a message is on its way when its life has ended for as long as others last",
+          "[report][GEN-05]") {
+  auto before = part_with(house_fan, "kitchen");
+  before.counters.messages[house_fan].offered = 5;
+  auto& account = before.counters.accounts[{house_fan, "message"}];
+  account.sent = account.handed_over = account.handed_lately = 5;
+  const auto after = part_with(house_fan, "kitchen");
+  const auto bedroom = part_with(pager, "bedroom");
+  const auto x =
+      merged_of({{"a", {{0s, before, false}, {100s, after, true}}}, {"b", {{0s, bedroom, true}}}});
+  CHECK(only_mote(x, 0).messages.lost == cause_counts{{"other_host", 5}});
+  CHECK(only_mote(x, 0).messages.in_transit == 0);
 }
 
 TEST_CASE("a stream from one host to another is whole", "[report][GEN-05]") {

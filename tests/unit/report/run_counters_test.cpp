@@ -217,6 +217,18 @@ TEST_CASE("what is older than half a minute is no more in flight", "[report][run
   CHECK(of(all).streams[0].missing == 40);
 }
 
+TEST_CASE("what was written to a reader that has ended is in flight for half a minute",
+          "[report][run_counters]") {
+  run_counters all;
+  all.add({"kitchen/fan", "stream_writer", {}}, 1, {}, {writer(80, 0, 86'000)}); // and gives up
+  all.add(reader_figures(60), 1, {}, {reader(60, 60'000)});
+  CHECK(of(all, 91s).streams[0].open == 20);
+  CHECK(of(all, 91s).streams[0].missing == 0);
+  CHECK(of(all, 92s).streams[0].open == 0);
+  CHECK(of(all, 92s).streams[0].missing == 20);
+  CHECK(*of(all, 40min).streams[0].delivery() == Approx(60.0 / 80));
+}
+
 TEST_CASE("a reader whose writer is nobody of this run goes by its own clock",
           "[report][run_counters]") {
   run_counters all;

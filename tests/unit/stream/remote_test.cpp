@@ -210,19 +210,68 @@ TEST_CASE("records longer than a buffer are refused at the write end and dropped
   CHECK(events<read_done>(world, reader_node).at(0).content == bytes(4));
 }
 
-TEST_CASE("records that nobody has opened for are counted", "[stream]") {
+namespace {
+
+/// Writes records of one octet, and what a reader gets that opens after them.
+std::vector<bytes> read_late(stream_fixture& world, descriptor writer, unsigned written) {
+  for (unsigned i = 1; i <= written; ++i) {
+    const bytes record{static_cast<std::uint8_t>(i)};
+    world.take(writer_node, world.at(writer_node).write(writer, record));
+    world.run_for(100ms);
+  }
+  const auto reader = open_reader(world);
+  std::vector<bytes> got;
+  for (;;) {
+    const auto before = events<read_done>(world, reader_node).size();
+    world.take(reader_node, world.at(reader_node).read(reader, 10));
+    const auto all = events<read_done>(world, reader_node);
+    if (all.size() == before)
+      return got;
+    got.push_back(all.back().content);
+  }
+}
+
+} // namespace
+
+TEST_CASE("records that come before the reader has opened are read when it has",
+          "[stream][STR-13][STR-14]") {
+  stream_fixture world(2);
+  const auto writer = open_writer(world);
+  world.run_for(1s);
+  CHECK(read_late(world, writer, 3) == std::vector<bytes>{{1}, {2}, {3}});
+  CHECK(world.at(reader_node).counters().unclaimed == 0);
+  CHECK(world.at(reader_node).counters().lost == 0);
+  CHECK(world.at(reader_node).counters().resumed == 0);
+}
+
+TEST_CASE("of records that come before the reader has opened the newest are kept", "[stream]") {
+  static constexpr unsigned kept = 102 / 2; // an octet each, and its length
+  const auto written = GENERATE(as<unsigned>(), kept - 1, kept, kept + 1, 3 * kept);
+  stream_fixture world(2);
+  const auto writer = open_writer(world);
+  world.run_for(1s);
+  const auto got = read_late(world, writer, written);
+  REQUIRE(got.size() == std::min(written, kept));
+  CHECK(got.front() == bytes{static_cast<std::uint8_t>(written - got.size() + 1)});
+  CHECK(got.back() == bytes{static_cast<std::uint8_t>(written)});
+  CHECK(world.at(reader_node).counters().unclaimed == written - got.size());
+  CHECK(world.at(reader_node).counters().lost == 0);
+}
+
+TEST_CASE("records that nobody opens for are counted", "[stream]") {
+  const auto end = GENERATE(as<std::string>(), "too late", "the channel breaks");
+  CAPTURE(end);
   stream_fixture world(2);
   const auto writer = open_writer(world);
   world.run_for(1s);
   world.take(writer_node, world.at(writer_node).write(writer, bytes{1}));
   world.run_for(1s);
+  CHECK(world.at(reader_node).counters().unclaimed == 0);
+  if (end == "the channel breaks")
+    world.cut(1s);
+  world.run_for(3min);
   CHECK(world.at(reader_node).counters().unclaimed == 1);
-  const auto reader = open_reader(world);
-  world.take(writer_node, world.at(writer_node).write(writer, bytes{2}));
-  world.run_for(1s);
-  world.take(reader_node, world.at(reader_node).read(reader, 10));
-  CHECK(events<read_done>(world, reader_node).at(0).content == bytes{2});
-  CHECK(world.at(reader_node).counters().lost == 0);
+  CHECK(world.at(reader_node).early_channels() == 0);
 }
 
 TEST_CASE("SS_OPEN is repeated until it is acknowledged", "[stream][STR-13]") {
