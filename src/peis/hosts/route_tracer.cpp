@@ -20,7 +20,10 @@ route_tracer::route_tracer(own_peer& own, link_table& links, overlay& routes,
       probes_(own.config.tables.probes, own.config.probe_timeout) {}
 
 void route_tracer::send(peer_id destination) {
-  if (const auto hop = overlay_.next_hop(destination))
+  auto hop = overlay_.next_hop(destination);
+  if (!hop)
+    hop = overlay_.routes().doubtful_way(destination);
+  if (hop)
     sender_.send_to_host(destination, *hop, lane::high, port::trace,
                          encode(trace_message{{own_.self.id}}), own_origin);
 }

@@ -42,6 +42,8 @@ public:
   void on_period(const occasion& x);     ///< if one is over
   /// The route to this host leads nowhere.
   void disprove(peer_id host, const occasion& x);
+  /// A package of this host has come.
+  void on_sign_of_life(peer_id host, const occasion& x);
   /// A marked host to which no route is left is not waited for.
   void remove_lost(const occasion& x);
   [[nodiscard]] std::optional<instant> loss_deadline() const;
