@@ -146,7 +146,9 @@ void routing_exchange::send_to(connection& to, link_id origin) {
 /// Those of links that have ended meanwhile are not needed any more.
 void routing_exchange::drain(link_id link, instant until) {
   std::erase_if(drains_, [this](const auto& x) { return !links_.contains(x.first); });
-  drains_[link] = {until, overlay_.routes().snapshot()};
+  auto frozen = overlay_.routes().table_for(own_origin, connections_unknown);
+  std::ranges::sort(frozen, {}, &routing_entry::id);
+  drains_[link] = {until, std::move(frozen)};
 }
 
 std::optional<instant> routing_exchange::drained_at(link_id link) const {

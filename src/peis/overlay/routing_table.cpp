@@ -432,13 +432,4 @@ std::vector<routing_entry> routing_table::table_for(link_id link, std::uint8_t c
   return entries;
 }
 
-std::vector<routing_entry> routing_table::snapshot() const {
-  std::vector<routing_entry> entries{{self_, seqno_, magic_, 0, connections_unknown}};
-  entries.reserve(routes_.size() + 1);
-  for (const auto& [host, known] : routes_)
-    entries.push_back({host, known.seqno, known.magic, known.hops, known.connections});
-  std::ranges::sort(entries, {}, &routing_entry::id);
-  return entries;
-}
-
 } // namespace rubicon::peis

@@ -143,9 +143,6 @@ public:
   /// handles an absent entry as it handles hops 255).
   [[nodiscard]] std::vector<routing_entry> table_for(link_id link, std::uint8_t connections) const;
 
-  /// All routes, ascending by host, ourselves included.
-  [[nodiscard]] std::vector<routing_entry> snapshot() const;
-
 private:
   struct burial {
     std::int32_t magic;
