@@ -76,6 +76,7 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
 
   // Both are sorted: one walk finds new hosts, other routes, and routes that are announced no more.
   routing_changes changes;
+  link_table added;
   auto room = room_for(link);
   auto known = routes_.begin();
   const auto pass = [&](peer_id until) {
@@ -90,7 +91,8 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
   for (const auto& [host, offered] : table) {
     pass(host);
     if (is_in_doubt(host, offered)) {
-      unsound_.insert(host);
+      if (offered.news == now)
+        unsound_.insert(host);
       continue; // and its present route, if any, is one to another incarnation
     }
     if (known == routes_.end() || known->first != host) {
@@ -99,7 +101,7 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
         continue;
       }
       --room;
-      routes_.emplace_hint(known, host, offered);
+      added.emplace_back(host, offered);
       end_doubt(host, offered);
       changes.push_back({host, routing_change::kind::appeared});
     } else {
@@ -108,6 +110,8 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
     }
   }
   pass(peer_id{std::numeric_limits<std::int32_t>::max()});
+  for (const auto& [host, offered] : added)
+    routes_.emplace(host, offered);
   return changes;
 }
 
@@ -306,9 +310,17 @@ routing_changes routing_table::on_sign_of_life(peer_id host) {
   return {{host, routing_change::kind::appeared}};
 }
 
-std::optional<link_id> routing_table::doubtful_way(peer_id host) const {
-  const auto* best = best_offer(host, std::nullopt);
-  return best != nullptr && is_in_doubt(host, *best) ? best->via : std::nullopt;
+std::vector<link_id> routing_table::offers_of(peer_id host) const {
+  std::vector<std::pair<std::int64_t, link_id>> found;
+  for (const auto& [link, table] : by_link_) {
+    if (const auto* offered = offer_in(table, host))
+      found.emplace_back(-offered->merit(), link);
+  }
+  std::ranges::sort(found);
+  std::vector<link_id> links;
+  for (const auto& [merit, link] : found)
+    links.push_back(link);
+  return links;
 }
 
 /// The neighbour itself needs no proof.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/address.hpp"
+#include "core/small_map.hpp"
 #include "core/time.hpp"
 #include "peis/wire/routing_page.hpp"
 #include "peis/wire/types.hpp"
@@ -101,8 +102,8 @@ public:
   /// A package of the host has come: what is sent of it is in doubt no more.
   [[nodiscard]] routing_changes on_sign_of_life(peer_id host);
 
-  /// Over which link a host is offered whose routes are in doubt.
-  [[nodiscard]] std::optional<link_id> doubtful_way(peer_id host) const;
+  /// The links over which a host is offered, in doubt or not, the best first.
+  [[nodiscard]] std::vector<link_id> offers_of(peer_id host) const;
 
   /// One period has passed. @returns unmarked hosts lost for too long, which the owner then erases
   [[nodiscard]] std::vector<peer_id> age(instant now);
@@ -126,7 +127,7 @@ public:
 
   [[nodiscard]] const route* find(peer_id host) const;
   [[nodiscard]] std::optional<link_id> way_to(peer_id host) const;
-  [[nodiscard]] const std::map<peer_id, route>& routes() const { return routes_; }
+  [[nodiscard]] const small_map<peer_id, route>& routes() const { return routes_; }
 
   /// The largest growth of the metric to any host if the link is closed: V(c) of D1.1 3.1.6.4 in
   /// metric. Unset if a host can be reached over this link alone.
@@ -179,7 +180,7 @@ private:
   std::vector<peer_id> evicted_;
   std::int32_t seqno_ = 0;
   bool overtaken_ = false;
-  std::map<peer_id, route> routes_;
+  small_map<peer_id, route> routes_; ///< walked for each table that comes or leaves
   std::map<link_id, link_table> by_link_;
   std::map<peer_id, burial> graves_;
   std::set<peer_id> marked_;

@@ -14,6 +14,7 @@ constexpr duration merge_soon = 500ms; // after an attempt, while others wait
 constexpr duration news_jitter = 50ms; // peers that start together do not all call at once
 constexpr duration young_for = 10s;    // a link is not judged before (peis-wire.md 14)
 constexpr duration merge_gap = 50us;   // for each host that must be looked at
+constexpr duration sign_wait = 5s;     // for a sign of life, before another way is looked for
 constexpr unsigned host_wait_max = 30; // seconds between two tries of a host, at most
 constexpr unsigned lost_wait_max = 2;  // the same, of one to which there is no route
 constexpr duration judging_gap = 1s;
@@ -85,11 +86,16 @@ void matchmaker::merge_clusters(const occasion& x) {
         of_.contacts.note_foreign_run(record.id))
       foreign.push_back(&record);
   };
+  // One that is offered, but has yet to give a sign of life, may have a route in a moment.
+  const auto awaited = [&](peer_id id, instant lost) {
+    return x.now < lost + sign_wait && !of_.routes.hops_to(id).empty();
+  };
   for (const auto& [id, each] : of_.hosts.all())
-    if (!each.lost || *each.lost + host_entry::reroute_time <= x.now)
+    if (!each.lost || (*each.lost + host_entry::reroute_time <= x.now && !awaited(id, *each.lost)))
       consider(each.record, each.lost.has_value() || each.forgotten);
   for (const auto& [id, each] : of_.hosts.former())
-    consider(each.record, true);
+    if (!awaited(id, each.lost))
+      consider(each.record, true);
   if (foreign.empty())
     return;
   const auto& chosen = *foreign[of_.own.rng.below(foreign.size())];

@@ -229,8 +229,8 @@ void p2p::parts::tend_links(const occasion& x) {
 /// Signs of life, proof of routes, the clock.
 void p2p::parts::tend_hosts(const occasion& x) {
   link_layer.beats.on_time(x.now);
-  for (const auto host : host_layer.tracer.probe_due(x.now))
-    changes.updates.disprove(host, x);
+  for (const auto& each : host_layer.tracer.probe_due(x.now))
+    changes.updates.disprove(each, x);
   host_layer.tracer.end_late_traces(x);
   if (known.own.left)
     return;

@@ -54,14 +54,13 @@ void routing_updates::on_period(const occasion& x) {
   on_.inquiry.review(x.now);
 }
 
-void routing_updates::disprove(peer_id host, const occasion& x) {
-  const auto* record = on_.hosts.record_of(host);
+void routing_updates::disprove(const way_disproved& x, const occasion& at) {
+  const auto* record = on_.hosts.record_of(x.host);
   const bool marked = record != nullptr && record->marked;
   const std::chrono::seconds burial(marked ? probe_burial : original_burial);
-  const auto changes =
-      on_.routes.routes().unanswered(host, x.now - on_.own.config.probe_timeout, x.now + burial);
+  const auto changes = on_.routes.routes().unanswered(x.host, x.since, at.now + burial);
   on_.own.counters.ways_disproved += changes.size();
-  on_.presence.apply(changes, x);
+  on_.presence.apply(changes, at);
 }
 
 void routing_updates::on_sign_of_life(peer_id host, const occasion& x) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "peis/hosts/clock_service.hpp"
+#include "peis/hosts/route_tracer.hpp"
 #include "peis/hosts/routing_exchange.hpp"
 #include "peis/links/announcer.hpp"
 #include "peis/links/contact_history.hpp"
@@ -278,6 +279,38 @@ TEST_CASE("what comes over a link that is to be closed is no news, so that its e
     CHECK(!x.learn(1, {{near_peer, 3, 7, 0, 1}}).empty());
     CHECK(x.routes.routes().way_to(far_peer) == link_id{2});
   }
+}
+
+TEST_CASE("a host in doubt is asked over each link that it is offered over, the best first",
+          "[peis][RTE-07]") {
+  two_routes x;
+  route_tracer tracer(x.own, x.links, x.routes, x.sender);
+  auto& routes = x.routes.routes();
+  routes.mark(far_peer);
+  static_cast<void>(x.learn(2, {{x.other_peer, 2, 9, 0, 1}}));
+  static_cast<void>(x.learn(1, {{near_peer, 2, 7, 0, 1}}));
+  REQUIRE(!x.routes.reachable(far_peer));
+  static_cast<void>(x.learn(1, {{near_peer, 3, 7, 0, 1}, {far_peer, 12, 8, 2, 1}}));
+  static_cast<void>(x.learn(2, {{x.other_peer, 3, 9, 0, 1}, {far_peer, 12, 8, 4, 1}}));
+  REQUIRE(routes.offers_of(far_peer).size() == 2);
+  REQUIRE(!x.routes.reachable(far_peer));
+  tracer.probe_unsound(opened_at);
+  const auto asked_over = [&x](std::uint64_t link) {
+    std::size_t packages = 0;
+    while (x.links.at(link_id{link}).out.queue.pop())
+      ++packages;
+    return packages;
+  };
+  for (const std::uint64_t expected : {1U, 2U, 1U, 2U}) {
+    CHECK(tracer.probe_due(*tracer.deadline()).empty());
+    CHECK(asked_over(expected) == 1);
+    CHECK(asked_over(3 - expected) == 0);
+  }
+  std::vector<way_disproved> silent;
+  while (tracer.deadline())
+    silent = tracer.probe_due(*tracer.deadline());
+  REQUIRE(silent.size() == 1);
+  CHECK(silent[0].host == far_peer);
 }
 
 TEST_CASE("a table after a change that no other has to know waits longer in a large network",

@@ -91,8 +91,10 @@ TEST_CASE("a host of our kind that was lost is back when it gives a sign of life
   CHECK(kinds(routes.on_table(left, 1, {}, instant{})) == "l");
   CHECK(kinds(routes.on_table(right, 1, newer, instant{})).empty()); // it may be dead all the same
   CHECK(!routes.way_to(far));
-  CHECK(routes.doubtful_way(far) == right);
+  CHECK(routes.offers_of(far) == std::vector{right});
   CHECK(routes.take_unsound().contains(far));
+  CHECK(kinds(routes.on_table(right, 1, newer, instant{1s})).empty());
+  CHECK(routes.take_unsound().empty()); // it is being asked
   SECTION("it does") {
     CHECK(kinds(routes.on_sign_of_life(far)) == "a");
     CHECK(routes.way_to(far) == right);
@@ -102,13 +104,13 @@ TEST_CASE("a host of our kind that was lost is back when it gives a sign of life
   }
   SECTION("it does not") {
     CHECK(routes.unanswered(far, instant{}, instant{30s}).empty());
-    CHECK(!routes.doubtful_way(far));
+    CHECK(routes.offers_of(far).empty());
     CHECK(routes.on_sign_of_life(far).empty());
     CHECK(routes.on_table(left, 1, newer, instant{}).empty());
-    CHECK(!routes.doubtful_way(far)); // the same again is no news
+    CHECK(routes.offers_of(far).empty()); // the same again is no news
     const routing_entry newest[] = {entry_of_far(13, 4)};
     CHECK(routes.on_table(left, 1, newest, instant{}).empty());
-    CHECK(routes.doubtful_way(far) == left);
+    CHECK(routes.offers_of(far) == std::vector{left});
   }
   SECTION("it is a neighbour") {
     const routing_entry near[] = {entry_of_far(10, 0)};
@@ -129,7 +131,7 @@ TEST_CASE("a host that did not answer is lost since it was asked, and back with 
   CHECK(kinds(routes.unanswered(far, instant{2s}, instant{40s})) == "l");
   CHECK(routes.first_loss() == instant{2s});
   CHECK(routes.on_table(right, 1, entries, instant{5s}).empty()); // as old
-  CHECK(!routes.doubtful_way(far));
+  CHECK(routes.offers_of(far).empty());
   const routing_entry newer[] = {entry_of_far(11, 4)};
   CHECK(routes.on_table(right, 1, newer, instant{5s}).empty());
   CHECK(kinds(routes.on_sign_of_life(far)) == "a");
