@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "actors/base/timer.hpp"
 #include "actors/messages/links.hpp"
 #include "actors/messages/supervision.hpp"
 
@@ -77,7 +78,7 @@ peis_lan_actor::behavior_type peis_lan(lan_pointer self, const config::peis_desc
                                               peis::attempt_id{x.attempt}, x.to));
       },
       [self](const lan_announce& x) {
-        perform(self, self->state.lan.announce(peis::station_id{x.station}, x.octets));
+        perform(self, self->state.lan.announce(peis::station_id{x.station}, x.octets, now(self)));
       },
       [self](const lan_link_ended& x) { self->state.lan.end_link(peis::link_id{x.link}); },
       [self](const set_lan_power& x) {

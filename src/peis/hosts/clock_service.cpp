@@ -1,6 +1,7 @@
 #include "peis/hosts/clock_service.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace rubicon::peis {
 
@@ -28,6 +29,7 @@ void clock_service::on_message(link_id from, const package_header& header, byte_
   const auto last_link = links_.at(from).signs.one_way.value_or(0s);
   clock_.on_message(*message, header.source, marked ? message->in_flight + last_link : 0s, marked,
                     now);
+  broadcasts_ = broadcasts_ && clock_.deadline() <= now + own_.config.clock_period;
 }
 
 /// What follows the message goes on as it is.
@@ -44,6 +46,13 @@ bytes clock_service::relayed(link_id from, const package_header& header, byte_vi
 }
 
 void clock_service::on_time(instant now) {
+  if (clock_.deadline() > now)
+    return;
+  const bool begins = !std::exchange(broadcasts_, true);
+  if (begins && hosts_.all().size() >= hosts_many) {
+    clock_.put_off(now + own_.rng.between(duration(0), own_.config.clock_period));
+    return;
+  }
   if (const auto message = clock_.on_time(now); message && links_.size() > 0)
     static_cast<void>(sender_.broadcast(port::clock, encode(*message), own_origin));
 }

@@ -15,7 +15,8 @@
 namespace rubicon::peis {
 
 /// Sends the broadcasts of network_clock. Marked peers add to one that passes how long it was on
-/// its last link.
+/// its last link. In a large network the first of those that would begin at once quiets most
+/// others.
 class clock_service {
 public:
   /// All outlive this.
@@ -39,6 +40,7 @@ private:
   const host_table& hosts_;
   package_sender& sender_;
   network_clock clock_;
+  bool broadcasts_ = false; ///< since it was last quiet
 };
 
 } // namespace rubicon::peis

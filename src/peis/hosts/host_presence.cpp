@@ -16,7 +16,9 @@ constexpr duration given_up_after = 15s;
 
 /// Only reachability spreads at once: a mere change of preference would echo round every cycle.
 void host_presence::apply(const routing_changes& changes, const occasion& x) {
+  bool urgent = false;
   for (const auto& [host, what] : changes) {
+    urgent = urgent || what != routing_change::kind::moved || on_.routes.routes().is_unsound(host);
     if (what == routing_change::kind::lost) {
       on_.inquiry.forget(host);
       on_.routes.forget_source(host);
@@ -28,8 +30,10 @@ void host_presence::apply(const routing_changes& changes, const occasion& x) {
       on_.inquiry.note_stranger(host, x.now);
     }
   }
-  if (!changes.empty())
+  if (urgent)
     on_.exchange.trigger(x.now);
+  else if (!changes.empty())
+    on_.exchange.trigger_calmly(x.now);
   on_.tracer.probe_unsound(x.now);
   update_cluster(x);
 }

@@ -19,15 +19,17 @@ route_tracer::route_tracer(own_peer& own, link_table& links, overlay& routes,
     : own_(own), links_(links), overlay_(routes), sender_(sender),
       probes_(own.config.tables.probes, own.config.probe_timeout) {}
 
-void route_tracer::send(peer_id destination) {
-  if (const auto hop = overlay_.next_hop(destination))
-    sender_.send_to_host(destination, *hop, lane::high, port::trace,
+/// Each attempt takes another way: one of them may have lost it.
+void route_tracer::send(peer_id destination, std::size_t attempt) {
+  const auto hops = overlay_.hops_to(destination);
+  if (!hops.empty())
+    sender_.send_to_host(destination, hops[attempt % hops.size()], lane::high, port::trace,
                          encode(trace_message{{own_.self.id}}), own_origin);
 }
 
 void route_tracer::trace(peer_id destination, request_id id, instant now) {
   traces_.push_back({destination, id, now + trace_timeout});
-  send(destination);
+  send(destination, 0);
 }
 
 void route_tracer::end_late_traces(const occasion& x) {
@@ -40,17 +42,21 @@ void route_tracer::end_late_traces(const occasion& x) {
 }
 
 void route_tracer::probe_unsound(instant now) {
-  for (const auto host : overlay_.routes().take_unsound())
-    probes_.begin(host, now);
+  for (const auto host : overlay_.routes().take_unsound()) {
+    if (overlay_.reachable(host))
+      probes_.begin(host, now);
+    else
+      probes_.extend(host, now); // what has just come must not end with what was asked before
+  }
 }
 
-std::vector<peer_id> route_tracer::probe_due(instant now) {
-  std::vector<peer_id> silent;
+std::vector<way_disproved> route_tracer::probe_due(instant now) {
+  std::vector<way_disproved> silent;
   for (const auto& each : probes_.on_time(now)) {
     if (const auto* next = std::get_if<probe_host>(&each))
-      send(next->host);
+      send(next->host, next->attempt);
     else
-      silent.push_back(std::get<way_disproved>(each).host);
+      silent.push_back(std::get<way_disproved>(each));
   }
   return silent;
 }

@@ -31,7 +31,7 @@ public:
   void probe_unsound(instant now);
   void end_probe(peer_id host) { probes_.end(host); } ///< it lives, or is of no interest any more
   /// @returns hosts that gave no sign of life: the routes to them lead nowhere
-  [[nodiscard]] std::vector<peer_id> probe_due(instant now);
+  [[nodiscard]] std::vector<way_disproved> probe_due(instant now);
 
   [[nodiscard]] std::optional<instant> deadline() const;
 
@@ -42,7 +42,7 @@ private:
     instant deadline;
   };
 
-  void send(peer_id destination);
+  void send(peer_id destination, std::size_t attempt);
 
   own_peer& own_;
   link_table& links_;

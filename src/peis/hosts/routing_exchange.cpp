@@ -12,6 +12,15 @@ namespace {
 constexpr std::size_t entries_per_work = 8;
 constexpr std::size_t connections_max = 254; // 255 means unknown
 
+/// Numbers newer than those of the frozen table stay as they are there.
+void hold_back(std::vector<routing_entry>& entries, const std::vector<routing_entry>& frozen) {
+  for (auto& x : entries) {
+    const auto old = std::ranges::lower_bound(frozen, x.id, {}, &routing_entry::id);
+    if (old != frozen.end() && old->id == x.id && old->magic == x.magic)
+      x.seqno = std::min(x.seqno, old->seqno);
+  }
+}
+
 } // namespace
 
 routing_exchange::routing_exchange(own_peer& own, link_table& links, overlay& known,
@@ -83,7 +92,9 @@ bool routing_exchange::may_apply(link_id link, instant now) {
 /// What a table costs is not for its neighbour alone to pay: it may send the same, in which all
 /// changes, again and again. The newest is applied when its time has come.
 routing_changes routing_exchange::apply(connection& from, instant now) {
-  const auto entries = std::move(*std::exchange(from.routes.table, std::nullopt));
+  auto entries = std::move(*std::exchange(from.routes.table, std::nullopt));
+  if (const auto drained = drains_.find(from.id); drained != drains_.end())
+    hold_back(entries, drained->second.frozen);
   from.routes.table_rate.take(1, now);
   auto changes = overlay_.routes().on_table(from.id, from.cost, entries, now);
   own_.counters.routes_refused += overlay_.routes().take_refused();
@@ -94,8 +105,14 @@ routing_changes routing_exchange::apply(connection& from, instant now) {
 }
 
 void routing_exchange::trigger(instant now) {
-  if (!next_trigger_)
-    next_trigger_ = std::max(now, last_trigger_ + own_.config.trigger_gap);
+  next_trigger_ = earliest(next_trigger_, std::max(now, last_trigger_ + own_.config.trigger_gap));
+}
+
+void routing_exchange::trigger_calmly(instant now) {
+  const auto hosts = overlay_.routes().routes().size();
+  const auto gaps = static_cast<duration::rep>(std::max<std::size_t>(1, hosts / (hosts_many / 2)));
+  next_trigger_ =
+      earliest(next_trigger_, std::max(now, last_trigger_ + gaps * own_.config.trigger_gap));
 }
 
 void routing_exchange::send_due(const occasion& x) {
@@ -118,9 +135,25 @@ void routing_exchange::send(const occasion& x) {
 void routing_exchange::send_to(connection& to, link_id origin) {
   ++own_.counters.routing_sendings;
   const auto connections = static_cast<std::uint8_t>(std::min(links_.open(), connections_max));
-  const auto entries = overlay_.routes().table_for(to.id, connections);
-  for (const auto& page : paginate(entries, entries.front().seqno))
+  auto entries = overlay_.routes().table_for(to.id, connections);
+  const auto number = entries.front().seqno;
+  if (const auto drained = drains_.find(to.id); drained != drains_.end())
+    hold_back(entries, drained->second.frozen);
+  for (const auto& page : paginate(entries, number))
     sender_.send_to_neighbour(to, port::routing, encode(page), origin);
+}
+
+/// Those of links that have ended meanwhile are not needed any more.
+void routing_exchange::drain(link_id link, instant until) {
+  std::erase_if(drains_, [this](const auto& x) { return !links_.contains(x.first); });
+  auto frozen = overlay_.routes().table_for(own_origin, connections_unknown);
+  std::ranges::sort(frozen, {}, &routing_entry::id);
+  drains_[link] = {until, std::move(frozen)};
+}
+
+std::optional<instant> routing_exchange::drained_at(link_id link) const {
+  const auto found = drains_.find(link);
+  return found == drains_.end() ? std::nullopt : std::optional(found->second.until);
 }
 
 void routing_exchange::begin_period(instant now) {

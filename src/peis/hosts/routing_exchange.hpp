@@ -1,6 +1,7 @@
 // Routing tables that neighbours send, and when ours is sent to them (peis-wire.md 9).
 #pragma once
 
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -32,10 +33,19 @@ public:
   [[nodiscard]] routing_changes apply(connection& from, instant now);
 
   void trigger(instant now); ///< our table is to be sent soon
+  /// The same, after a change that no other has to know of: the later, the more hosts there are.
+  void trigger_calmly(instant now);
   void cancel() { next_trigger_.reset(); }
   void send_due(const occasion& x);
   void send(const occasion& x); ///< to all neighbours
   void send_to(connection& to, link_id origin);
+
+  // A link that is to be closed is drained first: numbers of routes stay over it as they were, so
+  // that newer ones over other links take their place, and its end is no news.
+  void drain(link_id link, instant until); ///< its neighbour is of our kind
+  void end_drain(link_id link) { drains_.erase(link); }
+  void end_drains() { drains_.clear(); }
+  [[nodiscard]] std::optional<instant> drained_at(link_id link) const; ///< unset: it is not drained
 
   [[nodiscard]] bool is_period_over(instant now) const { return now >= next_period_; }
   void begin_period(instant now);
@@ -59,6 +69,11 @@ private:
   instant next_period_;
   std::optional<instant> next_trigger_;
   instant last_trigger_;
+  struct draining {
+    instant until;
+    std::vector<routing_entry> frozen; ///< ascending by id
+  };
+  std::map<link_id, draining> drains_; ///< of open links
 };
 
 } // namespace rubicon::peis

@@ -40,4 +40,13 @@ double traffic_meter::octets_per_second(peer_id to) const {
   return x == hosts_.end() ? 0 : x->second.per_second;
 }
 
+std::vector<peer_id> traffic_meter::above(double octets_per_second) const {
+  std::vector<peer_id> hosts;
+  for (const auto& [host, x] : hosts_) {
+    if (x.per_second > octets_per_second)
+      hosts.push_back(host);
+  }
+  return hosts;
+}
+
 } // namespace rubicon::peis

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <vector>
 
 #include "core/time.hpp"
 #include "peis/link/outgoing_queue.hpp"
@@ -25,6 +26,9 @@ public:
   void measure(instant now);
 
   [[nodiscard]] double octets_per_second(peer_id to) const;
+
+  /// Hosts to which more than so many octets a second go, ascending.
+  [[nodiscard]] std::vector<peer_id> above(double octets_per_second) const;
 
   void forget(peer_id host) { hosts_.erase(host); }
 

@@ -8,8 +8,7 @@ namespace rubicon::peis {
 namespace {
 
 constexpr unsigned first_announcements = 3;
-constexpr unsigned quiet_periods = 3;        // after these without a better announcer we announce
-constexpr std::size_t hosts_per_period = 25; // of more, each announces less often
+constexpr unsigned quiet_periods = 3; // after these without a better announcer we announce
 constexpr std::size_t periods_max = 30;
 
 } // namespace
@@ -20,14 +19,18 @@ bool announcer::may_announce() const {
 
 duration announcer::period() {
   const auto periods =
-      std::clamp<std::size_t>(hosts_.all().size() / hosts_per_period, 1, periods_max);
+      std::clamp<std::size_t>(hosts_.all().size() / (hosts_many / 2), 1, periods_max);
   const auto mean = own_.config.connections.announce_period * static_cast<duration::rep>(periods);
   return periods == 1 ? mean : own_.rng.between(mean * 3 / 4, mean * 5 / 4); // not all at once
 }
 
 void announcer::announce_now(const occasion& x) {
-  if (may_announce() && (first_ < first_announcements || quiet_periods_ >= quiet_periods))
+  if (!may_announce() || (first_ >= first_announcements && quiet_periods_ < quiet_periods))
+    return;
+  if (hosts_.all().size() < hosts_many)
     announce(x.out);
+  else // with what else changes meanwhile
+    next_ = std::min(next_, x.now + own_.config.connections.announce_period);
 }
 
 void announcer::on_time(const occasion& x) {

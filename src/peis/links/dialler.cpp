@@ -148,8 +148,10 @@ void dialler::on_link_closed(link_id link, instant now) {
 void dialler::note_end(std::size_t standing, bool refused, bool lasted, instant now) {
   auto& x = standing_[standing];
   x.refusals = refused ? x.refusals + 1 : lasted ? 0 : x.refusals;
-  if (refused && x.refusals > 1)
-    x.next = now + contacts_.refused_wait(x.refusals - 2);
+  if (refused && x.refusals > 1) {
+    const auto wait = contacts_.refused_wait(x.refusals - 2);
+    x.next = now + own_.rng.between(wait * 3 / 4, wait * 5 / 4); // many are refused in one moment
+  }
 }
 
 void dialler::abandon() {

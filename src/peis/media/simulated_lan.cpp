@@ -5,7 +5,16 @@
 #include <optional>
 #include <utility>
 
+#include "peis/wire/announcement.hpp"
+
 namespace rubicon::peis {
+
+namespace {
+
+constexpr std::size_t stations_many = 50; // of so many each receives only what is new
+constexpr duration repeat_after = 30s;    // the longest period of announcements
+
+} // namespace
 
 bool simulated_lan::separates(const fault& x, peer_id a, peer_id b) {
   const auto group = [&x](peer_id id) {
@@ -64,7 +73,9 @@ simulated_lan::outputs simulated_lan::settle_links() {
 }
 
 void simulated_lan::join(station_id station, peer_id id, bool hears) {
-  stations_[station] = {id, hears, true, true};
+  stations_[station] = {id, hears};
+  for (auto& [number, x] : stations_)
+    std::erase(x.reached, station); // who comes has received nothing
 }
 
 simulated_lan::outputs simulated_lan::end(station_id station) {
@@ -102,19 +113,55 @@ simulated_lan::outputs simulated_lan::connect(station_id station, attempt_id att
           link_made{station, acceptor, link, link_role::initiator, attempt, condition}};
 }
 
-simulated_lan::outputs simulated_lan::announce(station_id station, const payload& octets) {
+/// Who has an announcement already needs it no more, unless something has changed since. Others of
+/// its computer count them.
+simulated_lan::outputs simulated_lan::announce(station_id station, const payload& octets,
+                                               instant now) {
   outputs out;
-  const auto from = stations_.find(station);
-  if (from == stations_.end())
+  const auto found = stations_.find(station);
+  if (found == stations_.end())
     return out;
+  auto& from = found->second;
+  const bool large = stations_.size() >= stations_many;
+  if (large)
+    note_announced(from, octets, now);
+  std::vector<station_id> reached;
   for (const auto& [number, other] : stations_) {
     if (number == station || !other.runs || !other.hears)
       continue;
-    const auto condition = condition_between(from->second, other);
-    if (!condition.cut && !rng_.chance(condition.loss))
-      out.emplace_back(announcement_heard{number, octets});
+    if (large && std::ranges::binary_search(from.reached, number) &&
+        other.computer != from.computer) {
+      reached.push_back(number);
+      continue;
+    }
+    const auto condition = condition_between(from, other);
+    if (condition.cut || rng_.chance(condition.loss))
+      continue;
+    out.emplace_back(announcement_heard{number, octets});
+    reached.push_back(number);
   }
+  if (large)
+    from.reached = std::move(reached);
   return out;
+}
+
+void simulated_lan::note_announced(process& from, const payload& octets, instant now) const {
+  const bool same = from.announced == octets;
+  if (same && now < from.since + repeat_after)
+    return;
+  from.since = now;
+  from.reached.clear();
+  if (same)
+    return;
+  from.announced = octets;
+  const auto x = decode_announcement(octets.view());
+  from.computer = x ? x->sender.host_name : std::string();
+}
+
+/// Peers may have lost each other.
+void simulated_lan::forget_announcements() {
+  for (auto& [number, x] : stations_)
+    x.reached.clear();
 }
 
 simulated_lan::outputs simulated_lan::set_power(station_id station, bool on) {
@@ -122,6 +169,7 @@ simulated_lan::outputs simulated_lan::set_power(station_id station, bool on) {
   if (found == stations_.end())
     return {};
   found->second.powered = on;
+  forget_announcements();
   return settle_links();
 }
 
@@ -132,11 +180,13 @@ simulated_lan::outputs simulated_lan::begin_fault(std::uint64_t name, const lan_
       begun.groups[id] = i;
   }
   faults_[name] = std::move(begun);
+  forget_announcements();
   return settle_links();
 }
 
 simulated_lan::outputs simulated_lan::end_fault(std::uint64_t name) {
   faults_.erase(name);
+  forget_announcements();
   return settle_links();
 }
 

@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <string>
 #include <variant>
 #include <vector>
 
 #include "core/bytes.hpp"
 #include "core/numbers/random.hpp"
+#include "core/time.hpp"
 #include "peis/media/simulated_media.hpp"
 
 namespace rubicon::peis {
@@ -59,7 +61,8 @@ public:
   [[nodiscard]] outputs connect(station_id station, attempt_id attempt, peer_id to);
 
   /// For all others that receive announcements.
-  [[nodiscard]] outputs announce(station_id station, const payload& octets);
+  /// In a large network one that has not changed arrives once in repeat_after.
+  [[nodiscard]] outputs announce(station_id station, const payload& octets, instant now);
 
   /// One end has closed a link, and notifies the other end itself.
   void end_link(link_id link) { links_.erase(link); }
@@ -78,6 +81,10 @@ private:
     bool hears = true;
     bool runs = true;
     bool powered = true;
+    payload announced{};               ///< last
+    std::string computer{};            ///< by that
+    instant since{};                   ///< when the first of those below received it
+    std::vector<station_id> reached{}; ///< who has it, ascending
   };
   struct connection {
     station_id initiator;
@@ -95,6 +102,8 @@ private:
   [[nodiscard]] bool can_refuse(const process& from, peer_id id) const;
   [[nodiscard]] bool settle(link_id number, connection& x, outputs& out) const;
   [[nodiscard]] outputs settle_links();
+  void forget_announcements();
+  void note_announced(process& from, const payload& octets, instant now) const;
 
   double loss_ = 0;
   random_stream rng_;

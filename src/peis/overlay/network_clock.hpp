@@ -1,6 +1,7 @@
 // The clock that all peers share (docs/peis-wire.md 12, CLK-06, CLK-07).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -61,6 +62,7 @@ public:
   /// The broadcast that is due.
   [[nodiscard]] std::optional<clock_message> on_time(instant now);
   [[nodiscard]] instant deadline() const { return next_; }
+  void put_off(instant until) { next_ = std::max(next_, until); }
 
   /// The local clock was set to another time: what others will see of us from now on. It is not
   /// set to a time before 1970, nor from network_time_end on.

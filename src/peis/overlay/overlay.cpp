@@ -11,6 +11,15 @@ std::optional<link_id> overlay::next_hop(peer_id destination) const {
   return direct ? direct : routes_.way_to(destination);
 }
 
+std::vector<link_id> overlay::hops_to(peer_id destination) const {
+  auto links = routes_.offers_of(destination);
+  if (const auto next = next_hop(destination)) {
+    std::erase(links, *next);
+    links.insert(links.begin(), *next);
+  }
+  return links;
+}
+
 std::optional<link_id> overlay::any_hop(peer_id destination) const {
   if (const auto hop = next_hop(destination))
     return hop;

@@ -24,6 +24,8 @@ public:
   /// routes to a host that has just come (P2P-09).
   [[nodiscard]] std::optional<link_id> any_hop(peer_id destination) const;
   [[nodiscard]] bool reachable(peer_id host) const { return next_hop(host).has_value(); }
+  /// The next hop, then all others that are offered, in doubt or not, the best first.
+  [[nodiscard]] std::vector<link_id> hops_to(peer_id destination) const;
 
   /// A package of that host came over this link.
   void note_source(peer_id source, link_id over);

@@ -19,6 +19,10 @@
 
 namespace rubicon::peis {
 
+/// In a network of so many hosts or more, each announces itself more rarely, and what can wait
+/// does.
+inline constexpr std::size_t hosts_many = 50;
+
 /// How many entries tables may have that others fill (docs/security.md).
 struct table_limits {
   std::size_t hosts = 4480;     ///< two routing tables of the greatest size

@@ -6,15 +6,23 @@ namespace rubicon::peis {
 
 namespace {
 
-constexpr duration probe_again = 600ms;
+constexpr duration probe_again = 200ms; // of many tries some arrive in spite of losses
 
 } // namespace
 
 void route_probes::begin(peer_id host, instant now) {
   if (probes_.size() >= hosts_max_)
     return;
-  if (probes_.try_emplace(host, probe{now + timeout_, now}).second)
+  if (probes_.try_emplace(host, probe{now, now + timeout_, now}).second)
     next_ = earliest(next_, now);
+}
+
+void route_probes::extend(peer_id host, instant now) {
+  const auto known = probes_.find(host);
+  if (known == probes_.end())
+    begin(host, now);
+  else
+    known->second.deadline = now + timeout_;
 }
 
 route_probes::outputs route_probes::on_time(instant now) {
@@ -25,11 +33,11 @@ route_probes::outputs route_probes::on_time(instant now) {
   outputs silent;
   for (auto& [host, x] : probes_) {
     if (x.deadline <= now) {
-      silent.emplace_back(way_disproved{host});
+      silent.emplace_back(way_disproved{host, x.since});
       continue;
     }
     if (x.next <= now) {
-      out.emplace_back(probe_host{host});
+      out.emplace_back(probe_host{host, x.attempts++});
       x.next = now + probe_again;
     }
     next_ = earliest(next_, std::min(x.next, x.deadline));

@@ -15,11 +15,13 @@ namespace rubicon::peis {
 /// A trace is to be sent to this host.
 struct probe_host {
   peer_id host;
+  std::size_t attempt; ///< from 0
 };
 
 /// It gave no sign of life: the route to it leads nowhere.
 struct way_disproved {
   peer_id host;
+  instant since; ///< the first trace
 };
 
 class route_probes {
@@ -32,7 +34,8 @@ public:
   route_probes(std::size_t hosts_max, duration timeout)
       : hosts_max_(hosts_max), timeout_(timeout) {}
 
-  void begin(peer_id host, instant now); ///< unless it is being probed
+  void begin(peer_id host, instant now);  ///< unless it is being probed
+  void extend(peer_id host, instant now); ///< the same; if it is, it has its whole time from now on
 
   /// It lives, or is of no interest any more.
   void end(peer_id host) { probes_.erase(host); }
@@ -43,8 +46,10 @@ public:
 
 private:
   struct probe {
+    instant since;
     instant deadline;
     instant next; ///< try
+    std::size_t attempts = 0;
   };
 
   std::size_t hosts_max_ = 0;

@@ -9,6 +9,7 @@ namespace rubicon::peis {
 namespace {
 
 constexpr std::size_t graves_max = 4096;
+constexpr duration doubt_time = 30s;
 constexpr std::uint8_t lost_first = 250;
 constexpr std::int32_t seqno_believed_max = 1 << 30; // 17 years of two sendings a second
 constexpr std::uint8_t lost_last = 253;              // after three periods (RTE-07)
@@ -75,23 +76,33 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
 
   // Both are sorted: one walk finds new hosts, other routes, and routes that are announced no more.
   routing_changes changes;
+  link_table added;
   auto room = room_for(link);
   auto known = routes_.begin();
   const auto pass = [&](peer_id until) {
     for (; known != routes_.end() && known->first < until; ++known) {
-      if (known->second.via == link)
-        lose(known->first, known->second, now, changes);
+      if (known->second.via != link)
+        continue;
+      lose(known->first, known->second, now, changes);
+      if (!known->second.lost() && marked_.contains(known->first))
+        unsound_.insert(known->first); // others may have yet to lose it as well
     }
   };
   for (const auto& [host, offered] : table) {
     pass(host);
+    if (is_in_doubt(host, offered)) {
+      if (offered.news == now)
+        unsound_.insert(host);
+      continue; // and its present route, if any, is one to another incarnation
+    }
     if (known == routes_.end() || known->first != host) {
       if (room == 0) {
         ++refused_;
         continue;
       }
       --room;
-      routes_.emplace_hint(known, host, offered);
+      added.emplace_back(host, offered);
+      end_doubt(host, offered);
       changes.push_back({host, routing_change::kind::appeared});
     } else {
       merge(link, host, known->second, offered, changes);
@@ -99,6 +110,8 @@ routing_changes routing_table::on_table(link_id link, std::uint8_t cost,
     }
   }
   pass(peer_id{std::numeric_limits<std::int32_t>::max()});
+  for (const auto& [host, offered] : added)
+    routes_.emplace(host, offered);
   return changes;
 }
 
@@ -158,9 +171,13 @@ void routing_table::merge(link_id link, peer_id host, route& known, const route&
     changes.push_back({host, kind::appeared});
   else if (known.magic != offered.magic)
     changes.push_back({host, kind::reborn});
-  else if (marked_.contains(host) && known.via == link && !is_sound(known, known.hops, offered) &&
-           offered.hops > known.hops)
-    changes.push_back({host, kind::moved}); // the neighbour has had to take a longer route
+  else if (known.via == link && offered.hops > known.hops && marked_.contains(host)) {
+    // The neighbour has had to take a longer route; perhaps, with a newer number, that of others
+    // who have yet to learn that the host is gone.
+    if (!is_sound(known, known.hops, offered))
+      changes.push_back({host, kind::moved});
+    unsound_.insert(host);
+  }
   take(host, known, offered);
 }
 
@@ -176,16 +193,22 @@ void routing_table::take(peer_id host, route& known, const route& offered) {
   if (!news)
     known.news = std::min(received, offered.news);
   forget_loss(host);
+  end_doubt(host, offered);
+}
+
+const route* routing_table::best_offer(peer_id host, std::optional<link_id> but) const {
+  const route* best = nullptr;
+  for (const auto& [link, table] : by_link_) {
+    const auto* offered = link == but ? nullptr : offer_in(table, host);
+    if (offered != nullptr && (best == nullptr || offered->merit() > best->merit()))
+      best = offered;
+  }
+  return best;
 }
 
 void routing_table::lose(peer_id host, route& lost, instant now, routing_changes& changes) {
-  const route* best = nullptr;
-  for (const auto& [link, table] : by_link_) {
-    const auto* other = link == lost.via ? nullptr : offer_in(table, host);
-    if (other != nullptr && (best == nullptr || other->merit() > best->merit()))
-      best = other;
-  }
-  if (best == nullptr) {
+  const auto* best = best_offer(host, lost.via);
+  if (best == nullptr || is_in_doubt(host, *best)) {
     let_go(host, lost, now, changes);
     return;
   }
@@ -198,8 +221,10 @@ void routing_table::let_go(peer_id host, route& lost, instant now, routing_chang
   lost.neighbour_hops = lost.hops; // what soundness is measured against
   lost.hops = lost_first;
   unsound_.erase(host);
-  if (marked_.contains(host))
+  if (marked_.contains(host)) {
     note_loss(host, now);
+    dig(host, {lost.magic, std::numeric_limits<std::int32_t>::min(), now + doubt_time, true});
+  }
   changes.push_back({host, routing_change::kind::lost});
 }
 
@@ -225,6 +250,7 @@ routing_changes routing_table::on_heard(link_id link, peer_id host, std::int32_t
     take(host, at->second, offered);
   } else {
     routes_.emplace(host, offered);
+    end_doubt(host, offered);
     if (marked_.contains(host))
       unsound_.insert(host);
   }
@@ -235,21 +261,80 @@ void routing_table::mark(peer_id host) {
   marked_.insert(host);
 }
 
-routing_changes routing_table::unanswered(peer_id host, instant now, instant until) {
+routing_changes routing_table::unanswered(peer_id host, instant since, instant until) {
   routing_changes changes;
   const auto at = routes_.find(host);
-  if (at == routes_.end() || at->second.lost())
+  const bool known = at != routes_.end() && !at->second.lost();
+  const auto grave = graves_.find(host);
+  if (!known && (grave == graves_.end() || !grave->second.proof))
     return changes;
-  auto newest = at->second.seqno;
+  burial silent = known ? burial{at->second.magic, at->second.seqno, until, marked_.contains(host)}
+                        : grave->second;
+  silent.until = until;
   for (auto& [link, table] : by_link_) {
     if (const auto* other = offer_in(table, host)) {
-      newest = std::max(newest, other->seqno);
+      silent.seqno = std::max(silent.seqno, other->seqno);
       erase_from(table, host);
     }
   }
-  graves_[host] = {at->second.magic, newest, until};
-  let_go(host, at->second, now, changes);
+  if (known) {
+    let_go(host, at->second, since, changes);
+  } else if (const auto lost = lost_at_.find(host);
+             lost != lost_at_.end() && since < lost->second) {
+    forget_loss(host); // lost while it was being probed
+    note_loss(host, since);
+  }
+  graves_[host] = silent;
   return changes;
+}
+
+routing_changes routing_table::on_sign_of_life(peer_id host) {
+  if (graves_.empty())
+    return {};
+  const auto* best = best_offer(host, std::nullopt);
+  if (best == nullptr || !is_in_doubt(host, *best))
+    return {};
+  const auto offered = *best;
+  const auto at = routes_.find(host);
+  if (at == routes_.end()) {
+    if (room_for(*offered.via) == 0)
+      return {};
+    routes_.emplace(host, offered);
+    end_doubt(host, offered);
+  } else {
+    if (!at->second.lost())
+      return {}; // another incarnation
+    take(host, at->second, offered);
+  }
+  unsound_.erase(host);
+  return {{host, routing_change::kind::appeared}};
+}
+
+std::vector<link_id> routing_table::offers_of(peer_id host) const {
+  std::vector<std::pair<std::int64_t, link_id>> found;
+  for (const auto& [link, table] : by_link_) {
+    if (const auto* offered = offer_in(table, host))
+      found.emplace_back(-offered->merit(), link);
+  }
+  std::ranges::sort(found);
+  std::vector<link_id> links;
+  for (const auto& [merit, link] : found)
+    links.push_back(link);
+  return links;
+}
+
+/// The neighbour itself needs no proof.
+bool routing_table::is_in_doubt(peer_id host, const route& offered) const {
+  if (graves_.empty() || offered.neighbour_hops == 0)
+    return false;
+  const auto grave = graves_.find(host);
+  return grave != graves_.end() && grave->second.proof && grave->second.magic == offered.magic;
+}
+
+void routing_table::end_doubt(peer_id host, const route& offered) {
+  const auto grave = graves_.find(host);
+  if (grave != graves_.end() && grave->second.proof && grave->second.magic == offered.magic)
+    graves_.erase(grave);
 }
 
 std::vector<peer_id> routing_table::age(instant now) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/address.hpp"
+#include "core/small_map.hpp"
 #include "core/time.hpp"
 #include "peis/wire/routing_page.hpp"
 #include "peis/wire/types.hpp"
@@ -54,6 +55,10 @@ using routing_changes = std::vector<routing_change>;
 /// than the last one had, or by as new and from nearer to the host than we were. A real kernel
 /// takes any; we take an unsound one on probation: the owner probes the host, which a real kernel
 /// answers as well, and reports it unanswered(), or not.
+///
+/// What is sent of a marked host that was lost is in doubt: neighbours that have yet to lose it may
+/// have received newer numbers of it than we have. It is entered when the host gives a sign of
+/// life, for which the owner probes it as well, or is the neighbour itself.
 class routing_table {
 public:
   routing_table() = default;
@@ -84,12 +89,21 @@ public:
   [[nodiscard]] routing_changes on_heard(link_id link, peer_id host, std::int32_t magic,
                                          std::uint8_t hops, instant now);
 
-  /// Hosts to which an unsound route was taken since the last call.
+  [[nodiscard]] bool is_unsound(peer_id host) const { return unsound_.contains(host); }
+
+  /// Hosts to which an unsound route was taken, or one is in doubt, since the last call.
   [[nodiscard]] std::set<peer_id> take_unsound() { return std::exchange(unsound_, {}); }
 
-  /// No sign of life came over the unsound route: it counts as lost, and so does all that is sent
-  /// of the host until `until` unless it is newer.
-  [[nodiscard]] routing_changes unanswered(peer_id host, instant now, instant until);
+  /// No sign of life came over the unsound route, or over the one in doubt: it counts as lost, and
+  /// so does all that is sent of the host until `until` unless it is newer.
+  /// @param since it has been silent
+  [[nodiscard]] routing_changes unanswered(peer_id host, instant since, instant until);
+
+  /// A package of the host has come: what is sent of it is in doubt no more.
+  [[nodiscard]] routing_changes on_sign_of_life(peer_id host);
+
+  /// The links over which a host is offered, in doubt or not, the best first.
+  [[nodiscard]] std::vector<link_id> offers_of(peer_id host) const;
 
   /// One period has passed. @returns unmarked hosts lost for too long, which the owner then erases
   [[nodiscard]] std::vector<peer_id> age(instant now);
@@ -113,7 +127,7 @@ public:
 
   [[nodiscard]] const route* find(peer_id host) const;
   [[nodiscard]] std::optional<link_id> way_to(peer_id host) const;
-  [[nodiscard]] const std::map<peer_id, route>& routes() const { return routes_; }
+  [[nodiscard]] const small_map<peer_id, route>& routes() const { return routes_; }
 
   /// The largest growth of the metric to any host if the link is closed: V(c) of D1.1 3.1.6.4 in
   /// metric. Unset if a host can be reached over this link alone.
@@ -133,8 +147,9 @@ public:
 private:
   struct burial {
     std::int32_t magic;
-    std::int32_t seqno; ///< newer news are believed
+    std::int32_t seqno; ///< newer news are believed,
     instant until;
+    bool proof = false; ///< but only with a sign of life
   };
   using link_table = std::vector<std::pair<peer_id, route>>; ///< ascending by host
 
@@ -150,6 +165,9 @@ private:
   void let_go(peer_id host, route& lost, instant now, routing_changes& changes);
   [[nodiscard]] std::size_t room_for(link_id link);
   void dig(peer_id host, const burial& grave);
+  [[nodiscard]] bool is_in_doubt(peer_id host, const route& offered) const;
+  void end_doubt(peer_id host, const route& offered);
+  [[nodiscard]] const route* best_offer(peer_id host, std::optional<link_id> but) const;
   void note_loss(peer_id host, instant now);
   void forget_loss(peer_id host);
   void take(peer_id host, route& known, const route& offered);
@@ -162,7 +180,7 @@ private:
   std::vector<peer_id> evicted_;
   std::int32_t seqno_ = 0;
   bool overtaken_ = false;
-  std::map<peer_id, route> routes_;
+  small_map<peer_id, route> routes_; ///< walked for each table that comes or leaves
   std::map<link_id, link_table> by_link_;
   std::map<peer_id, burial> graves_;
   std::set<peer_id> marked_;

@@ -109,7 +109,7 @@ void link_greeting::bind(connection& x, peer_id neighbour, const occasion& at) {
 }
 
 /// Our record, our record again for all if this is our first contact, our routes
-/// (peis-wire.md 3.3).
+/// (peis-wire.md 3.3). Where many have announced themselves, all know us by our announcements.
 void link_greeting::greet(connection& to, const occasion& x) {
   auto& own = on_.own;
   const auto content = std::make_shared<const message_octets>(
@@ -117,7 +117,8 @@ void link_greeting::greet(connection& to, const occasion& x) {
   static_cast<void>(on_.sender.enqueue(
       to, lane::control, {own.fresh_header(package_type::link, port::host_record), content, 0},
       x.origin));
-  if (on_.routes.routes().routes().empty())
+  const bool announced = own.config.connections.announces && on_.hosts.all().size() >= hosts_many;
+  if (on_.routes.routes().routes().empty() && !announced)
     on_.sender.flood(own.fresh_header(package_type::broadcast, port::host_record), content, {},
                      x.origin);
   on_.routes.routes().next_seqno();

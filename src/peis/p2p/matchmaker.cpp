@@ -14,6 +14,7 @@ constexpr duration merge_soon = 500ms; // after an attempt, while others wait
 constexpr duration news_jitter = 50ms; // peers that start together do not all call at once
 constexpr duration young_for = 10s;    // a link is not judged before (peis-wire.md 14)
 constexpr duration merge_gap = 50us;   // for each host that must be looked at
+constexpr duration sign_wait = 5s;     // for a sign of life, before another way is looked for
 constexpr unsigned host_wait_max = 30; // seconds between two tries of a host, at most
 constexpr unsigned lost_wait_max = 2;  // the same, of one to which there is no route
 constexpr duration judging_gap = 1s;
@@ -85,11 +86,16 @@ void matchmaker::merge_clusters(const occasion& x) {
         of_.contacts.note_foreign_run(record.id))
       foreign.push_back(&record);
   };
+  // One that is offered, but has yet to give a sign of life, may have a route in a moment.
+  const auto awaited = [&](peer_id id, instant lost) {
+    return x.now < lost + sign_wait && !of_.routes.hops_to(id).empty();
+  };
   for (const auto& [id, each] : of_.hosts.all())
-    if (!each.lost || *each.lost + host_entry::reroute_time <= x.now)
+    if (!each.lost || (*each.lost + host_entry::reroute_time <= x.now && !awaited(id, *each.lost)))
       consider(each.record, each.lost.has_value() || each.forgotten);
   for (const auto& [id, each] : of_.hosts.former())
-    consider(each.record, true);
+    if (!awaited(id, each.lost))
+      consider(each.record, true);
   if (foreign.empty())
     return;
   const auto& chosen = *foreign[of_.own.rng.below(foreign.size())];
@@ -114,13 +120,48 @@ void matchmaker::manage(const occasion& x) {
   close_doubles(x);
   if (force_by_traffic(x))
     return;
+  const auto& config = own.config.connections;
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(
+      of_.links.all(), [](const auto& each) { return each.second.open && !each.second.always(); }));
+  if (count <= config.links_suitable)
+    of_.exchange.end_drains(); // no link is one too many any more
+  if (count == config.links_suitable)
+    return; // whatever they are worth
   const auto links = link_options(x.now);
-  const auto decision = decide(links, host_options(x.now), own.config.connections, own.rng);
+  const auto hosts = count < config.links_suitable ? host_options(count < config.links_min, x.now)
+                                                   : std::vector<host_option>();
+  const auto decision = decide(links, hosts, config, own.rng);
   if (const auto* open = std::get_if<open_link_to>(&decision)) {
     static_cast<void>(of_.dials.connect(of_.hosts.find(open->host)->record, 0, x));
-  } else if (const auto* worst = std::get_if<close_worst>(&decision)) {
-    of_.closer.close(worst->link, close_cause::unneeded, x);
+  } else if (std::holds_alternative<close_worst>(decision)) {
+    release(links, x);
   }
+}
+
+/// Closes the worst of too many links. In a large network many have routes over it: they are given
+/// time to take others.
+void matchmaker::release(std::span<const link_option> links, const occasion& x) {
+  std::vector<link_option> kept;
+  for (const auto& option : links) {
+    const auto until = of_.exchange.drained_at(option.link);
+    if (until && option.loss && *until <= x.now) {
+      of_.exchange.end_drain(option.link);
+      of_.closer.close(option.link, close_cause::unneeded, x);
+      return;
+    }
+    if (until && !option.loss)
+      of_.exchange.end_drain(option.link); // it has become the only one
+    if (!until || !option.loss)
+      kept.push_back(option);
+  }
+  const auto worst = worst_of(kept);
+  if (!worst || kept.size() <= of_.own.config.connections.links_suitable)
+    return;
+  const auto period = of_.own.config.routing_period;
+  if (of_.hosts.all().size() < hosts_many || !of_.health.is_marked(of_.links.at(worst->link)))
+    of_.closer.close(worst->link, close_cause::unneeded, x);
+  else
+    of_.exchange.drain(worst->link, x.now + of_.own.rng.between(2 * period, 3 * period));
 }
 
 bool matchmaker::is_better(const connection& a, const connection& b, instant now) const {
@@ -153,12 +194,12 @@ void matchmaker::close_doubles(const occasion& x) {
 
 /// CM-03.
 bool matchmaker::force_by_traffic(const occasion& x) {
-  for (const auto& [id, each] : of_.hosts.all()) {
-    if (busy_with(id) && of_.dials.may_try(id, host_wait_max, x.now) &&
-        of_.dials.connect(each.record, connect_request::for_bandwidth, x))
-      return true;
-  }
-  return false;
+  const auto limit = of_.own.config.connections.forced_octets_per_second;
+  return std::ranges::any_of(of_.traffic.above(limit), [&](peer_id id) {
+    const auto* known = of_.hosts.find(id);
+    return known != nullptr && of_.dials.may_try(id, host_wait_max, x.now) &&
+           of_.dials.connect(known->record, connect_request::for_bandwidth, x);
+  });
 }
 
 std::vector<link_option> matchmaker::link_options(instant now) const {
@@ -174,18 +215,22 @@ std::vector<link_option> matchmaker::link_options(instant now) const {
   return options;
 }
 
-std::vector<host_option> matchmaker::host_options(instant now) {
+/// @param full_ones those as well that have as many links as they want
+std::vector<host_option> matchmaker::host_options(bool full_ones, instant now) {
   const auto& config = of_.own.config;
   std::vector<host_option> options;
   for (const auto& [id, x] : of_.hosts.all()) {
     const auto* way = of_.routes.routes().find(id);
-    if (way == nullptr || way->lost() || !of_.dials.may_try(id, host_wait_max, now) ||
+    if (way == nullptr || way->lost())
+      continue;
+    const unsigned connections =
+        way->connections == connections_unknown ? config.connections.links_min : way->connections;
+    const bool full = connections >= config.connections.links_suitable;
+    if ((full && !full_ones) || !of_.dials.may_try(id, host_wait_max, now) ||
         of_.dials.urls_to(x.record).empty())
       continue;
     const auto direct =
         of_.hosts.is_here(x.record) ? config.cost_same_host : config.cost_other_host;
-    const unsigned connections =
-        way->connections == connections_unknown ? config.connections.links_min : way->connections;
     options.push_back({id, way->hops, direct, connections});
   }
   return options;

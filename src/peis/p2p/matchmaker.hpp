@@ -3,9 +3,11 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/time.hpp"
+#include "peis/hosts/routing_exchange.hpp"
 #include "peis/link/link.hpp"
 #include "peis/link/traffic_meter.hpp"
 #include "peis/links/contact_history.hpp"
@@ -29,6 +31,7 @@ public:
     own_peer& own;
     const link_table& links;
     const overlay& routes;
+    routing_exchange& exchange;
     host_table& hosts;
     const link_health& health;
     contact_history& contacts;
@@ -59,7 +62,8 @@ private:
   [[nodiscard]] bool replace_least(const occasion& x);
   [[nodiscard]] bool busy_with(peer_id host) const;
   [[nodiscard]] std::vector<link_option> link_options(instant now) const;
-  [[nodiscard]] std::vector<host_option> host_options(instant now);
+  [[nodiscard]] std::vector<host_option> host_options(bool full_ones, instant now);
+  void release(std::span<const link_option> links, const occasion& x);
 
   means of_;
   instant next_manager_;

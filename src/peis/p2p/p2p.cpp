@@ -90,8 +90,8 @@ struct change_parts {
         guard(x.own, x.links, x.hosts, link.sender, link.writer, closer),
         duplicates({x.own, x.rivalry, x.links, x.routes, host.exchange, x.hosts, link.dials,
                     host.presence, closer, removal}),
-        matches({x.own, x.links, x.routes, x.hosts, link.health, link.contacts, x.traffic,
-                 link.dials, closer},
+        matches({x.own, x.links, x.routes, host.exchange, x.hosts, link.health, link.contacts,
+                 x.traffic, link.dials, closer},
                 now),
         greeting({x.own, x.rivalry, x.links, x.routes, host.exchange, x.hosts, link.sender,
                   link.writer, link.health, link.beats, link.dials, host.presence, closer,
@@ -229,8 +229,8 @@ void p2p::parts::tend_links(const occasion& x) {
 /// Signs of life, proof of routes, the clock.
 void p2p::parts::tend_hosts(const occasion& x) {
   link_layer.beats.on_time(x.now);
-  for (const auto host : host_layer.tracer.probe_due(x.now))
-    changes.updates.disprove(host, x);
+  for (const auto& each : host_layer.tracer.probe_due(x.now))
+    changes.updates.disprove(each, x);
   host_layer.tracer.end_late_traces(x);
   if (known.own.left)
     return;

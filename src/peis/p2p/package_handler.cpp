@@ -64,6 +64,7 @@ void package_handler::on_package(link_id from, const package_header& header, byt
 bool package_handler::is_new(link_id from, const package_header& header, const occasion& x) {
   auto& counters = to_.own.counters;
   to_.tracer.end_probe(header.source);
+  to_.updates.on_sign_of_life(header.source, x);
   if (!to_.seen.insert(header.source, header.id, from)) {
     ++counters.seen;
     return false;

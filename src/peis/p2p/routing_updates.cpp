@@ -54,13 +54,19 @@ void routing_updates::on_period(const occasion& x) {
   on_.inquiry.review(x.now);
 }
 
-void routing_updates::disprove(peer_id host, const occasion& x) {
-  const auto* record = on_.hosts.record_of(host);
+void routing_updates::disprove(const way_disproved& x, const occasion& at) {
+  const auto* record = on_.hosts.record_of(x.host);
   const bool marked = record != nullptr && record->marked;
   const std::chrono::seconds burial(marked ? probe_burial : original_burial);
-  const auto changes = on_.routes.routes().unanswered(host, x.now, x.now + burial);
+  const auto changes = on_.routes.routes().unanswered(x.host, x.since, at.now + burial);
   on_.own.counters.ways_disproved += changes.size();
-  on_.presence.apply(changes, x);
+  on_.presence.apply(changes, at);
+}
+
+void routing_updates::on_sign_of_life(peer_id host, const occasion& x) {
+  const auto changes = on_.routes.routes().on_sign_of_life(host);
+  if (!changes.empty())
+    on_.presence.apply(changes, x);
 }
 
 void routing_updates::remove_lost(const occasion& x) {

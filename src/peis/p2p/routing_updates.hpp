@@ -13,6 +13,7 @@
 #include "peis/overlay/occasion.hpp"
 #include "peis/overlay/overlay.hpp"
 #include "peis/overlay/own_peer.hpp"
+#include "peis/overlay/route_probes.hpp"
 #include "peis/p2p/host_removal.hpp"
 #include "peis/p2p/link_replacer.hpp"
 #include "peis/wire/types.hpp"
@@ -41,7 +42,9 @@ public:
   void apply_waiting(const occasion& x); ///< tables that came too soon
   void on_period(const occasion& x);     ///< if one is over
   /// The route to this host leads nowhere.
-  void disprove(peer_id host, const occasion& x);
+  void disprove(const way_disproved& x, const occasion& at);
+  /// A package of this host has come.
+  void on_sign_of_life(peer_id host, const occasion& x);
   /// A marked host to which no route is left is not waited for.
   void remove_lost(const occasion& x);
   [[nodiscard]] std::optional<instant> loss_deadline() const;

@@ -6,7 +6,11 @@
 #include <optional>
 #include <utility>
 #include <variant>
+#include <vector>
 
+#include "peis/hosts/clock_service.hpp"
+#include "peis/hosts/route_tracer.hpp"
+#include "peis/hosts/routing_exchange.hpp"
 #include "peis/links/announcer.hpp"
 #include "peis/links/contact_history.hpp"
 #include "peis/links/link_health.hpp"
@@ -57,6 +61,40 @@ std::size_t number_of(const events& all) {
   return static_cast<std::size_t>(std::count_if(
       all.begin(), all.end(), [](const auto& x) { return std::holds_alternative<T>(x); }));
 }
+
+/// Two neighbours, and a host behind both of them, nearer over the first.
+struct two_routes : lone_layer {
+  two_routes() {
+    open(1, near_peer);
+    open(2, other_peer);
+    learn(1, {{near_peer, 1, 7, 0, 1}, {far_peer, 10, 8, 2, 1}});
+    learn(2, {{other_peer, 1, 9, 0, 1}, {far_peer, 10, 8, 4, 1}});
+  }
+
+  /// The neighbour at the other end of that link sends its table.
+  routing_changes learn(std::uint64_t link, const std::vector<routing_entry>& entries) {
+    auto& from = links.at(link_id{link});
+    REQUIRE(exchange.on_page(from, encode(paginate(entries, entries.front().seqno).front()),
+                             opened_at));
+    return exchange.apply(from, opened_at);
+  }
+  /// The number of a host in our table, as it is sent over that link.
+  std::int32_t sent(std::uint64_t link, peer_id host) {
+    auto& to = links.at(link_id{link});
+    exchange.send_to(to, own_origin);
+    const auto package = to.out.queue.pop();
+    REQUIRE(package);
+    const auto page = decode_routing_page(package->content->head.view());
+    REQUIRE(page);
+    const auto entry = std::ranges::find(page->entries, host, &routing_entry::id);
+    REQUIRE(entry != page->entries.end());
+    return entry->seqno;
+  }
+
+  static constexpr peer_id other_peer{4};
+  package_sender sender{own, links};
+  routing_exchange exchange{own, links, routes, sender, opened_at};
+};
 
 } // namespace
 
@@ -157,6 +195,144 @@ TEST_CASE("of many hosts each announces more rarely, and not all at once", "[pei
   admit_up_to(1000);
   CHECK(mean_period() > 28s);
   CHECK(mean_period() < 32s);
+}
+
+TEST_CASE("in a large network a changed cluster is announced within a second, once",
+          "[peis][NFR-06]") {
+  lone_layer x;
+  const id_rivalry rivalry(x.own.self.magic, opened_at);
+  announcer announcements(x.own, rivalry, x.hosts, opened_at);
+  x.open(1);
+  for (std::int32_t id = 100; id < 160; ++id)
+    REQUIRE(x.hosts.admit(peer_id{id}, x.at(opened_at, 1)) != nullptr);
+  auto last = opened_at;
+  for (int i = 0; i < 4; ++i) {
+    last = *announcements.deadline();
+    announcements.on_time(x.at(last));
+  }
+  REQUIRE(number_of<announce>(x.out) == 4);
+  announcements.announce_now(x.at(last + 100ms));
+  announcements.announce_now(x.at(last + 200ms));
+  CHECK(number_of<announce>(x.out) == 4);
+  CHECK(*announcements.deadline() == last + 1100ms);
+  announcements.on_time(x.at(last + 1100ms));
+  CHECK(number_of<announce>(x.out) == 5);
+}
+
+TEST_CASE("in a large network broadcasts of the clock begin at different times, and go on",
+          "[peis][NFR-06]") {
+  lone_layer x;
+  package_sender sender(x.own, x.links);
+  clock_service clock(x.own, x.links, x.hosts, sender, opened_at);
+  auto& queue = x.open(1).out.queue;
+  const auto due = *clock.deadline();
+  SECTION("many hosts") {
+    for (std::int32_t id = 100; id < 160; ++id)
+      REQUIRE(x.hosts.admit(peer_id{id}, x.at(opened_at, 1)) != nullptr);
+    clock.on_time(due);
+    CHECK(!queue.pop());
+    CHECK(*clock.deadline() > due);
+    CHECK(*clock.deadline() <= due + x.own.config.clock_period);
+    clock.on_time(*clock.deadline());
+    CHECK(queue.pop());
+    clock.on_time(*clock.deadline());
+    CHECK(queue.pop());
+  }
+  SECTION("few") {
+    clock.on_time(due);
+    CHECK(queue.pop());
+  }
+}
+
+TEST_CASE("the end of a link moves routes to ones that may lead back to us", "[peis][RTE-06]") {
+  two_routes x;
+  static_cast<void>(x.routes.on_link_closed(link_id{1}, opened_at));
+  REQUIRE(x.routes.routes().way_to(far_peer) == link_id{2});
+  CHECK(x.routes.routes().is_unsound(far_peer));
+}
+
+TEST_CASE("what comes over a link that is to be closed is no news, so that its end is none",
+          "[peis][RTE-06][NFR-06]") {
+  two_routes x;
+  x.exchange.drain(link_id{1}, opened_at + 20s);
+  static_cast<void>(x.learn(1, {{near_peer, 2, 7, 0, 1}, {far_peer, 11, 8, 2, 1}}));
+  static_cast<void>(x.learn(2, {{x.other_peer, 2, 9, 0, 1}, {far_peer, 11, 8, 4, 1}}));
+  REQUIRE(x.routes.routes().way_to(far_peer) == link_id{1});
+  CHECK(x.routes.routes().find(far_peer)->seqno == 10);
+  SECTION("its end") {
+    static_cast<void>(x.routes.on_link_closed(link_id{1}, opened_at));
+    REQUIRE(x.routes.routes().way_to(far_peer) == link_id{2});
+    CHECK(!x.routes.routes().is_unsound(far_peer));
+  }
+  SECTION("nor is it for the neighbour") {
+    CHECK(x.sent(1, x.other_peer) == 1);
+    CHECK(x.sent(2, near_peer) == 1); // as it came
+    x.exchange.end_drain(link_id{1});
+    CHECK(x.sent(1, x.other_peer) == 2);
+  }
+  SECTION("another incarnation is news") {
+    const auto changes = x.learn(1, {{near_peer, 3, 7, 0, 1}, {far_peer, 1, 88, 2, 1}});
+    REQUIRE(changes.size() == 1);
+    CHECK(changes[0].what == routing_change::kind::reborn);
+  }
+  SECTION("a host that is gone is") {
+    CHECK(!x.learn(1, {{near_peer, 3, 7, 0, 1}}).empty());
+    CHECK(x.routes.routes().way_to(far_peer) == link_id{2});
+  }
+}
+
+TEST_CASE("a host in doubt is asked over each link that it is offered over, the best first",
+          "[peis][RTE-07]") {
+  two_routes x;
+  route_tracer tracer(x.own, x.links, x.routes, x.sender);
+  auto& routes = x.routes.routes();
+  routes.mark(far_peer);
+  static_cast<void>(x.learn(2, {{x.other_peer, 2, 9, 0, 1}}));
+  static_cast<void>(x.learn(1, {{near_peer, 2, 7, 0, 1}}));
+  REQUIRE(!x.routes.reachable(far_peer));
+  static_cast<void>(x.learn(1, {{near_peer, 3, 7, 0, 1}, {far_peer, 12, 8, 2, 1}}));
+  static_cast<void>(x.learn(2, {{x.other_peer, 3, 9, 0, 1}, {far_peer, 12, 8, 4, 1}}));
+  REQUIRE(routes.offers_of(far_peer).size() == 2);
+  REQUIRE(!x.routes.reachable(far_peer));
+  tracer.probe_unsound(opened_at);
+  const auto asked_over = [&x](std::uint64_t link) {
+    std::size_t packages = 0;
+    while (x.links.at(link_id{link}).out.queue.pop())
+      ++packages;
+    return packages;
+  };
+  for (const std::uint64_t expected : {1U, 2U, 1U, 2U}) {
+    CHECK(tracer.probe_due(*tracer.deadline()).empty());
+    CHECK(asked_over(expected) == 1);
+    CHECK(asked_over(3 - expected) == 0);
+  }
+  std::vector<way_disproved> silent;
+  while (tracer.deadline())
+    silent = tracer.probe_due(*tracer.deadline());
+  REQUIRE(silent.size() == 1);
+  CHECK(silent[0].host == far_peer);
+}
+
+TEST_CASE("a table after a change that no other has to know waits longer in a large network",
+          "[peis][NFR-06]") {
+  const auto waits = [](std::int32_t hosts) {
+    two_routes x;
+    std::vector<routing_entry> entries{{near_peer, 2, 7, 0, 1}};
+    for (std::int32_t id = 100; id < 100 + hosts; ++id)
+      entries.push_back({peer_id{id}, 1, 1, 2, 1});
+    entries.resize(std::min(entries.size(), entries_per_page));
+    static_cast<void>(x.learn(1, entries));
+    events out;
+    x.exchange.trigger(opened_at);
+    x.exchange.send({opened_at, out});
+    x.exchange.trigger_calmly(opened_at);
+    const auto calm = *x.exchange.deadline() - opened_at;
+    x.exchange.trigger(opened_at);
+    CHECK(*x.exchange.deadline() == opened_at + 500ms);
+    return calm;
+  };
+  CHECK(waits(10) == 500ms);
+  CHECK(waits(60) == 1s);
 }
 
 TEST_CASE("a peer announces itself three times, then only without a better one", "[peis]") {

@@ -167,16 +167,41 @@ TEST_CASE("a way is probed until there is a sign of life, or the time is over", 
   REQUIRE(probed.size() == 2);
   CHECK(std::get<probe_host>(probed[0]).host == left_peer);
   CHECK(std::get<probe_host>(probed[1]).host == right_peer);
-  CHECK(x.deadline() == start + 600ms);
-  CHECK(x.on_time(start + 599ms).empty());
+  CHECK(x.deadline() == start + 200ms);
+  CHECK(x.on_time(start + 199ms).empty());
   x.end(right_peer);
-  REQUIRE(x.on_time(start + 600ms).size() == 1);
-  REQUIRE(x.on_time(start + 1200ms).size() == 1);
+  for (std::size_t attempt = 1; attempt <= 7; ++attempt) { // 1400 ms
+    const auto again = x.on_time(start + static_cast<duration::rep>(attempt) * 200ms);
+    REQUIRE(again.size() == 1);
+    CHECK(std::get<probe_host>(again[0]).attempt == attempt);
+  }
   CHECK(x.deadline() == start + 1500ms);
   const auto end = x.on_time(start + 1500ms);
   REQUIRE(end.size() == 1);
   CHECK(std::get<way_disproved>(end[0]).host == left_peer);
+  CHECK(std::get<way_disproved>(end[0]).since == start);
   CHECK(!x.deadline());
+}
+
+TEST_CASE("a way that has come while its host is probed is given the whole time",
+          "[peis][RTE-07]") {
+  route_probes x(2, 1500ms);
+  x.extend(left_peer, start);
+  CHECK(x.on_time(start).size() == 1);
+  x.begin(right_peer, start + 1s);
+  x.extend(left_peer, start + 1s);
+  CHECK(x.on_time(start + 1500ms).size() == 2);
+  std::vector<way_disproved> silent;
+  for (auto now = start + 1500ms; now <= start + 2500ms; now += 100ms) {
+    for (const auto& each : x.on_time(now)) {
+      if (const auto* found = std::get_if<way_disproved>(&each))
+        silent.push_back(*found);
+    }
+    CHECK(silent.empty() == (now < start + 2500ms));
+  }
+  REQUIRE(silent.size() == 2);
+  CHECK(silent[0].since == start); // silent since it was first asked
+  CHECK(silent[1].since == start + 1s);
 }
 
 } // namespace rubicon::peis

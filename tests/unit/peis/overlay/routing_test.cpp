@@ -76,6 +76,79 @@ TEST_CASE("a lost host is outdated after three periods at most", "[peis][RTE-07]
   CHECK(routes.age(instant{}) == std::vector<peer_id>{far});
 }
 
+TEST_CASE("a host of our kind that was lost is back when it gives a sign of life",
+          "[peis][RTE-07]") {
+  auto routes = empty_table();
+  const routing_entry entries[] = {entry_of_far(10, 2)};
+  const routing_entry newer[] = {entry_of_far(12, 4)};
+  static_cast<void>(routes.on_table(left, 1, entries, instant{}));
+  SECTION("of another kind: what is sent of it counts") {
+    CHECK(kinds(routes.on_table(left, 1, {}, instant{})) == "l");
+    CHECK(kinds(routes.on_table(right, 1, newer, instant{})) == "a");
+    return;
+  }
+  routes.mark(far);
+  CHECK(kinds(routes.on_table(left, 1, {}, instant{})) == "l");
+  CHECK(kinds(routes.on_table(right, 1, newer, instant{})).empty()); // it may be dead all the same
+  CHECK(!routes.way_to(far));
+  CHECK(routes.offers_of(far) == std::vector{right});
+  CHECK(routes.take_unsound().contains(far));
+  CHECK(kinds(routes.on_table(right, 1, newer, instant{1s})).empty());
+  CHECK(routes.take_unsound().empty()); // it is being asked
+  SECTION("it does") {
+    CHECK(kinds(routes.on_sign_of_life(far)) == "a");
+    CHECK(routes.way_to(far) == right);
+    CHECK(routes.find(far)->seqno == 12);
+    CHECK(routes.take_unsound().empty());
+    CHECK(!routes.first_loss());
+  }
+  SECTION("it does not") {
+    CHECK(routes.unanswered(far, instant{}, instant{30s}).empty());
+    CHECK(routes.offers_of(far).empty());
+    CHECK(routes.on_sign_of_life(far).empty());
+    CHECK(routes.on_table(left, 1, newer, instant{}).empty());
+    CHECK(routes.offers_of(far).empty()); // the same again is no news
+    const routing_entry newest[] = {entry_of_far(13, 4)};
+    CHECK(routes.on_table(left, 1, newest, instant{}).empty());
+    CHECK(routes.offers_of(far) == std::vector{left});
+  }
+  SECTION("it is a neighbour") {
+    const routing_entry near[] = {entry_of_far(10, 0)};
+    CHECK(kinds(routes.on_table(left, 1, near, instant{})) == "a");
+  }
+  SECTION("another incarnation needs no sign") {
+    const routing_entry reborn[] = {entry_of_far(1, 2, 8)};
+    CHECK(kinds(routes.on_table(left, 1, reborn, instant{})) == "a");
+  }
+}
+
+TEST_CASE("a host that did not answer is lost since it was asked, and back with a sign of life",
+          "[peis][RTE-07]") {
+  auto routes = empty_table();
+  const routing_entry entries[] = {entry_of_far(10, 2)};
+  static_cast<void>(routes.on_table(left, 1, entries, instant{}));
+  routes.mark(far);
+  CHECK(kinds(routes.unanswered(far, instant{2s}, instant{40s})) == "l");
+  CHECK(routes.first_loss() == instant{2s});
+  CHECK(routes.on_table(right, 1, entries, instant{5s}).empty()); // as old
+  CHECK(routes.offers_of(far).empty());
+  const routing_entry newer[] = {entry_of_far(11, 4)};
+  CHECK(routes.on_table(right, 1, newer, instant{5s}).empty());
+  CHECK(kinds(routes.on_sign_of_life(far)) == "a");
+  CHECK(!routes.first_loss());
+}
+
+TEST_CASE("a host that was lost while it was asked is lost since then", "[peis][RTE-07]") {
+  auto routes = empty_table();
+  const routing_entry entries[] = {entry_of_far(10, 2)};
+  static_cast<void>(routes.on_table(left, 1, entries, instant{}));
+  routes.mark(far);
+  CHECK(kinds(routes.on_table(left, 1, {}, instant{3s})) == "l");
+  CHECK(routes.first_loss() == instant{3s});
+  CHECK(routes.unanswered(far, instant{2s}, instant{40s}).empty());
+  CHECK(routes.first_loss() == instant{2s});
+}
+
 TEST_CASE("ways at the metric limit and lost ones count as absent", "[peis][RTE-03]") {
   auto routes = empty_table();
   const routing_entry entries[] = {entry_of_far(10, 28)};

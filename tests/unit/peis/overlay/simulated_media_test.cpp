@@ -5,6 +5,7 @@
 #include "peis/media/simulated_bluetooth.hpp"
 #include "peis/media/simulated_lan.hpp"
 #include "peis/media/simulated_link.hpp"
+#include "peis/wire/announcement.hpp"
 #include "peis/wire/package.hpp"
 #include "support/catch.hpp"
 #include "unit/peis/overlay/numbered_package.hpp"
@@ -126,14 +127,56 @@ TEST_CASE("a LAN opens a link to whoever has the id, and the acceptor hears of i
 TEST_CASE("announcements on a LAN come to the others that hear", "[peis]") {
   auto x = network();
   x.join(station_id{4}, peer_id{14}, false);
-  const auto heard = all<announcement_heard>(x.announce(b, bytes{7}));
+  const auto heard = all<announcement_heard>(x.announce(b, bytes{7}, instant()));
   REQUIRE(heard.size() == 2);
   CHECK(heard[0].station == a);
   CHECK(heard[1].station == c);
   CHECK(heard[1].octets == payload(bytes{7}));
   static_cast<void>(x.end(c));
-  CHECK(x.announce(b, bytes{7}).size() == 1);
-  CHECK(x.announce(station_id{9}, bytes{7}).empty());
+  CHECK(x.announce(b, bytes{7}, instant()).size() == 1);
+  CHECK(x.announce(station_id{9}, bytes{7}, instant()).empty());
+}
+
+TEST_CASE("in a large LAN an announcement that has not changed comes to a station once in 30 s",
+          "[peis][NFR-06]") {
+  simulated_lan x(0, random_stream(1, "lan"));
+  for (int i = 1; i <= 60; ++i)
+    x.join(station_id{static_cast<std::uint64_t>(i)}, peer_id{i}, true);
+  host_record record;
+  record.id = peer_id{1};
+  record.host_name = "first";
+  const payload octets(encode(announcement{500, "default", record}));
+  const instant start(1s);
+  CHECK(x.announce(a, octets, start).size() == 59);
+  CHECK(x.announce(a, octets, start + 1s).empty());
+  SECTION("again when that is over") {
+    CHECK(x.announce(a, octets, start + 29s).empty());
+    CHECK(x.announce(a, octets, start + 30s).size() == 59);
+  }
+  SECTION("what has changed at once") {
+    record.cluster = 7;
+    CHECK(x.announce(a, payload(encode(announcement{500, "default", record})), start + 2s).size() ==
+          59);
+  }
+  SECTION("to one that has come at once") {
+    x.join(station_id{61}, peer_id{61}, true);
+    CHECK(one<announcement_heard>(x.announce(a, octets, start + 2s)).station == station_id{61});
+  }
+  SECTION("to one that has come again at once") {
+    static_cast<void>(x.end(b));
+    x.join(b, peer_id{2}, true);
+    CHECK(one<announcement_heard>(x.announce(a, octets, start + 2s)).station == b);
+  }
+  SECTION("to all after a fault, in which they may have lost each other") {
+    static_cast<void>(x.begin_fault(1, {{{second}}, 0, {}}));
+    static_cast<void>(x.end_fault(1));
+    CHECK(x.announce(a, octets, start + 2s).size() == 59);
+  }
+  SECTION("to others of its computer each time: they count them") {
+    record.id = peer_id{2};
+    CHECK(x.announce(b, payload(encode(announcement{500, "default", record})), start).size() == 59);
+    CHECK(one<announcement_heard>(x.announce(a, octets, start + 2s)).station == b);
+  }
 }
 
 TEST_CASE("announcements on a LAN are lost as often as packages, and to whom a partition cuts off",
@@ -142,7 +185,7 @@ TEST_CASE("announcements on a LAN are lost as often as packages, and to whom a p
   static_cast<void>(x.begin_fault(1, {{{third}}, 0, {}})); // within the rest all goes on
   std::size_t heard = 0;
   for (int i = 0; i < 1000; ++i) {
-    for (const auto& each : all<announcement_heard>(x.announce(a, bytes{1})))
+    for (const auto& each : all<announcement_heard>(x.announce(a, bytes{1}, instant())))
       heard += each.station == b ? 1 : 1000;
   }
   CHECK(heard > 700);
