@@ -28,7 +28,7 @@ router::router(router_config config, random_stream rng, instant now)
       tree_({.self = config.self, .is_root = config.is_sink}), help_(help_of(config), now),
       beacons_(trickle(beacons_of(config), random_stream(rng_.next()), now)),
       places_(own_place_of(config, now), places_of(config), config.self), reports_(now),
-      questions_(config.questions_max), directs_(config.direct_max) {
+      questions_(config.questions_max), frames_(config_.backbone), directs_(config.direct_max) {
   packets_ = collection(packets_of(config), random_stream(rng_.next()));
   paths_ = channels(paths_of(config), random_stream(rng_.next()));
   auto further = rng_; // the others draw as they do without turns
@@ -49,25 +49,6 @@ void router::keep_turns(instant now) {
   const auto held = time_.is_lost(now) ? now + lost_pause : turn_;
   packets_.hold(held);
   paths_.hold(held);
-}
-
-frame_out router::frame_for(frame_purpose why, mote_id to, std::uint8_t am_type, bytes payload) {
-  return {tokens_.issue(why), to, am_type, std::move(payload), std::nullopt};
-}
-
-/// What is sent to all also goes over each backbone, as a copy that is not acknowledged.
-void router::emit(frame_out x, router_outputs& out) const {
-  if (x.next_hop != broadcast_mote) {
-    x.over = links_.has_backbone(x.next_hop) ? medium::backbone : medium::radio;
-    out.emplace_back(std::move(x));
-    return;
-  }
-  for (const auto end : config_.backbone.motes) {
-    frame_out copy{no_token, end, x.am_type, x.payload, std::nullopt};
-    copy.over = medium::backbone;
-    out.emplace_back(std::move(copy));
-  }
-  out.emplace_back(std::move(x));
 }
 
 // Content.
@@ -92,7 +73,7 @@ router_outputs router::send(mote_id destination, bytes content, instant now, boo
     send_router_message(destination, user_content{std::move(content)}, out, now, in_slot);
     return out;
   }
-  auto frame = frame_for(frame_purpose::direct, destination, am::local, content);
+  auto frame = frames_.make(frame_purpose::direct, destination, am::local, content);
   directs_.add(std::move(frame), std::move(content));
   send_directs(out, now);
   return out;
@@ -101,10 +82,8 @@ router_outputs router::send(mote_id destination, bytes content, instant now, boo
 void router::send_directs(router_outputs& out, instant now) {
   if (turn_ > now)
     return;
-  for (auto& x : directs_.take_waiting()) {
-    tokens_.on_unicast(x.token, x.next_hop);
-    emit(std::move(x), out);
-  }
+  for (auto& x : directs_.take_waiting())
+    frames_.send(std::move(x), links_, out);
 }
 
 router_outputs router::send_to_all(bytes content, instant now) {
@@ -126,17 +105,10 @@ void router::send_router_message(mote_id to, const router_message& x, router_out
 
 void router::take(collection_outputs todo, router_outputs& out, instant now) {
   for (auto& x : todo) {
-    if (auto* packet = std::get_if<collected>(&x)) {
+    if (auto* packet = std::get_if<collected>(&x))
       on_content(std::move(*packet), out, now);
-      continue;
-    }
-    auto& next = std::get<hop>(x);
-    const acting_on its(next.from);
-    auto frame = frame_for(frame_purpose::packet, next.next, next.am_type, std::move(next.octets));
-    frame.in_slot = next.in_slot;
-    if (next.next != broadcast_mote)
-      tokens_.on_unicast(frame.token, next.next);
-    emit(std::move(frame), out);
+    else
+      frames_.send(std::get<hop>(std::move(x)), links_, out);
   }
   if (packets_.take_loop_seen())
     hurry(now);
@@ -274,19 +246,11 @@ surroundings router::around(instant now) const {
 
 void router::take(channels_outputs todo, router_outputs& out) {
   for (auto& x : todo) {
-    if (auto* next = std::get_if<channel_hop>(&x)) {
-      const acting_on its(next->from);
-      auto frame =
-          frame_for(frame_purpose::channel, next->next, am::channel, std::move(next->octets));
-      frame.in_slot = next->in_slot;
-      if (next->next != broadcast_mote)
-        tokens_.on_unicast(frame.token, next->next);
-      emit(std::move(frame), out);
-      continue;
-    }
     std::visit(
-        [&out](auto& y) {
-          if constexpr (!std::is_same_v<std::decay_t<decltype(y)>, channel_hop>)
+        [&](auto& y) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(y)>, channel_hop>)
+            frames_.send(std::move(y), links_, out);
+          else
             out.emplace_back(std::move(y));
         },
         x);
@@ -318,11 +282,11 @@ void router::send_beacon(router_outputs& out, instant now, bool again, bool asks
   if (asks)
     x.clock.doubt = doubt_asks;
   x.heard = links_.heard(beacon::heard_max(x.clock));
-  auto frame = frame_for(frame_purpose::beacon, broadcast_mote, am::beacon, encode(x));
+  auto frame = frames_.make(frame_purpose::beacon, broadcast_mote, am::beacon, encode(x));
   if (stamp)
     frame.age_at = beacon::age_at;
   ++counters_.beacons;
-  emit(std::move(frame), out);
+  frames_.send(std::move(frame), links_, out);
 }
 
 void router::on_beacon(mote_id source, byte_view payload, instant sfd, router_outputs& out,
@@ -508,7 +472,7 @@ router_outputs router::on_sent(std::uint64_t token, bool acked, unsigned transmi
                                instant now) {
   router_outputs out;
   keep_turns(now);
-  if (const auto unicast = tokens_.on_sent(token); unicast) {
+  if (const auto unicast = frames_.on_sent(token); unicast) {
     counters_.silences += time_.on_unicast(acked, now) ? 1 : 0;
     links_.on_sent(*unicast, acked, transmissions, now);
     update_routes(out, now);

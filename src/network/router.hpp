@@ -16,16 +16,16 @@
 #include "core/time.hpp"
 #include "network/beacon.hpp"
 #include "network/channels/channels.hpp"
-#include "network/channels/coordinates.hpp"
 #include "network/channels/known_places.hpp"
 #include "network/channels/place_questions.hpp"
-#include "network/channels/place_reports.hpp"
-#include "network/direct_packets.hpp"
-#include "network/frame_out.hpp"
-#include "network/frame_tokens.hpp"
+#include "network/frames/direct_packets.hpp"
+#include "network/frames/outgoing_frames.hpp"
 #include "network/own_beacons.hpp"
+#include "network/places/coordinates.hpp"
+#include "network/places/place_reports.hpp"
 #include "network/router_config.hpp"
 #include "network/router_message.hpp"
+#include "network/router_output.hpp"
 #include "network/time_sync.hpp"
 #include "network/tree/collection.hpp"
 #include "network/tree/gradient.hpp"
@@ -34,21 +34,6 @@
 #include "network/turns.hpp"
 
 namespace rubicon::network {
-
-/// For the user of Network at this node.
-struct content_in {
-  std::optional<mote_id> origin; ///< a mote of the island; nothing: what came down says itself
-  bool to_all = false;
-  bytes content;
-};
-
-/// The island's clock has been corrected, or is known now.
-struct clock_corrected {};
-
-using router_output =
-    std::variant<frame_out, content_in, clock_corrected, channel_connected, channel_accepted,
-                 channel_received, channel_ended, channel_reserved>;
-using router_outputs = std::vector<router_output>;
 
 struct router_counters {
   std::uint64_t beacons = 0;
@@ -158,9 +143,6 @@ private:
   void begin(const awaited_channel& x, std::optional<virtual_coordinates> place,
              router_outputs& out, instant now);
   [[nodiscard]] surroundings around(instant now) const;
-  void emit(frame_out x, router_outputs& out) const;
-  [[nodiscard]] frame_out frame_for(frame_purpose why, mote_id to, std::uint8_t am_type,
-                                    bytes payload);
 
   own_router_config config_;
   random_stream rng_;
@@ -177,7 +159,7 @@ private:
   channels paths_;
   turns turns_;
   instant turn_; ///< frames without a slot wait until then
-  frame_tokens tokens_;
+  outgoing_frames frames_;
   direct_packets directs_;
   router_counters counters_;
 };

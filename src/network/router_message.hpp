@@ -10,7 +10,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/error.hpp"
-#include "network/channels/coordinates.hpp"
+#include "network/places/coordinates.hpp"
 
 namespace rubicon::network {
 

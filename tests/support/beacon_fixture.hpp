@@ -14,7 +14,7 @@
 
 #include "core/numbers/random.hpp"
 #include "network/beacon.hpp"
-#include "network/channels/coordinates.hpp"
+#include "network/places/coordinates.hpp"
 #include "network/tree/gradient.hpp"
 #include "network/tree/neighbours.hpp"
 #include "network/tree/trickle.hpp"

@@ -14,7 +14,7 @@
 #include "core/describe/fields.hpp"
 #include "core/error.hpp"
 #include "core/island_time.hpp"
-#include "network/channels/coordinates.hpp"
+#include "network/places/coordinates.hpp"
 #include "network/wire.hpp"
 
 namespace rubicon::network {

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "core/bytes.hpp"
-#include "network/channels/coordinates.hpp"
-#include "network/channels/place_cache.hpp"
+#include "network/places/coordinates.hpp"
+#include "network/places/place_cache.hpp"
 
 namespace rubicon::network {
 

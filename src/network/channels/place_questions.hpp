@@ -7,7 +7,7 @@
 
 #include "core/address.hpp"
 #include "core/time.hpp"
-#include "network/channels/channels.hpp"
+#include "network/channels/channel_message.hpp"
 
 namespace rubicon::network {
 

@@ -1,4 +1,4 @@
-#include "network/channels/place_cache.hpp"
+#include "network/places/place_cache.hpp"
 #include "support/catch.hpp"
 
 using namespace rubicon;

@@ -1,5 +1,6 @@
 rubicon_unit_test(unit.network SOURCES unit/network/packet_test.cpp unit/network/places_test.cpp
              unit/network/event_test.cpp
+             unit/network/channels/hop_queue_test.cpp unit/network/channels/set_up_parts_test.cpp
              unit/network/channels_test.cpp unit/network/clock_parts_test.cpp unit/network/collection_test.cpp unit/network/sequence_windows_test.cpp
              unit/network/clock_line_test.cpp unit/network/router_parts_test.cpp unit/network/router_test.cpp
              unit/network/schedule_test.cpp unit/network/search_test.cpp

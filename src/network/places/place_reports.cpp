@@ -1,4 +1,4 @@
-#include "network/channels/place_reports.hpp"
+#include "network/places/place_reports.hpp"
 
 #include <algorithm>
 

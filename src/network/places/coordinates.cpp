@@ -1,4 +1,4 @@
-#include "network/channels/coordinates.hpp"
+#include "network/places/coordinates.hpp"
 
 #include <algorithm>
 #include <cstdlib>

@@ -8,7 +8,7 @@
 
 #include "core/address.hpp"
 #include "core/time.hpp"
-#include "network/channels/coordinates.hpp"
+#include "network/places/coordinates.hpp"
 
 namespace rubicon::network {
 

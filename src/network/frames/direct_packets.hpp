@@ -11,7 +11,7 @@
 #include "core/address.hpp"
 #include "core/bytes.hpp"
 #include "core/small_map.hpp"
-#include "network/frame_out.hpp"
+#include "network/frames/frame_out.hpp"
 
 namespace rubicon::network {
 

@@ -5,7 +5,7 @@
 
 #include "core/numbers/random.hpp"
 #include "core/time.hpp"
-#include "network/channels/coordinates.hpp"
+#include "network/places/coordinates.hpp"
 
 namespace rubicon::network {
 
