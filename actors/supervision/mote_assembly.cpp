@@ -154,7 +154,12 @@ apps::traffic traffic_of(const config::island_description& island) {
 } // namespace
 
 const config::island_description& island_described(ecology_pointer self, island_id id) {
-  return *std::ranges::find(self->state.description.islands, id, &config::island_description::id);
+  const config::island_description* found = nullptr;
+  config::for_each_island(self->state.description, [&](const auto& x) {
+    if (x.id == id)
+      found = &x;
+  });
+  return *found;
 }
 
 const config::mote_description& mote_described(ecology_pointer self, const mote_address& x) {

@@ -12,7 +12,7 @@
 
 namespace rubicon {
 
-/// @pre the description has an island with this id
+/// @pre the description has an island with this id, here or on another host
 [[nodiscard]] const config::island_description& island_described(ecology_pointer self,
                                                                  island_id id);
 

@@ -1,23 +1,20 @@
-// The part of the assembly that makes peers: kernels and the programs that use them.
+// The part of the assembly that makes the programs of peers, which use their kernels.
 #include <algorithm>
-#include <cmath>
 
 #include "actors/bridge/mqtt_component.hpp"
 #include "actors/bridge/ros2_component.hpp"
-#include "actors/island/mote.hpp"
 #include "actors/messages/programs.hpp"
 #include "actors/messages/services.hpp"
 #include "actors/messages/supervision.hpp"
 #include "actors/peis/component.hpp"
 #include "actors/peis/init.hpp"
 #include "actors/peis/pc.hpp"
-#include "actors/peis/peis_bluetooth.hpp"
-#include "actors/peis/peis_peer.hpp"
 #include "actors/serial/forwarder_server.hpp"
 #include "actors/services/gateway.hpp"
 #include "actors/services/object_manager.hpp"
 #include "actors/services/proxy_manager.hpp"
 #include "actors/supervision/assembly.hpp"
+#include "actors/supervision/mote_assembly.hpp"
 #include "apps/tables.hpp"
 #include "bridge/mqtt/mqtt_settings.hpp"
 #include "bridge/mqtt/simulated_component.hpp"
@@ -25,9 +22,6 @@
 #include "bridge/ros2/simulated_ros2.hpp"
 #include "goal/component.hpp"
 #include "io/process/machine.hpp"
-#include "peis/wire/host_record.hpp"
-#include "peis/wire/link_url.hpp"
-#include "peis/wire/package.hpp"
 #include "proxy/collector.hpp"
 #include "proxy/rules/rules_component.hpp"
 #include "rfid/reader.hpp"
@@ -37,147 +31,8 @@ namespace rubicon {
 
 namespace {
 
-/// Of a link of limited bandwidth: what is urgent overtakes all but these octets.
-constexpr std::size_t slow_link_window = 8192;
-constexpr duration inquiry_max = 5s;               ///< of a real adapter, which its links share
-constexpr std::size_t bluetooth_link_window = 512; ///< a quarter of a second at 2 kB/s
-
 ecology_actor ecology_handle(ecology_pointer self) {
   return handle_of<ecology_actor>(self);
-}
-
-/// @pre the description has an island with this id, here or on another host
-const config::island_description& description_of(ecology_pointer self, island_id id) {
-  const config::island_description* found = nullptr;
-  config::for_each_island(self->state.description, [&](const auto& x) {
-    if (x.id == id)
-      found = &x;
-  });
-  return *found;
-}
-
-/// The peer's part of the description; a gateway has what is there by default.
-config::peer_description description_of(ecology_pointer self, const supervised_peer& peer) {
-  if (!peer.island)
-    return *std::ranges::find(self->state.description.peers, peer.id,
-                              &config::peer_description::id);
-  const auto& island = description_of(self, *peer.island);
-  config::peer_description x;
-  x.id = peer.id;
-  x.name = peer.name;
-  x.host = island.host;
-  x.links = peer.line == 0 ? island.gateway_links : island.aliases[peer.line - 1].links;
-  x.discovery = x.links.empty();
-  return x;
-}
-
-/// Whether a peer has anything to do with the real network; never in virtual time.
-bool is_real(ecology_pointer self, const config::peer_description& peer) {
-  return self->state.process.loop != nullptr && config::has_real_links(peer);
-}
-
-/// Unplaced peers have a machine of their own, unless they can be met on this one or are a
-/// component on that of their init.
-std::string host_of(ecology_pointer self, const config::peer_description& peer) {
-  if (!peer.host.empty())
-    return peer.host;
-  if (peer.init)
-    return host_of(self, *std::ranges::find(self->state.description.peers, *peer.init,
-                                            &config::peer_description::id));
-  return is_real(self, peer) ? self->state.process.machine : peer.name;
-}
-
-/// Where a peer takes links over Bluetooth: each of a machine has a port of its own.
-std::uint16_t bluetooth_port_of(ecology_pointer self, const config::peer_description& peer) {
-  const auto machine = host_of(self, peer);
-  std::size_t before = 0;
-  for (const auto& each : self->state.description.peers)
-    before += each.id < peer.id && host_of(self, each) == machine ? 1 : 0;
-  return peis::bluetooth_port(before);
-}
-
-/// What a full package takes: its acknowledgement cannot come sooner.
-duration full_package_time(const config::bluetooth_description& x) {
-  constexpr std::int64_t bits = 8 * (peis::header_size + peis::data_max);
-  return duration(bits * 1'000'000'000 / static_cast<std::int64_t>(x.rate_bps));
-}
-
-void add_bluetooth(ecology_pointer self, const config::peer_description& peer,
-                   peis::p2p_config& network) {
-  const auto& given = self->state.description.peis.bluetooth;
-  if (!peer.adapter.empty() && is_real(self, peer))
-    network.bluetooth.adapters = {peer.adapter};
-  else if (!peer.bluetooth.empty())
-    network.bluetooth.adapters = peer.bluetooth;
-  else
-    return;
-  network.bluetooth.scan_period = given.scan_period;
-  network.bluetooth.threshold_dbm = static_cast<int>(std::ceil(given.threshold_dbm));
-  if (peer.bluetooth.empty()) // the address of a real adapter is known when it is open
-    return;
-  const auto port = bluetooth_port_of(self, peer);
-  for (const auto& adapter : peer.bluetooth)
-    network.addresses.push_back(peis::bluetooth_interface(
-        adapter, peis::address_of_adapter(network.host_name, adapter), port));
-  if (given.rate_bps == 0)
-    return;
-  network.link_window = bluetooth_link_window;
-  network.reliable.retry_time = std::max(network.reliable.retry_time, 2 * full_package_time(given));
-}
-
-peis::kernel_config kernel_of(ecology_pointer self, const config::peer_description& peer) {
-  const auto& state = self->state;
-  peis::kernel_config x;
-  x.managers = peer.managers;
-  auto& network = x.network;
-  network.id = peer.id;
-  network.name = peer.name;
-  network.host_name = host_of(self, peer);
-  network.network = state.description.network;
-  network.process = state.process.number;
-  network.clock_offset = state.process.clock_offset + peer.clock_offset;
-  network.clock_ppb = static_cast<std::int64_t>(peer.clock_ppm * 1000);
-  if (peer.wired)
-    network.addresses = {peis::inproc_address(state.process.number, peer.id)};
-  if (state.description.peis.bandwidth_bps > 0)
-    network.link_window = slow_link_window;
-  add_bluetooth(self, peer, network);
-  network.time_master = peer.time_master;
-  auto& connections = network.connections;
-  for (const auto& name : peer.links)
-    connections.always.push_back("inproc://" + to_string(state.peers.at(name).id));
-  connections.always.insert(connections.always.end(), peer.connect.begin(), peer.connect.end());
-  if (peer.tcp)
-    connections.networks = peer.tcp->networks;
-  connections.leaf = peer.leaf;
-  connections.manager = peer.manager;
-  connections.announces = peer.discovery || peer.lan;
-  return x;
-}
-
-/// What a peer has of the real network; nothing in virtual time.
-std::optional<real_links_config> real_links_of(ecology_pointer self,
-                                               const config::peer_description& peer) {
-  if (!is_real(self, peer))
-    return std::nullopt;
-  real_links_config x;
-  x.loop = self->state.process.loop;
-  x.links.lan = peer.lan;
-  x.links.udp = peer.udp;
-  x.links.first_link = peis::link_id{first_real_link};
-  if (peer.tcp) {
-    x.links.listen_address = peer.tcp->address;
-    x.links.networks = peer.tcp->networks;
-  }
-  if (peer.tcp && peer.tcp->port)
-    x.links.first_port = peer.tcp->port;
-  else if (!peer.tcp && !peer.lan)
-    x.links.first_port.reset();
-  x.port_is_given = peer.tcp && peer.tcp->port;
-  x.adapter = peer.adapter;
-  x.inquiry =
-      std::min<duration>(inquiry_max, self->state.description.peis.bluetooth.scan_period / 2);
-  return x;
 }
 
 rfid::tags tags_of(const config::ecology_description& x) {
@@ -313,7 +168,7 @@ struct peer_app_spawner {
   }
 
   [[nodiscard]] managed_island managed(island_id id) const {
-    const auto& island = description_of(self, id);
+    const auto& island = island_described(self, id);
     managed_island x{
         id, island.name, {}, {{gateway_of(id), island.gateway_name}}, island.sink.place};
     x.slack = transport::messenger_config::attempts_max *
@@ -356,38 +211,6 @@ struct peer_app_spawner {
   }
 };
 
-} // namespace
-
-void spawn_kernel(ecology_pointer self, supervised_peer& peer, const std::string& path) {
-  const auto description = description_of(self, peer);
-  peis_peer_arguments x;
-  x.config = kernel_of(self, description);
-  peer.machine = x.config.network.host_name;
-  x.name = peer.name;
-  x.seed = self->state.description.seed;
-  x.station = peer.station = ++self->state.stations;
-  x.incarnation = peer.incarnation;
-  x.is_first = !peer.begun;
-  x.network = self->state.description.peis;
-  x.discovery = description.discovery;
-  x.real = real_links_of(self, description);
-  if (description.wired)
-    x.lan = self->state.lan;
-  if (!description.bluetooth.empty()) {
-    x.bluetooth = self->state.bluetooth;
-    x.adapters = {x.station,         x.config.network.host_name,           description.bluetooth,
-                  description.place, bluetooth_port_of(self, description), {}};
-  }
-  x.ecology = ecology_handle(self);
-  peer.handle = spawn_child(*self->state.pcs, self, path, peis_peer, std::move(x));
-  peer.changed = now(self);
-  peer.powered = true;
-  peer.begun = true;
-  note_starts(self, peer.incarnation + 1);
-}
-
-namespace {
-
 /// How many streams proxies read at a peer with such programs.
 std::size_t streams_of_proxies(ecology_pointer self, const std::vector<config::peer_app>& apps) {
   const bool manages = std::ranges::any_of(apps, [](const config::peer_app& app) {
@@ -421,80 +244,99 @@ pc_actor spawn_pc(ecology_pointer self, supervised_peer& peer,
   return layer;
 }
 
-} // namespace
-
-void spawn_programs(ecology_pointer self, supervised_peer& peer) {
-  if (!peer.island) {
-    std::size_t number = 0;
-    const auto& apps = description_of(self, peer).apps;
-    auto programs = configs_of(programs_among(apps));
-    const auto streams = streams_of_proxies(self, apps);
-    program_node_actor layer;
-    if (streams > 0)
-      layer = spawn_pc(self, peer, programs, streams);
-    for (const auto& app : apps)
-      std::visit(peer_app_spawner{self, peer, ++number, layer}, app);
-    if (!layer && !programs.empty())
-      spawn_pc(self, peer, std::move(programs), 0);
-    return;
-  }
-  const auto& island = description_of(self, *peer.island);
-  const bool is_alias = peer.line > 0;
-  gateway_arguments gateway;
-  gateway.config.island = island.id;
-  gateway.config.tick_period = self->state.description.tick;
-  gateway.config.slacks = self->state.slacks;
-  if (!island.aliases.empty())
-    gateway.config.gateways = config::gateways_of(island);
-  gateway.config.incarnation = peer.incarnation;
-  gateway.config.form = island.gateway_wire;
-  gateway.name = peer.name;
-  gateway.self = peer.id;
-  gateway.programs = island.gateway_apps;
-  gateway.config.channels_max = apps::ends_max(gateway.config.channels_max, gateway.programs);
+/// Its cable, or that of the alias which the peer is.
+void add_line(ecology_pointer self, const supervised_peer& peer,
+              const config::island_description& island, gateway_arguments& x) {
   const auto slowness = line_slowness(island);
-  gateway.config.ack_wait *= slowness;
-  gateway.config.lead_lease *= slowness;
-  gateway.config.line_silence_max *= slowness;
-  gateway.config.shared_silence_max *= slowness;
-  const auto& line = is_alias ? island.aliases[peer.line - 1].serial : island.serial;
-  gateway.port.baud = line.baud;
-  gateway.port.latency = line.latency;
-  gateway.port.window = slowness > 1 ? 2 : 1;
-  gateway.port.queue_max = std::min(gateway.port.queue_max, serial::queue_room(line.baud)) +
-                           self->state.traffic.at(island.id).down.packets;
-  gateway.seed = self->state.description.seed;
-  gateway.peer = peer.handle;
-  gateway.line = self->state.lines.at({island.id, peer.line});
-  gateway.line_is_real = island.outside.has_sink();
-  gateway.plain.motes = {island.plain, island.keep_alive};
-  gateway.plain.group = serial::default_group;
-  const auto payload_of = [](const serial::outside_config& x) {
-    return x.payload == 0 ? serial::base_station_payload : x.payload;
+  x.config.ack_wait *= slowness;
+  x.config.lead_lease *= slowness;
+  x.config.line_silence_max *= slowness;
+  x.config.shared_silence_max *= slowness;
+  const auto& line = peer.line > 0 ? island.aliases[peer.line - 1].serial : island.serial;
+  x.port.baud = line.baud;
+  x.port.latency = line.latency;
+  x.port.window = slowness > 1 ? 2 : 1;
+  x.port.queue_max = std::min(x.port.queue_max, serial::queue_room(line.baud)) +
+                     self->state.traffic.at(island.id).down.packets;
+  x.line = self->state.lines.at({island.id, peer.line});
+}
+
+/// Real motes, at the cable or at one of their own.
+void add_real_motes(ecology_pointer self, const config::island_description& island,
+                    gateway_arguments& x) {
+  x.line_is_real = island.outside.has_sink();
+  x.plain.motes = {island.plain, island.keep_alive};
+  x.plain.group = serial::default_group;
+  const auto payload_of = [](const serial::outside_config& outside) {
+    return outside.payload == 0 ? serial::base_station_payload : outside.payload;
   };
   if (config::has_plain_sink(island))
-    gateway.port.payload_max = payload_of(island.outside);
-  gateway.config.is_forwarded =
+    x.port.payload_max = payload_of(island.outside);
+  x.config.is_forwarded =
       !(island.real.is_there() ? island.real.outside : island.outside).forwarder.empty();
-  gateway.may_be_own_sink = gateway.line_is_real && island.outside.payload == 0;
+  x.may_be_own_sink = x.line_is_real && island.outside.payload == 0;
   if (const auto& real = island.real; real.is_there()) {
-    gateway.config.has_real_line = true;
-    gateway.plain.range = real.motes;
-    gateway.real_port.baud = real.serial.baud;
-    gateway.real_port.payload_max = payload_of(real.outside);
-    gateway.real_line = self->state.real_lines.at(island.id);
+    x.config.has_real_line = true;
+    x.plain.range = real.motes;
+    x.real_port.baud = real.serial.baud;
+    x.real_port.payload_max = payload_of(real.outside);
+    x.real_line = self->state.real_lines.at(island.id);
   }
-  gateway.ecology = ecology_handle(self);
+}
+
+void spawn_gateway(ecology_pointer self, supervised_peer& peer,
+                   const config::island_description& island) {
+  gateway_arguments x;
+  x.config.island = island.id;
+  x.config.tick_period = self->state.description.tick;
+  x.config.slacks = self->state.slacks;
+  if (!island.aliases.empty())
+    x.config.gateways = config::gateways_of(island);
+  x.config.incarnation = peer.incarnation;
+  x.config.form = island.gateway_wire;
+  x.name = peer.name;
+  x.self = peer.id;
+  x.programs = island.gateway_apps;
+  x.config.channels_max = apps::ends_max(x.config.channels_max, x.programs);
+  x.seed = self->state.description.seed;
+  x.peer = peer.handle;
+  x.ecology = ecology_handle(self);
+  add_line(self, peer, island, x);
+  add_real_motes(self, island, x);
+  const bool is_alias = peer.line > 0;
   if (!is_alias && !island.exported.forwarder.empty()) {
-    gateway.forwarder = spawn_child(
+    x.forwarder = spawn_child(
         *self->state.pcs, self, "forwarder_server/" + island.name, forwarder_server,
         forwarder_server_arguments{island.exported.forwarder, island.exported.networks,
                                    self->state.process.loop, island.id, ecology_handle(self)});
-    peer.programs.push_back(gateway.forwarder.strong());
+    peer.programs.push_back(x.forwarder.strong());
   }
   const auto path = "gateway/" + island.name + (is_alias ? '/' + peer.name : std::string());
   peer.programs.push_back(
-      spawn_child(*self->state.pcs, self, path, gateway_behavior, std::move(gateway)).strong());
+      spawn_child(*self->state.pcs, self, path, gateway_behavior, std::move(x)).strong());
+}
+
+void spawn_apps(ecology_pointer self, supervised_peer& peer,
+                const std::vector<config::peer_app>& apps) {
+  std::size_t number = 0;
+  auto programs = configs_of(programs_among(apps));
+  const auto streams = streams_of_proxies(self, apps);
+  program_node_actor layer;
+  if (streams > 0)
+    layer = spawn_pc(self, peer, programs, streams);
+  for (const auto& app : apps)
+    std::visit(peer_app_spawner{self, peer, ++number, layer}, app);
+  if (!layer && !programs.empty())
+    spawn_pc(self, peer, std::move(programs), 0);
+}
+
+} // namespace
+
+void spawn_programs(ecology_pointer self, supervised_peer& peer) {
+  if (peer.island)
+    return spawn_gateway(self, peer, island_described(self, *peer.island));
+  const auto& peers = self->state.description.peers;
+  spawn_apps(self, peer, std::ranges::find(peers, peer.id, &config::peer_description::id)->apps);
 }
 
 } // namespace rubicon

@@ -1,5 +1,5 @@
+#include "cli/print/event_lines.hpp"
 #include "cli/print/progress_bar.hpp"
-#include "cli/run/event_lines.hpp"
 #include "report/print/text_layout.hpp"
 #include "support/catch.hpp"
 

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <memory>
 #include <optional>
-#include <set>
 #include <stdexcept>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <variant>
 
@@ -18,19 +15,19 @@
 #include "cli/chain.hpp"
 #include "cli/ecology_file.hpp"
 #include "cli/print/console.hpp"
+#include "cli/print/event_lines.hpp"
 #include "cli/print/local_time.hpp"
 #include "cli/print/logging.hpp"
 #include "cli/print/progress_bar.hpp"
 #include "cli/print/report_output.hpp"
 #include "cli/print/served_metrics.hpp"
 #include "cli/run/bundle_file.hpp"
-#include "cli/run/event_lines.hpp"
-#include "cli/run/live_page.hpp"
 #include "cli/run/part_file.hpp"
 #include "cli/run/reloader.hpp"
 #include "cli/run/run_watch.hpp"
 #include "cli/run/running_note.hpp"
 #include "cli/run/steered_run.hpp"
+#include "cli/run/viewed_run.hpp"
 #include "cli/words/option_text.hpp"
 #include "config/plan/debug_selection.hpp"
 #include "config/plan/placement.hpp"
@@ -42,7 +39,6 @@
 #include "deploy/fault_sentence.hpp"
 #include "io/files/line_input.hpp"
 #include "io/files/stored_number.hpp"
-#include "io/files/temporary_folder.hpp"
 #include "io/files/unwaiting_output.hpp"
 #include "report/figures.hpp"
 
@@ -114,126 +110,6 @@ std::string command_of(const run_command& x, std::uint64_t seed) {
   return text;
 }
 
-std::string mode_of(const run_command& x, const config::ecology_description& ecology) {
-  return x.options.mode.value_or(ecology.mode) == config::run_mode::wall ? "wall" : "virtual";
-}
-
-/// The picture under the map; empty: none.
-std::string floor_plan_of(const std::string& file, const config::ecology_description& x) {
-  if (!x.plan || file == standard_input)
-    return {};
-  return (std::filesystem::path(file).parent_path() / x.plan->picture).string();
-}
-
-/// Who has tuples: gateways and peers.
-std::set<std::string> owners_of(const config::ecology_description& x) {
-  std::set<std::string> names;
-  for (const auto& island : x.islands) {
-    names.insert(island.gateway_name);
-    for (const auto& alias : island.aliases)
-      names.insert(alias.name);
-  }
-  for (const auto& peer : x.peers)
-    names.insert(peer.name);
-  return names;
-}
-
-/// What the page may do to the run by hand, if it may.
-std::optional<manual_control> manual_control_of(const run_command& x,
-                                                const config::ecology_description& ecology) {
-  if (!x.watch.control)
-    return std::nullopt;
-  auto packed = deploy::pack(x.file, x.instead, x.options.length, x.known);
-  return std::optional<manual_control>(std::in_place, std::move(packed.what), x.known,
-                                       owners_of(ecology), x.watch.control_kernel);
-}
-
-/// Whether a record costs nothing that anybody would notice: time passes slowly, for few.
-bool has_time_for_record(const run_command& x, const config::ecology_description& ecology) {
-  constexpr double speed_max = 10;
-  constexpr std::size_t motes_max = 500;
-  const bool is_wall = x.options.mode.value_or(ecology.mode) == config::run_mode::wall;
-  const auto speed = is_wall && x.options.speed == 0 ? 1 : x.options.speed;
-  std::size_t motes = 0;
-  for (const auto& island : ecology.islands)
-    motes += island.motes.size();
-  return speed > 0 && speed <= speed_max && motes <= motes_max;
-}
-
-/// A record for the page alone, gone from the disk as soon as the page reads it.
-class own_record {
-public:
-  /// Makes the run write it; nothing: there is no room for temporary files.
-  void attach(run_options& options) {
-    try {
-      folder_.emplace("rubicon");
-    } catch (const std::system_error&) {
-      return;
-    }
-    options.record_file = folder_->path() / "run.rec";
-    options.record_octets_max = live_page::own_record_octets_max;
-  }
-  void read_by(live_page& page) {
-    if (folder_)
-      page.read_on(folder_->path() / "run.rec", /*is_own=*/true);
-    folder_.reset();
-  }
-
-private:
-  std::optional<io::temporary_folder> folder_;
-};
-
-/// With a page that shows it meanwhile, and stays afterwards.
-class viewed_run {
-public:
-  viewed_run(const run_command& x, const config::ecology_description& ecology)
-      : record_(x.options.record_file), manual_(manual_control_of(x, ecology)),
-        keeps_own_(record_.empty() && has_time_for_record(x, ecology)),
-        page_(*x.watch.view, view::ecology_json(ecology),
-              {.file = x.file,
-               .command = command_of(x, x.options.seed.value_or(ecology.seed)),
-               .controls = manual_.has_value(),
-               .messages = keeps_own_ || !record_.empty()},
-              mode_of(x, ecology), floor_plan_of(x.file, ecology),
-              manual_ ? manual_->controls() : nullptr) {}
-
-  void attach(run_options& options, const config::ecology_description& ecology) {
-    page_.attach(options, ecology);
-    if (keeps_own_)
-      own_.attach(options);
-    chain(options.on_begun, [this](const run_control& x) {
-      if (!record_.empty())
-        page_.read_on(record_, /*is_own=*/false);
-      own_.read_by(page_);
-      performer_ = {[run = x](const std::string&, const config::fault& fault) { run.apply(fault); },
-                    x.set_tuple};
-    });
-    if (manual_)
-      chain(options.progress, [this](const run_progress& x) {
-        for (const auto& each : manual_->perform(performer_, x.reached))
-          page_.report_action(x.reached, each);
-      });
-  }
-
-  /// @pre the report is printed
-  void finish(const report::run_report& report) {
-    if (manual_)
-      manual_->end();
-    page_.finish(report);
-    if (manual_)
-      static_cast<void>(print(stderr, manual_->repeated()));
-    page_.stay();
-  }
-
-private:
-  std::string record_;
-  std::optional<manual_control> manual_;
-  bool keeps_own_;
-  own_record own_;
-  live_page page_; ///< before its actions: its sessions use them
-  manual_control::performer performer_;
-};
-
 exit_status report_run(const run_command& x, ecology_file file) {
   auto options = x.options;
   const auto digest = to_hex(file.text_hash);
@@ -255,7 +131,7 @@ exit_status report_run(const run_command& x, ecology_file file) {
   }
   std::optional<viewed_run> viewed;
   if (x.watch.view) {
-    viewed.emplace(x, file.ecology);
+    viewed.emplace(x, file.ecology, command_of(x, x.options.seed.value_or(file.ecology.seed)));
     viewed->attach(options, file.ecology);
   }
   const auto labels = file.ecology.labels;

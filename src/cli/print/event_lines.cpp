@@ -1,4 +1,4 @@
-#include "cli/run/event_lines.hpp"
+#include "cli/print/event_lines.hpp"
 
 #include <algorithm>
 #include <utility>
