@@ -53,6 +53,9 @@ bool routing_exchange::on_page(connection& from, byte_view data, instant now) {
     entries.insert(entries.end(), part->entries.begin(), part->entries.end());
   }
   collection.pages.clear();
+  from.routes.drained = std::ranges::any_of(entries, [&](const routing_entry& x) {
+    return x.id == from.neighbour && x.seqno < collection.seqno;
+  });
   from.routes.table = std::move(entries);
   const auto due = may_apply_at(from);
   if (due <= now)
@@ -149,6 +152,8 @@ void routing_exchange::drain(link_id link, instant until) {
   auto frozen = overlay_.routes().table_for(own_origin, connections_unknown);
   std::ranges::sort(frozen, {}, &routing_entry::id);
   drains_[link] = {until, std::move(frozen)};
+  overlay_.routes().next_seqno();
+  send_to(links_.at(link), own_origin); // the neighbour sees it by our own number, which stays
 }
 
 std::optional<instant> routing_exchange::drained_at(link_id link) const {

@@ -40,8 +40,8 @@ public:
   void send(const occasion& x); ///< to all neighbours
   void send_to(connection& to, link_id origin);
 
-  // A link that is to be closed is drained first: numbers of routes stay over it as they were, so
-  // that newer ones over other links take their place, and its end is no news.
+  // A link that is to be closed is drained first: numbers of routes, our own one too, stay over it
+  // as they were, so that newer ones over other links take their place, and its end is no news.
   void drain(link_id link, instant until); ///< its neighbour is of our kind
   void end_drain(link_id link) { drains_.erase(link); }
   void end_drains() { drains_.clear(); }

@@ -59,6 +59,7 @@ struct connection_routes {
   std::optional<std::vector<routing_entry>> table; ///< whole, but came too soon
   rate_limit table_rate;
   std::deque<peer_id> sources; ///< without a route, oldest first
+  bool drained = false;        ///< by the neighbour: it is about to close the link
 };
 
 /// Signs of life (heartbeats, link_health).

@@ -45,7 +45,10 @@ int value_of(const link_option& x) {
 std::optional<link_option> worst_of(std::span<const link_option> links) {
   std::optional<link_option> worst;
   for (const auto& x : links) {
-    if (x.loss && (!worst || *x.loss < *worst->loss))
+    if (!x.loss)
+      continue;
+    const bool missed_less = worst && *x.loss == *worst->loss && x.connections > worst->connections;
+    if (!worst || *x.loss < *worst->loss || missed_less)
       worst = x;
   }
   return worst;

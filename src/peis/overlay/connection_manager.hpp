@@ -52,6 +52,7 @@ struct link_option {
   /// By how much the metric to some host grows if the link is closed; unset: it must stay, because
   /// a host can be reached over it alone, because it is forced, or because it is young (CM-04).
   std::optional<unsigned> loss;
+  unsigned connections = 0; ///< that its neighbour says it has
 };
 
 /// A host without link that can be tried now.
@@ -84,7 +85,7 @@ using link_decision = std::variant<std::monostate, open_link_to, close_worst>;
                                    std::span<const host_option> hosts,
                                    const connection_config& config, random_stream& rng);
 
-/// The closable link of least value.
+/// The closable link of least value; of equal ones that whose neighbour misses it least.
 [[nodiscard]] std::optional<link_option> worst_of(std::span<const link_option> links);
 
 /// Whether a connect request may be accepted (CM-09, docs/peis-wire.md 3.2), and what for.

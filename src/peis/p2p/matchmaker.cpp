@@ -122,46 +122,65 @@ void matchmaker::manage(const occasion& x) {
     return;
   const auto& config = own.config.connections;
   const auto count = static_cast<std::size_t>(std::ranges::count_if(
-      of_.links.all(), [](const auto& each) { return each.second.open && !each.second.always(); }));
+      of_.links.all(), [this](const auto& each) { return is_lasting(each.second); }));
   if (count <= config.links_suitable)
     of_.exchange.end_drains(); // no link is one too many any more
   if (count == config.links_suitable)
     return; // whatever they are worth
-  const auto links = link_options(x.now);
+  auto links = link_options(x.now);
+  std::erase_if(links, [this](const auto& each) { return !is_lasting(of_.links.at(each.link)); });
   const auto hosts = count < config.links_suitable ? host_options(count < config.links_min, x.now)
                                                    : std::vector<host_option>();
   const auto decision = decide(links, hosts, config, own.rng);
   if (const auto* open = std::get_if<open_link_to>(&decision)) {
     static_cast<void>(of_.dials.connect(of_.hosts.find(open->host)->record, 0, x));
   } else if (std::holds_alternative<close_worst>(decision)) {
-    release(links, x);
+    release(std::move(links), x);
   }
 }
 
+/// Is that link one of those whose number the manager looks after? Not one that the neighbour is
+/// about to close: another may take its place.
+bool matchmaker::is_lasting(const connection& x) const {
+  const bool ends = x.routes.drained && of_.health.is_marked(x) && !of_.exchange.drained_at(x.id);
+  return x.open && !x.always() && !ends;
+}
+
 /// Closes the worst of too many links. In a large network many have routes over it: they are given
-/// time to take others.
+/// time to take others, for all at once that are too many.
 void matchmaker::release(std::span<const link_option> links, const occasion& x) {
   std::vector<link_option> kept;
   for (const auto& option : links) {
-    const auto until = of_.exchange.drained_at(option.link);
-    if (until && option.loss && *until <= x.now) {
-      of_.exchange.end_drain(option.link);
-      of_.closer.close(option.link, close_cause::unneeded, x);
-      return;
-    }
-    if (until && !option.loss)
-      of_.exchange.end_drain(option.link); // it has become the only one
-    if (!until || !option.loss)
+    if (!tend_drain(option, x))
       kept.push_back(option);
   }
-  const auto worst = worst_of(kept);
-  if (!worst || kept.size() <= of_.own.config.connections.links_suitable)
-    return;
-  const auto period = of_.own.config.routing_period;
-  if (of_.hosts.all().size() < hosts_many || !of_.health.is_marked(of_.links.at(worst->link)))
-    of_.closer.close(worst->link, close_cause::unneeded, x);
-  else
-    of_.exchange.drain(worst->link, x.now + of_.own.rng.between(2 * period, 3 * period));
+  const auto& own = of_.own.config;
+  while (kept.size() > own.connections.links_suitable) {
+    const auto worst = worst_of(kept);
+    if (!worst)
+      return;
+    if (of_.hosts.all().size() < hosts_many || !of_.health.is_marked(of_.links.at(worst->link))) {
+      of_.closer.close(worst->link, close_cause::unneeded, x);
+      return;
+    }
+    const auto period = own.routing_period;
+    of_.exchange.drain(worst->link, x.now + of_.own.rng.between(period, 2 * period));
+    std::erase_if(kept, [&](const link_option& each) { return each.link == worst->link; });
+  }
+}
+
+/// Closes a link whose time has come, unless it has become the only way to some host.
+/// @returns whether it is closed, or to be closed
+bool matchmaker::tend_drain(const link_option& x, const occasion& at) {
+  const auto until = of_.exchange.drained_at(x.link);
+  if (!until)
+    return false;
+  const bool is_needed = !x.loss || !of_.routes.routes().loss_without(x.link);
+  if (is_needed || *until <= at.now)
+    of_.exchange.end_drain(x.link);
+  if (!is_needed && *until <= at.now)
+    of_.closer.close(x.link, close_cause::unneeded, at);
+  return !is_needed;
 }
 
 bool matchmaker::is_better(const connection& a, const connection& b, instant now) const {
@@ -210,6 +229,9 @@ std::vector<link_option> matchmaker::link_options(instant now) const {
     link_option option{link, std::nullopt};
     if (x.neighbour && x.opened + young_for <= now && !busy_with(*x.neighbour))
       option.loss = of_.routes.routes().loss_without(link);
+    const auto* way = x.neighbour ? of_.routes.routes().find(*x.neighbour) : nullptr;
+    if (way != nullptr && way->connections != connections_unknown)
+      option.connections = way->connections;
     options.push_back(option);
   }
   return options;

@@ -63,7 +63,9 @@ private:
   [[nodiscard]] bool busy_with(peer_id host) const;
   [[nodiscard]] std::vector<link_option> link_options(instant now) const;
   [[nodiscard]] std::vector<host_option> host_options(bool full_ones, instant now);
+  [[nodiscard]] bool is_lasting(const connection& x) const;
   void release(std::span<const link_option> links, const occasion& x);
+  [[nodiscard]] bool tend_drain(const link_option& x, const occasion& at);
 
   means of_;
   instant next_manager_;

@@ -46,7 +46,7 @@ struct known_parts {
 struct link_parts {
   link_parts(known_parts& x, instant now)
       : input(x.own, x.links, now), sender(x.own, x.links), health(x.own, x.links, x.hosts),
-        beats(x.own, x.links, health, sender),
+        beats(x.own, x.links, x.hosts, health, sender),
         messages(x.own, x.links, x.routes, sender, x.traffic), writer(x.own, health, messages),
         announcements(x.own, x.rivalry, x.hosts, now), contacts(x.own, x.links, x.hosts),
         dials(x.own, x.links, x.routes, x.hosts, contacts, x.adapters, now) {}

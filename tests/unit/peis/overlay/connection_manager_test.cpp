@@ -94,6 +94,15 @@ TEST_CASE("above seven the worst connection goes, at seven nothing happens", "[p
   CHECK(decided({{}, {}, {}, {}, {}, {}, {}, {}}, hosts).empty()); // all forced
 }
 
+TEST_CASE("of connections of equal value the one goes whose neighbour has most others",
+          "[peis][CM-08]") {
+  auto options = links({6, 4, 4, 4, {}});
+  CHECK(worst_of(options)->link == link_id{2});
+  options[0].connections = options[4].connections = 9;
+  options[3].connections = 8;
+  CHECK(worst_of(options)->link == link_id{4});
+}
+
 TEST_CASE("requests are admitted up to the ceiling", "[peis][CM-09]") {
   const std::vector<link_option> some(9, {link_id{1}, 2});
   const std::vector<link_option> more(10, {link_id{1}, 2});

@@ -13,6 +13,7 @@
 #include "peis/hosts/routing_exchange.hpp"
 #include "peis/links/announcer.hpp"
 #include "peis/links/contact_history.hpp"
+#include "peis/links/heartbeats.hpp"
 #include "peis/links/link_health.hpp"
 #include "peis/links/link_input.hpp"
 #include "peis/links/message_delivery.hpp"
@@ -80,15 +81,20 @@ struct two_routes : lone_layer {
   }
   /// The number of a host in our table, as it is sent over that link.
   std::int32_t sent(std::uint64_t link, peer_id host) {
-    auto& to = links.at(link_id{link});
-    exchange.send_to(to, own_origin);
-    const auto package = to.out.queue.pop();
-    REQUIRE(package);
-    const auto page = decode_routing_page(package->content->head.view());
+    while (links.at(link_id{link}).out.queue.pop()) { // what was sent before
+    }
+    exchange.send_to(links.at(link_id{link}), own_origin);
+    const auto page = decode_routing_page(next_page(link).view());
     REQUIRE(page);
     const auto entry = std::ranges::find(page->entries, host, &routing_entry::id);
     REQUIRE(entry != page->entries.end());
     return entry->seqno;
+  }
+  /// The next table that leaves over that link.
+  payload next_page(std::uint64_t link) {
+    const auto package = links.at(link_id{link}).out.queue.pop();
+    REQUIRE(package);
+    return package->content->head;
   }
 
   static constexpr peer_id other_peer{4};
@@ -281,6 +287,28 @@ TEST_CASE("what comes over a link that is to be closed is no news, so that its e
   }
 }
 
+TEST_CASE("the neighbour at the other end of a link that is to be closed knows it at once",
+          "[peis][CM-01][NFR-06]") {
+  two_routes x;
+  lone_layer neighbour(lone_config(near_peer.value));
+  package_sender sender(neighbour.own, neighbour.links);
+  routing_exchange exchange(neighbour.own, neighbour.links, neighbour.routes, sender, opened_at);
+  auto& link = neighbour.open(1, x.own.self.id);
+  const auto told = [&] {
+    static_cast<void>(exchange.on_page(link, x.next_page(1).view(), opened_at));
+    return link.routes.drained;
+  };
+  x.exchange.send({opened_at, x.out});
+  CHECK(!told());
+  x.exchange.drain(link_id{1}, opened_at + 20s);
+  CHECK(told());
+  x.exchange.send({opened_at, x.out});
+  CHECK(told());
+  x.exchange.end_drain(link_id{1});
+  x.exchange.send({opened_at, x.out});
+  CHECK(!told());
+}
+
 TEST_CASE("a host in doubt is asked over each link that it is offered over, the best first",
           "[peis][RTE-07]") {
   two_routes x;
@@ -311,6 +339,37 @@ TEST_CASE("a host in doubt is asked over each link that it is offered over, the 
     silent = tracer.probe_due(*tracer.deadline());
   REQUIRE(silent.size() == 1);
   CHECK(silent[0].host == far_peer);
+}
+
+TEST_CASE("in a large network a heartbeat that is almost due leaves with one that is",
+          "[peis][KH-05][NFR-06]") {
+  const bool large = GENERATE(false, true);
+  lone_layer x;
+  for (std::int32_t id = 2; id < (large ? 60 : 10); ++id) {
+    auto* host = x.hosts.admit(peer_id{id}, x.at(opened_at, 1));
+    REQUIRE(host != nullptr);
+    host->record.marked = true;
+  }
+  package_sender sender(x.own, x.links);
+  link_health health(x.own, x.links, x.hosts);
+  heartbeats beats(x.own, x.links, x.hosts, health, sender);
+  for (const std::uint64_t link : {2U, 3U, 4U}) { // one after the other, 0.2 s apart
+    auto& each = x.open(link, peer_id{static_cast<std::int32_t>(link)});
+    each.out.last_written = each.signs.beat_sent = opened_at + (link - 2) * 200ms;
+    beats.expect(each);
+  }
+  std::size_t wakeups = 0;
+  std::size_t sent = 0;
+  for (; *beats.deadline() <= opened_at + 10s; ++wakeups) {
+    beats.on_time(*beats.deadline());
+    for (const std::uint64_t link : {2U, 3U, 4U}) {
+      while (x.links.at(link_id{link}).out.queue.pop())
+        ++sent;
+    }
+  }
+  CHECK(sent >= 28);
+  CHECK(sent <= 30);
+  CHECK(wakeups == (large ? 10U : 28U));
 }
 
 TEST_CASE("a table after a change that no other has to know waits longer in a large network",
