@@ -24,8 +24,6 @@ namespace {
 constexpr duration goodbye_time = 200ms;
 /// How long inits may take to stop their components (SVC-05).
 constexpr duration stop_time_max = 4s;
-/// Reports that are asked for now and then take at most a hundredth of the time.
-constexpr int report_pause_factor = 100;
 
 scheduler::world_options world_options_of(config::run_mode mode, double speed,
                                           const run_options& options) {
@@ -71,6 +69,7 @@ one_run::one_run(const config::ecology_description& description, const run_optio
                  run_files& files, report::expectations& judge, report::run_report& report)
     : judge_(judge), files_(files), description_(description), options_(options), report_(report),
       wall_(description.mode == config::run_mode::wall),
+      reports_(wall_ ? options.report_every : duration{}),
       speed_(wall_ && options.speed == 0 ? 1 : options.speed),
       world_(world_options_of(description.mode, speed_, options)),
       lifetime_(world_, description.until), inits_run_(has_any_init(description)) {
@@ -82,7 +81,7 @@ one_run::one_run(const config::ecology_description& description, const run_optio
         world_.loop(), [this](int) { world_.request_stop(); }, !options.on_hangup);
   root_ = world_.spawn(
       "ecology/" + description.name, ecology, description,
-      [this](report::run_report x) { take(std::move(x)); }, files.frames(), facts());
+      [this](report::run_report& x) { take(x); }, files.frames(), facts());
   root_.get().attach_functor([this](const caf::error& reason) { on_root_ended(reason); });
   if (options.on_begun)
     options.on_begun({world_.loop(), [this] { world_.request_stop(); },
@@ -107,8 +106,10 @@ report::run_report one_run::report_so_far() {
   const collected_answers kept = state;
   const auto before = report_;
   timers_ = world_.stats().waiting;
+  is_so_far_ = true;
   deliver(collect_report{});
   deliver(deliver_report{});
+  is_so_far_ = false;
   measure();
   static_cast<collected_answers&>(state) = kept;
   return std::exchange(report_, before);
@@ -203,12 +204,14 @@ scheduler::stop_cause one_run::run_on(instant end) {
 }
 
 void one_run::report_on_time() {
-  const auto now = std::chrono::steady_clock::now();
-  if (!wall_ || options_.report_every <= 0s || now < next_report_)
+  const auto real = [] { return duration(std::chrono::steady_clock::now().time_since_epoch()); };
+  const auto begun = real();
+  if (!reports_.is_due(begun))
     return;
-  options_.on_report(report_so_far());
-  const auto took = std::chrono::steady_clock::now() - now;
-  next_report_ = now + std::max<duration>(options_.report_every, report_pause_factor * took);
+  auto report = report_so_far();
+  const auto ended = real();
+  reports_.on_report(begun, ended);
+  options_.on_report(std::move(report), ended - begun);
 }
 
 void one_run::note_standstill(duration length) {
@@ -269,9 +272,12 @@ bool one_run::set_tuple_of(const std::string& peer, const std::string& key,
   return true;
 }
 
-void one_run::take(report::run_report x) {
+void one_run::take(report::run_report& x) {
   x.interrupted = report_.interrupted;
-  report_ = std::move(x);
+  if (is_so_far_) // what was collected is forgotten: of many motes a copy takes long
+    report_ = std::move(x);
+  else
+    report_ = x;
   report_.mode = mode_name(description_);
 }
 

@@ -1,7 +1,6 @@
 // One run of an ecology: its world, its root supervisor, and what ends it.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,6 +12,7 @@
 #include "actors/run/run_files.hpp"
 #include "actors/supervision/ecology.hpp"
 #include "config/plan/ecology.hpp"
+#include "core/numbers/report_schedule.hpp"
 #include "io/process/hangup_watch.hpp"
 #include "io/process/signal_watch.hpp"
 #include "report/expect/expectations.hpp"
@@ -55,7 +55,7 @@ private:
   /// sample where one is wanted.
   scheduler::stop_cause run_on(instant end);
   void note_standstill(duration length);
-  /// In wall time, when report_every has passed.
+  /// In wall time.
   void report_on_time();
   [[nodiscard]] instant next_multiple(duration every);
   [[nodiscard]] duration look_every() const;
@@ -64,7 +64,7 @@ private:
   void apply(const config::fault& x);
   void plan_rest(const config::fault_description& x);
   bool set_tuple_of(const std::string& peer, const std::string& key, const std::string& value);
-  void take(report::run_report x);
+  void take(report::run_report& x);
   void break_off(const std::string& why);
 
   /// To the root supervisor, with all that follows from it at this instant.
@@ -89,10 +89,11 @@ private:
   const run_options& options_;
   report::run_report& report_;
   const bool wall_;
-  std::chrono::steady_clock::time_point next_report_{}; ///< the first at once
+  report_schedule reports_;
   const double speed_;
   std::string ended_early_; ///< why; empty while nothing is wrong
   bool over_ = false;
+  bool is_so_far_ = false;            ///< the report that is being made: the run goes on behind it
   std::optional<reseeding> reseeded_; ///< once its time has come
   std::uint64_t timers_ = 0;          ///< that waited at the end
   scheduler::world world_;

@@ -70,9 +70,9 @@ struct run_options {
   std::function<void(const report::tuple_write&)> on_tuple; ///< as a component asks its peer for it
 
   /// In wall time, called about as often with the report so far; everybody is asked for it. Where
-  /// that takes long it is called less often, so that it takes a hundredth of the time at most.
+  /// that takes long it is called less often (report_schedule). @param took real time
   duration report_every{}; ///< real time; 0: never
-  std::function<void(report::run_report)> on_report;
+  std::function<void(report::run_report, duration took)> on_report;
 
   /// In wall time, called at each SIGHUP, which does not end the run then; empty: it does.
   std::function<void()> on_hangup;

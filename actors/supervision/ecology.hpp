@@ -50,7 +50,7 @@ struct mote_arguments;
 struct program_arguments;
 struct sink_arguments;
 
-using report_receiver = std::function<void(report::run_report)>;
+using report_receiver = std::function<void(report::run_report&)>;
 
 /// A program of a mote, in an actor of its own, as its supervisor knows it.
 struct supervised_program {

@@ -76,6 +76,13 @@ std::string mote_name(ecology_pointer self, const mote_address& x) {
   return found == self->state.motes.end() ? island + "/sink" : found->second.arguments->name;
 }
 
+/// nullptr: it is none of the motes. begin_collecting() has made them in the order of addresses, and
+/// an island may have thousands, each of which is looked for several times.
+report::mote_report* report_of(report::island_report& island, const mote_address& x) {
+  const auto found = std::ranges::lower_bound(island.motes, x, {}, &report::mote_report::address);
+  return found != island.motes.end() && found->address == x ? &*found : nullptr;
+}
+
 report::flow_report report_of(ecology_pointer self, const traffic::part& x) {
   report::flow_report r;
   r.from = x.from;
@@ -104,14 +111,14 @@ report::flow_report report_of(ecology_pointer self, const traffic::part& x) {
 void on_network(ecology_pointer self, const network_status& x) {
   auto& island = island_of(self, x.address.island);
   island.network += x.network;
-  const auto mote = std::ranges::find(island.motes, x.address, &report::mote_report::address);
-  if (mote != island.motes.end()) {
+  auto* const mote = report_of(island, x.address);
+  if (mote != nullptr) {
     mote->parent = x.parent;
     mote->hops = x.hops;
     if (x.has_signal && x.parent != mote_id{})
       mote->signal_dbm = x.signal_dbm;
   }
-  if (x.is_sink || (mote != island.motes.end() && mote->alive))
+  if (x.is_sink || (mote != nullptr && mote->alive))
     self->state.channel_tables[x.address] = x.channels;
   if (!x.has_clock)
     return;
@@ -239,10 +246,8 @@ void begin_collecting(ecology_pointer self) {
 }
 
 void on_energy(ecology_pointer self, const energy_status& x) {
-  auto& motes = island_of(self, x.mote.island).motes;
-  const auto found = std::ranges::find(motes, x.mote, &report::mote_report::address);
-  if (found != motes.end()) // else a sink: it lives on its cable
-    found->energy = x.energy;
+  if (auto* const mote = report_of(island_of(self, x.mote.island), x.mote))
+    mote->energy = x.energy; // else a sink: it lives on its cable
 }
 
 void deliver(ecology_pointer self) {
@@ -263,7 +268,7 @@ void deliver(ecology_pointer self) {
     add_violation(self, report::requests_are_met, "there is no island and no peer: nothing ran");
   report.complete = true;
   self->state.delivered = true;
-  self->state.on_report(report); // not moved: programs that end later still send their counters
+  self->state.on_report(report); // still ours: programs that end later send their counters
 }
 
 } // namespace rubicon

@@ -19,17 +19,22 @@ using cause_counts = std::map<std::string, std::uint64_t>;
 /// tests/architecture/counters_shown looks for it.
 template <described Counters>
 void add_counters(cause_counts& sum, const std::string& module, const Counters& x) {
-  const auto add = [&sum](const std::string& name, std::uint64_t count) {
-    if (count > 0)
-      sum[name] += count;
+  // Most counters of most modules are 0: only those that are not cost the making of a name.
+  const auto add = [&](std::string_view field, std::uint64_t count, std::string_view cause = {}) {
+    if (count == 0)
+      return;
+    auto name = module;
+    name.append(1, '.').append(field);
+    if (!cause.empty())
+      name.append(1, '.').append(cause);
+    sum[std::move(name)] += count;
   };
   for_each_field(x, [&](std::string_view field, const auto& counted) {
-    const auto name = module + '.' + std::string(field);
     if constexpr (std::is_convertible_v<decltype(counted), std::uint64_t>)
-      add(name, counted);
+      add(field, counted);
     else if constexpr (requires { counted.begin()->second > 0; })
       for (const auto& [cause, count] : counted)
-        add(name + '.' + cause, count);
+        add(field, count, cause);
   });
 }
 

@@ -111,7 +111,7 @@ struct ecology_fixture {
   explicit ecology_fixture(const std::string& faults = {}, std::uint64_t seed = 1) {
     auto description = described(faults);
     description.seed = seed;
-    const report_receiver keep = [this](report::run_report x) { report = std::move(x); };
+    const report_receiver keep = [this](report::run_report& x) { report = x; };
     root = world.spawn_at("ecology/small", ecology, std::move(description), keep, frame_observer{},
                           process_facts{});
   }

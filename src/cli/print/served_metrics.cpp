@@ -59,7 +59,7 @@ void served_metrics::make_texts() {
     wake_.wait(guard, [this] { return waiting_ || over_; });
     if (over_)
       return;
-    const auto x = *std::exchange(waiting_, std::nullopt);
+    const auto x = std::move(*std::exchange(waiting_, std::nullopt));
     guard.unlock();
     auto text = std::make_shared<std::string>(x.first);
     if (x.report)

@@ -40,7 +40,9 @@
 #include "io/files/line_input.hpp"
 #include "io/files/stored_number.hpp"
 #include "io/files/unwaiting_output.hpp"
+#include "io/process/machine.hpp"
 #include "report/figures.hpp"
+#include "report/print/metrics.hpp"
 
 namespace rubicon::cli {
 
@@ -110,6 +112,10 @@ std::string command_of(const run_command& x, std::uint64_t seed) {
   return text;
 }
 
+std::string collected_now(std::optional<duration> took = std::nullopt) {
+  return report::to_metrics(report::collection{io::system_clock_us(), took});
+}
+
 exit_status report_run(const run_command& x, ecology_file file) {
   auto options = x.options;
   const auto digest = to_hex(file.text_hash);
@@ -127,7 +133,9 @@ exit_status report_run(const run_command& x, ecology_file file) {
   if (x.watch.metrics) {
     metrics.emplace(*x.watch.metrics);
     options.report_every = served_metrics::collect_every;
-    options.on_report = [&metrics](report::run_report so_far) { metrics->show(std::move(so_far)); };
+    options.on_report = [&metrics](report::run_report so_far, duration took) {
+      metrics->show(std::move(so_far), collected_now(took));
+    };
   }
   std::optional<viewed_run> viewed;
   if (x.watch.view) {
@@ -141,7 +149,7 @@ exit_status report_run(const run_command& x, ecology_file file) {
   watch.finish(report, command_of(x, report.seed), digest);
   const auto status = print_report(report, {x.json, x.full, x.brief}, labels, varied);
   if (metrics)
-    metrics->show(report); // a page may keep the process
+    metrics->show(report, collected_now()); // a page may keep the process
   if (viewed && !report.interrupted)
     viewed->finish(report);
   else if (!viewed && !x.json && console_of(stderr).is_terminal)

@@ -16,6 +16,7 @@ namespace {
 
 constexpr double coulombs_per_mah = 3.6;
 constexpr double milliseconds_per_second = 1000;
+constexpr double microseconds_per_second = 1e6;
 
 template <class T>
 inline constexpr bool is_largest = false;
@@ -211,6 +212,17 @@ void add_island(exposition& out, writer& fields, const island_report& x,
 }
 
 } // namespace
+
+std::string to_metrics(const collection& x) {
+  exposition out;
+  out.add("rubicon_report_timestamp_seconds", metric_kind::gauge,
+          "When the report was collected that these figures are from, in Unix time", {},
+          static_cast<double>(x.at_us) / microseconds_per_second);
+  if (x.took)
+    out.add("rubicon_report_duration_seconds", metric_kind::gauge,
+            "How long the run was busy with that report", {}, seconds(*x.took));
+  return out.finish();
+}
 
 std::string to_metrics(const run_report& x, const metrics_options& options) {
   exposition out;

@@ -74,6 +74,18 @@ TEST_CASE("metrics are named by their fields, with units at the end", "[report]"
   CHECK(to_metrics(two_islands(), {.motes = true}).find("mote=\"climate-7\"") != std::string::npos);
 }
 
+TEST_CASE("metrics say when they were collected, and what that cost", "[report]") {
+  CHECK(to_metrics(collection{1'764'431'999'250'000, 338ms}) ==
+        "# HELP rubicon_report_timestamp_seconds When the report was collected that these figures "
+        "are from, in Unix time\n"
+        "# TYPE rubicon_report_timestamp_seconds gauge\n"
+        "rubicon_report_timestamp_seconds 1764431999.25\n"
+        "# HELP rubicon_report_duration_seconds How long the run was busy with that report\n"
+        "# TYPE rubicon_report_duration_seconds gauge\n"
+        "rubicon_report_duration_seconds 0.338\n");
+  CHECK(to_metrics(collection{1'764'431'999'250'000}).find("duration") == std::string::npos);
+}
+
 TEST_CASE("names with quotes, backslashes and newlines stay within their label", "[report]") {
   const auto text = to_metrics(two_islands());
   CHECK(text.find("rubicon_radio_acks_total{island=\"living \\\"room\\\"\\\\\\\\n\"} 12\n") !=
