@@ -18,7 +18,8 @@ foreach(line ${lines})
   set(${room}_rooms ${needs})
 endforeach()
 
-# rubicon_batches(TARGET [SIZE]): batches of SIZE files, 12 unless said, of those without properties of their own. Names
+# rubicon_batches(TARGET [SIZE]): batches of SIZE files, 12 unless said, of those without properties of their own, in the
+# order of its list: those that include what is slow to compile (JSON, Beast) stand together there. Names
 # without linkage are the target's, not the file's, by this. CMake's own batches would name their files by full paths:
 # no other checkout could find in the compiler cache what this one has compiled, nor the copy of tools/mutate.
 function(rubicon_batches target)
@@ -66,7 +67,8 @@ endfunction()
 # rubicon_room(NAME SOURCES file... NEEDS target...): one room, one library, linked with the rooms that it may
 # include and with NEEDS. A room without sources of its own is an interface library. Its headers that most
 # of its files include are precompiled with `PRECOMPILE header...`, or shared with `PRECOMPILED_BY room`;
-# else it shares the core's. A COLD one runs seldom and briefly: it is optimized less, which takes a quarter of the time.
+# else it shares those of the standard library. A COLD one runs seldom and briefly: in a release it is optimized less, has
+# no debug information and is compiled in larger batches, which takes half of the time.
 function(rubicon_room name)
   cmake_parse_arguments(room "COLD" "PRECOMPILED_BY" "SOURCES;NEEDS;PRECOMPILE" ${ARGN})
   foreach(other ${${name}_rooms})
@@ -77,22 +79,41 @@ function(rubicon_room name)
   if(room_SOURCES)
     add_library(rubicon_${name} STATIC ${room_SOURCES})
     target_link_libraries(rubicon_${name} PUBLIC rubicon_options ${room_NEEDS})
-    if(room_COLD)
-      target_compile_options(rubicon_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+    set(batch 12)
+    set(kind hot)
+    if(room_COLD AND CMAKE_BUILD_TYPE STREQUAL "Release")
+      target_compile_options(rubicon_${name} PRIVATE -Og -g0)
+      set(batch 24)
+      set(kind cold)
     endif()
+    set_target_properties(rubicon_${name} PROPERTIES RUBICON_KIND ${kind})
     if(room_PRECOMPILE)
       target_precompile_headers(rubicon_${name} PRIVATE ${standard_headers} ${room_PRECOMPILE})
-    elseif(name STREQUAL "core")
-      target_precompile_headers(rubicon_core PRIVATE ${standard_headers})
     elseif(room_PRECOMPILED_BY)
+      get_target_property(other_kind rubicon_${room_PRECOMPILED_BY} RUBICON_KIND)
+      if(NOT kind STREQUAL other_kind)
+        message(FATAL_ERROR "${name} and ${room_PRECOMPILED_BY} share precompiled headers, but not options of optimization")
+      endif()
       target_precompile_headers(rubicon_${name} REUSE_FROM rubicon_${room_PRECOMPILED_BY})
     else()
-      target_precompile_headers(rubicon_${name} REUSE_FROM rubicon_core)
+      rubicon_standard_headers(rubicon_${name} ${kind})
     endif()
-    rubicon_batches(rubicon_${name})
+    rubicon_batches(rubicon_${name} ${batch})
   else()
     add_library(rubicon_${name} INTERFACE)
     target_link_libraries(rubicon_${name} INTERFACE rubicon_options ${room_NEEDS})
+  endif()
+endfunction()
+
+# rubicon_standard_headers(TARGET KIND): those of the standard library, precompiled with the first target of a kind. Both
+# kinds have their own: GCC takes its options of optimization from what it has precompiled, not from the command.
+function(rubicon_standard_headers target kind)
+  get_property(owner GLOBAL PROPERTY rubicon_standard_headers_${kind})
+  if(owner)
+    target_precompile_headers(${target} REUSE_FROM ${owner})
+  else()
+    target_precompile_headers(${target} PRIVATE ${standard_headers})
+    set_property(GLOBAL PROPERTY rubicon_standard_headers_${kind} ${target})
   endif()
 endfunction()
 

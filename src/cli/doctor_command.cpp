@@ -25,6 +25,7 @@
 #include "cli/words/version.hpp"
 #include "config/plan/placement.hpp"
 #include "control/system.hpp"
+#include "core/text/json.hpp"
 #include "core/text/printable.hpp"
 #include "deploy/bundle.hpp"
 #include "io/bluetooth/bluetooth_adapter.hpp"
@@ -365,7 +366,7 @@ std::string json_of(const findings& all) {
       row["advice"] = x.advice;
     out.push_back(std::move(row));
   }
-  return out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  return json_lines(out) + '\n';
 }
 
 /// The file, if one is given and good. @returns whether there is nothing to refuse

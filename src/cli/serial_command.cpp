@@ -15,6 +15,7 @@
 #include "cli/print/console.hpp"
 #include "cli/sink_source.hpp"
 #include "core/codec.hpp"
+#include "core/text/json.hpp"
 #include "core/text/printable.hpp"
 #include "io/process/signal_watch.hpp"
 #include "report/figures.hpp"
@@ -154,7 +155,7 @@ std::string json_of(const bytes& packet, instant at) {
   } else {
     out["packet"] = to_hex(packet);
   }
-  return out.dump() + '\n';
+  return json_line(out) + '\n';
 }
 
 void print_news(const std::string& what) {

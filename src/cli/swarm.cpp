@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
 #include "report/expect/situation.hpp"
 #include "report/invariants.hpp"
 
@@ -104,7 +105,7 @@ std::optional<seed_outcome> judge(std::uint64_t seed, const child_end& how, dura
     return fail("no crash",
                 with_reason("the run ended with signal " + std::to_string(how.signal), how));
   try {
-    const auto report = json::parse(how.out);
+    const auto report = parse_json(how.out);
     if (report.at("interrupted").get<bool>())
       return std::nullopt;
     take_report(x, report);

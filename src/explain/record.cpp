@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
+
 namespace rubicon::explain {
 
 namespace {
@@ -68,7 +70,7 @@ void write(std::string& out, bool x) {
   out += x ? "true" : "false";
 }
 void write(std::string& out, const std::string& x) {
-  out += json(x).dump(-1, ' ', false, json::error_handler_t::replace);
+  out += json_line(json(x));
 }
 void write(std::string& out, const bytes& x) {
   (out += '"') += to_hex(x) += '"';
@@ -252,7 +254,7 @@ std::optional<kind> parse_kind(std::string_view word) {
 }
 
 std::string encode(const header& x) {
-  std::string out = '{' + json(version_key).dump() + ':' + std::to_string(record_version) + ',';
+  std::string out = '{' + json_line(json(version_key)) + ':' + std::to_string(record_version) + ',';
   write_fields(out, x);
   if (out.back() == ',')
     out.pop_back();
@@ -270,7 +272,7 @@ std::string encode(const record& x) {
 std::optional<bad_line> decoder::take(std::string_view text) {
   ++lines_;
   try {
-    const auto x = json::parse(text, nullptr, false);
+    const auto x = try_parse_json(text);
     if (x.is_discarded() || !x.is_object())
       throw refusal{lines_ == 1 ? "this is not a record: the first line is not a JSON object"
                                 : "this is not a JSON object"};

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/bytes.hpp"
+#include "core/text/json.hpp"
 #include "explain/outcome.hpp"
 #include "exports/mcap_schemas.hpp"
 #include "exports/mcap_writer.hpp"
@@ -139,8 +140,7 @@ private:
   }
 
   void put(const topic& to, instant at, const ordered_json& x) {
-    file_.add(channels_.at(&to), at,
-              x.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+    file_.add(channels_.at(&to), at, json_line(x));
   }
 
   [[nodiscard]] ordered_json message_json(const explain::message& x) const {

@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
+
 namespace rubicon::exports {
 
 namespace {
@@ -62,7 +64,7 @@ std::optional<mote_address> address_of(const json& island, const json& mote) {
 } // namespace
 
 std::vector<mote_place> places_of(const std::string& ecology) {
-  const auto x = json::parse(ecology, nullptr, /*allow_exceptions=*/false);
+  const auto x = try_parse_json(ecology);
   const auto& paths = member(x, "paths");
   std::vector<mote_place> all;
   std::size_t index = 0;

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
 #include "explain/outcome.hpp"
 #include "explain/print/words.hpp"
 #include "exports/stations.hpp"
@@ -45,8 +46,7 @@ public:
   explicit event_list(const octets_out& out) : out_(out) {}
 
   void add(const ordered_json& x) {
-    out_((is_empty_ ? "\n" : ",\n") +
-         x.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+    out_((is_empty_ ? "\n" : ",\n") + json_line(x));
     is_empty_ = false;
   }
 
@@ -155,8 +155,7 @@ public:
 
   void write() {
     const ordered_json about = {{"ecology", all_.about.ecology}, {"seed", all_.about.seed}};
-    out_("{\"displayTimeUnit\":\"ms\",\"otherData\":" +
-         about.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + ",\"traceEvents\":[");
+    out_("{\"displayTimeUnit\":\"ms\",\"otherData\":" + json_line(about) + ",\"traceEvents\":[");
     add_steps();
     add_events();
     add_samples();

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
 #include "imports/readers.hpp"
 
 namespace rubicon::imports {
@@ -49,7 +50,7 @@ public:
 
 private:
   void read_header(const line_fields& lines) {
-    const auto header = nlohmann::json::parse(lines.line(), nullptr, false);
+    const auto header = try_parse_json(lines.line());
     if (!header.is_object())
       refuse({1, 1}, "the header must be a line with a JSON object");
     for (const auto& [key, value] : header.items())

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <yaml-cpp/yaml.h>
 
+#include "core/text/json.hpp"
 #include "imports/readers.hpp"
 
 namespace rubicon::imports {
@@ -172,7 +173,7 @@ import_result read_otns(std::string_view text) {
 
 import_result read_iotlab(std::string_view text) {
   try {
-    [[maybe_unused]] const auto strict = nlohmann::json::parse(text);
+    [[maybe_unused]] const auto strict = parse_json(text);
   } catch (const nlohmann::json::parse_error& x) {
     refuse(place_of(text, x.byte == 0 ? 0 : x.byte - 1), "this is no JSON");
   } catch (const nlohmann::json::exception&) {

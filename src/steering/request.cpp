@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
 #include "core/text/spelling.hpp"
 
 namespace rubicon::steering {
@@ -188,7 +189,7 @@ std::variant<request_line, std::string> read_line(std::string_view line) {
     return "a line has at most " + std::to_string(line_octets_max) + " octets";
   json all;
   try {
-    all = json::parse(line);
+    all = parse_json(line);
   } catch (const json::parse_error& error) {
     return "no JSON at character " + std::to_string(error.byte);
   } catch (const json::out_of_range&) {

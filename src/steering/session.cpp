@@ -7,15 +7,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
+
 namespace rubicon::steering {
 
 namespace {
 
 using nlohmann::ordered_json;
-
-std::string text_of(const ordered_json& x) {
-  return x.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-}
 
 double in_seconds(instant x) {
   return seconds(x.time_since_epoch());
@@ -151,7 +149,7 @@ public:
   }
 
   ordered_json operator()(report_request) const {
-    return {{"ok", true}, {"report", ordered_json::parse(of_.run_.report())}};
+    return {{"ok", true}, {"report", parse_ordered_json(of_.run_.report())}};
   }
 
   ordered_json operator()(record_request) const { return {{"ok", true}, {"lines", of_.lines()}}; }
@@ -159,7 +157,7 @@ public:
   ordered_json operator()(tables_request) const { return {{"ok", true}, {"tables", of_.tables()}}; }
 
   ordered_json operator()(finish_request) const {
-    ordered_json out{{"ok", true}, {"report", ordered_json::parse(of_.run_.finish())}};
+    ordered_json out{{"ok", true}, {"report", parse_ordered_json(of_.run_.finish())}};
     of_.finished_ = true;
     add_news(out);
     return out;
@@ -211,18 +209,18 @@ std::string session::greeting() const {
   ordered_json motes = ordered_json::array();
   for (const auto& [address, name] : facts_.motes)
     motes.push_back(name);
-  return text_of({{"rubicon", 1},
-                  {"ecology", facts_.name},
-                  {"seed", facts_.seed},
-                  {"length", seconds(facts_.length)},
-                  {"peers", facts_.peers},
-                  {"motes", motes}});
+  return json_line(ordered_json{{"rubicon", 1},
+                                {"ecology", facts_.name},
+                                {"seed", facts_.seed},
+                                {"length", seconds(facts_.length)},
+                                {"peers", facts_.peers},
+                                {"motes", motes}});
 }
 
 std::string session::on_line(std::string_view line) {
   const auto read = read_line(line);
   if (const auto* why = std::get_if<std::string>(&read))
-    return text_of(refused(*why));
+    return json_line(refused(*why));
   const auto& [is_batch, requests] = std::get<request_line>(read);
   ordered_json answers = ordered_json::array();
   for (const auto& each : requests) {
@@ -231,7 +229,7 @@ std::string session::on_line(std::string_view line) {
                       : x == nullptr ? refused(std::get<std::string>(each))
                                      : std::visit(answerer(*this), *x));
   }
-  return text_of(is_batch ? answers : answers[0]);
+  return json_line(is_batch ? answers : answers[0]);
 }
 
 void session::on_event(const report::logged_event& x) {
@@ -263,9 +261,9 @@ std::string session::lines() const {
   instant at;
   for (const auto& each : actions_) {
     if (each.at > at)
-      out += text_of({{"do", "step"}, {"until", in_seconds(each.at)}}) + '\n';
+      out += json_line(ordered_json{{"do", "step"}, {"until", in_seconds(each.at)}}) + '\n';
     at = each.at;
-    out += text_of(line_of(each.what)) + '\n';
+    out += json_line(line_of(each.what)) + '\n';
   }
   return out;
 }
@@ -277,7 +275,7 @@ std::string session::tables() const {
     if (const auto* fault = std::get_if<fault_request>(&each.what))
       out += run_.table(fault->words, at);
     else // no comment has control characters
-      out += "\n# " + at + ": no file plans " + line_of(each.what).dump(-1, ' ', true) + '\n';
+      out += "\n# " + at + ": no file plans " + ascii_json_line(line_of(each.what)) + '\n';
   }
   return out;
 }

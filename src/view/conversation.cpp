@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "view/json_text.hpp"
+#include "core/text/json.hpp"
 
 namespace rubicon::view {
 
@@ -478,7 +478,7 @@ private:
 
 introduction introduction_of(std::string facts) {
   introduction x{std::move(facts), {}, {}, {}};
-  const auto ecology = json::parse(x.facts, nullptr, /*allow_exceptions=*/false);
+  const auto ecology = try_parse_ordered_json(x.facts);
   if (!ecology.is_object())
     return x;
   try {
@@ -508,7 +508,7 @@ conversation::conversation(std::shared_ptr<const timeline> all,
     : all_(std::move(all)), about_(std::move(about)), controls_(std::move(controls)) {}
 
 std::string conversation::on_text(std::string_view text_in) {
-  const auto question = json::parse(text_in, nullptr, /*allow_exceptions=*/false);
+  const auto question = try_parse_ordered_json(text_in);
   json reply;
   try {
     if (!question.is_object())
@@ -527,7 +527,7 @@ std::string conversation::on_text(std::string_view text_in) {
   }
   if (question.is_object() && question.contains("id") && question["id"].is_number())
     reply["id"] = question["id"];
-  return text_of(reply);
+  return json_line(reply);
 }
 
 std::optional<std::string> conversation::news() {
@@ -556,7 +556,7 @@ std::optional<std::string> conversation::news() {
     events_sent_ = fresh.next;
     has_sent_state_ = true;
     last_was_state_ = true;
-    return text_of(y);
+    return json_line(y);
   }
   if (!has_moment)
     return std::nullopt;
@@ -565,7 +565,7 @@ std::optional<std::string> conversation::news() {
   const auto newest = all_->newest();
   if (newest == nullptr)
     return std::nullopt;
-  return text_of(answerer(*this).moment_of(newest, in_seconds(newest->at)));
+  return json_line(answerer(*this).moment_of(newest, in_seconds(newest->at)));
 }
 
 } // namespace rubicon::view

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "config/summary_parts.hpp"
+#include "core/text/json.hpp"
 #include "report/fault_plan.hpp"
-#include "view/json_text.hpp"
 
 namespace rubicon::view {
 
@@ -108,7 +108,7 @@ std::vector<listed_event> planned_faults(const config::ecology_description& x) {
 }
 
 std::vector<listed_event> planned_faults(const std::string& ecology) {
-  const auto x = json::parse(ecology, nullptr, /*allow_exceptions=*/false);
+  const auto x = try_parse_ordered_json(ecology);
   std::vector<listed_event> all;
   if (!x.is_object() || !x.contains("faults") || !x["faults"].is_array())
     return all;
@@ -145,11 +145,11 @@ std::string ecology_json(const config::ecology_description& x) {
   auto& faults = y["faults"] = json::array();
   for (const auto& each : planned_faults(x))
     faults.push_back(json::array({each.at.time_since_epoch().count(), each.what}));
-  return text_of(y);
+  return json_line(y);
 }
 
 std::string plan_picture(const std::string& ecology) {
-  const auto x = json::parse(ecology, nullptr, /*allow_exceptions=*/false);
+  const auto x = try_parse_ordered_json(ecology);
   if (!x.is_object() || !x.contains("plan") || !x["plan"].is_object())
     return {};
   const auto picture = x["plan"].find("picture");
@@ -159,7 +159,7 @@ std::string plan_picture(const std::string& ecology) {
 
 std::string with_facts(const std::string& ecology, const run_facts& facts,
                        const std::string& mode) {
-  auto x = json::parse(ecology, nullptr, /*allow_exceptions=*/false);
+  auto x = try_parse_ordered_json(ecology);
   if (!x.is_object())
     return {};
   if (!mode.empty())
@@ -168,7 +168,7 @@ std::string with_facts(const std::string& ecology, const run_facts& facts,
   x["command"] = facts.command;
   x["control"] = facts.controls;
   x["messages"] = facts.messages;
-  return text_of(x);
+  return json_line(x);
 }
 
 } // namespace rubicon::view

@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
+
 namespace rubicon::view {
 
 namespace {
@@ -173,12 +175,12 @@ std::string encode(const report::run_sample& x) {
   if (x.peers.size() <= peers_listed_max)
     for (const auto& peer : x.peers)
       y["peers"][peer.name] = written(peer);
-  return y.dump(-1, ' ', false, json::error_handler_t::replace);
+  return json_line(y);
 }
 
 std::optional<report::run_sample> decode_sample(std::string_view text) {
   try {
-    return sample_of(json::parse(text));
+    return sample_of(parse_ordered_json(text));
   } catch (const json::exception&) {
     return std::nullopt;
   } catch (const std::logic_error&) { // an island that is no number

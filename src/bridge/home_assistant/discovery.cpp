@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text/decimal.hpp"
+#include "core/text/json.hpp"
 
 namespace rubicon::bridge {
 
@@ -319,7 +320,7 @@ std::string discovery_document(const discovery_names& names, const class_model& 
       {"avty",
        {availability(names, "bridge/state"), availability(names, x.name + "/availability")}},
       {"avty_mode", "all"}};
-  return out.dump(-1, ' ', false, json::error_handler_t::replace);
+  return json_line(out);
 }
 
 std::string state_document(const class_model& of, const object& x) {
@@ -335,7 +336,7 @@ std::string state_document(const class_model& of, const object& x) {
     if (const auto ended = x.outcomes.find(each.name); ended != x.outcomes.end())
       out[each.name + "_outcome"] = ended->second;
   }
-  return out.dump(-1, ' ', false, json::error_handler_t::replace);
+  return json_line(out);
 }
 
 } // namespace rubicon::bridge

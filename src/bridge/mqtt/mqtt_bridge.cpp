@@ -8,6 +8,7 @@
 
 #include "bridge/mqtt/payloads.hpp"
 #include "bridge/table/payload.hpp"
+#include "core/text/json.hpp"
 #include "core/text/name.hpp"
 
 namespace rubicon::bridge {
@@ -59,7 +60,7 @@ void mqtt_bridge::publish_list() {
       break;
     names.push_back({{"friendly_name", each->name}, {"model", table_.model(*each).name}});
   }
-  queue_.add(urgency::state, {topic_of("bridge/devices"), names.dump()});
+  queue_.add(urgency::state, {topic_of("bridge/devices"), json_line(names)});
 }
 
 void mqtt_bridge::announce(const object& x) {

@@ -9,6 +9,7 @@
 #include "bridge/ros2/message_types.hpp"
 #include "bridge/table/payload.hpp"
 #include "core/overloads.hpp"
+#include "core/text/json.hpp"
 
 namespace rubicon::bridge {
 
@@ -49,7 +50,7 @@ duration ros2_bridge::stamp(instant now) const {
 
 void ros2_bridge::send(const nlohmann::json& x, ros2_outputs& out) {
   ++in_flight_;
-  out.emplace_back(ros2_text{x.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)});
+  out.emplace_back(ros2_text{json_line(x)});
 }
 
 void ros2_bridge::perform(ros2_service_outputs todo, ros2_outputs& out) {
@@ -240,7 +241,7 @@ void ros2_bridge::publish_clock(instant now) {
   const nlohmann::json message{{"op", "publish"},
                                {"topic", clock_topic},
                                {"msg", {{"clock", time_message(now.time_since_epoch())}}}};
-  outbox_.add(clock_topic_, message.dump(), now);
+  outbox_.add(clock_topic_, json_line(message), now);
 }
 
 ros2_outputs ros2_bridge::on_time(instant now) {

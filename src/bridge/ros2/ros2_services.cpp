@@ -7,6 +7,7 @@
 
 #include "bridge/ros2/message_types.hpp"
 #include "bridge/table/payload.hpp"
+#include "core/text/json.hpp"
 
 namespace rubicon::bridge {
 
@@ -17,7 +18,7 @@ constexpr std::string_view request_begin = "request:";
 constexpr std::size_t call_id_max = 256; ///< octets
 
 service_message message_with(const nlohmann::json& x) {
-  return {x.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+  return {json_line(x)};
 }
 
 components::publish text_tuple(std::string key, std::string_view text) {
@@ -123,7 +124,7 @@ void ros2_services::answer(std::size_t at, const std::string& id, bool success,
                    {"result", success || says_so},
                    {"values", values.value_or(nlohmann::json::object())}};
   if (!id.empty())
-    x["id"] = nlohmann::json::parse(id, nullptr, false);
+    x["id"] = try_parse_json(id);
   out.emplace_back(message_with(x));
 }
 

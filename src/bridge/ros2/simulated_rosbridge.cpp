@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bridge/table/payload.hpp"
+#include "core/text/json.hpp"
 
 namespace rubicon::bridge {
 
@@ -33,22 +34,20 @@ simulated_rosbridge::texts simulated_rosbridge::on_text(std::string_view text) {
   else if (operation == "publish" && topics_.contains(name) && x.contains("msg")) {
     auto& to = topics_[name];
     ++to.messages;
-    to.newest = x.at("msg").dump();
+    to.newest = json_line(x.at("msg"));
     if (subscribed_.contains(name))
-      out.push_back(published(name, x.at("msg")).dump());
+      out.push_back(json_line(published(name, x.at("msg"))));
   } else if (operation == "advertise_service")
     services_.insert(member_text(x, "service"));
   else if (operation == "service_response" && x.contains("values")) {
     if (answers_.size() < answers_max)
-      answers_[member_text(x, "id")] = x.at("values").dump();
+      answers_[member_text(x, "id")] = json_line(x.at("values"));
   } else if (operation == "call_service")
-    out.push_back(nlohmann::json{
-        {"op", "service_response"},
-        {"id", member_text(x, "id")},
-        {"service", member_text(x, "service")},
-        {"values", "no such service"},
-        {"result",
-         false}}.dump());
+    out.push_back(json_line(nlohmann::json{{"op", "service_response"},
+                                           {"id", member_text(x, "id")},
+                                           {"service", member_text(x, "service")},
+                                           {"values", "no such service"},
+                                           {"result", false}}));
   else
     ++refused_;
   return out;
@@ -64,7 +63,7 @@ simulated_rosbridge::texts simulated_rosbridge::publish(const std::string& name,
                                                         const std::string& message) {
   if (!subscribed_.contains(name))
     return {};
-  return {published(name, nlohmann::json::parse(message, nullptr, false)).dump()};
+  return {json_line(published(name, try_parse_json(message)))};
 }
 
 simulated_rosbridge::texts simulated_rosbridge::call(const std::string& service,
@@ -72,11 +71,10 @@ simulated_rosbridge::texts simulated_rosbridge::call(const std::string& service,
                                                      const std::string& arguments) {
   if (!services_.contains(service))
     return {};
-  return {nlohmann::json{{"op", "call_service"},
-                         {"id", id},
-                         {"service", service},
-                         {"args", nlohmann::json::parse(arguments, nullptr, false)}}
-              .dump()};
+  return {json_line(nlohmann::json{{"op", "call_service"},
+                                   {"id", id},
+                                   {"service", service},
+                                   {"args", try_parse_json(arguments)}})};
 }
 
 } // namespace rubicon::bridge

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bridge/ros2/message_types.hpp"
+#include "core/text/json.hpp"
 #include "translate/pattern.hpp"
 
 namespace rubicon::bridge {
@@ -90,7 +91,7 @@ topic_rules::value_result topic_rules::on_value(std::size_t rule, const componen
   const nlohmann::json whole{{"op", "publish"}, {"topic", topic.name}, {"msg", *message}};
   out.what = made::message;
   out.topic = &topic;
-  out.message = whole.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  out.message = json_line(whole);
   if (of.latch)
     topic.newest = out.message;
   return out;

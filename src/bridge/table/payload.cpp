@@ -6,6 +6,7 @@
 
 #include "bridge/table/class_model.hpp"
 #include "core/text/decimal.hpp"
+#include "core/text/json.hpp"
 
 namespace rubicon::bridge {
 
@@ -35,7 +36,7 @@ std::size_t depth_of(std::string_view text) {
 nlohmann::json bounded_json(std::string_view text) {
   if (depth_of(text) > json_depth_max)
     return nlohmann::json::value_t::discarded;
-  return nlohmann::json::parse(text, nullptr, false);
+  return try_parse_json(text);
 }
 
 std::optional<std::string> word_in(const nlohmann::json& x) {

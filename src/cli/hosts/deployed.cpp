@@ -10,6 +10,7 @@
 
 #include "cli/run/running_note.hpp"
 #include "config/plan/placement.hpp"
+#include "core/text/json.hpp"
 #include "io/files/replace_file.hpp"
 #include "io/files/stored_number.hpp"
 
@@ -24,7 +25,7 @@ std::optional<deployed> read_deployed(const fs::path& path) {
   std::ifstream in(path);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   try {
-    const auto all = json::parse(text);
+    const auto all = parse_json(text);
     deployed x{all.at("id"),
                all.at("ecology"),
                all.at("file"),
@@ -80,7 +81,7 @@ std::string remember(const deployed& x) {
   const auto path = io::state_file(x.ecology + deployed_ending);
   if (path.empty())
     return "there is no folder to store the deployment's name in";
-  return io::replace_file(path, all.dump(2) + '\n');
+  return io::replace_file(path, json_lines(all) + '\n');
 }
 
 void forget(const deployed& x) {

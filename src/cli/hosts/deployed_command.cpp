@@ -16,6 +16,7 @@
 #include "config/summary_parts.hpp"
 #include "control/system.hpp"
 #include "core/overloads.hpp"
+#include "core/text/json.hpp"
 #include "core/text/printable.hpp"
 #include "report/figures.hpp"
 #include "report/print/text_layout.hpp"
@@ -87,7 +88,7 @@ std::string status_json(const deployed& x, const all_facts& all) {
   }
   const ordered_json out{
       {"ecology", x.ecology}, {"file", x.file}, {"deployment", x.id}, {"hosts", std::move(hosts)}};
-  return out.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
+  return json_lines(out) + '\n';
 }
 
 class asker {

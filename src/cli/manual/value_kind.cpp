@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
+
 namespace rubicon::cli {
 
 namespace {
@@ -13,7 +15,7 @@ using json = nlohmann::ordered_json;
 
 std::string toml_of(const json& x) {
   if (!x.is_array())
-    return x.dump();
+    return json_line(x);
   std::string out;
   for (const auto& each : x)
     out += (out.empty() ? "" : ", ") + toml_of(each);
@@ -69,7 +71,7 @@ std::string sample_of_schema(const json& x) {
     return "\"...\"";
   const auto type = x["type"].is_array() ? x["type"].front() : x["type"];
   if (type == "integer" || type == "number")
-    return x.contains("minimum") ? x["minimum"].dump() : "1";
+    return x.contains("minimum") ? json_line(x["minimum"]) : "1";
   if (type == "boolean")
     return "true";
   if (type == "array")
@@ -113,7 +115,7 @@ const value_kind* kind_of(const config::key_description& x) {
 
 std::string sample_of(const config::key_description& x) {
   if (!x.standard.empty())
-    return toml_of(json::parse(x.standard));
+    return toml_of(parse_ordered_json(x.standard));
   if (const auto* const kind = kind_of(x)) {
     const bool has_units = kind->sample.starts_with('"') && !kind->units.empty();
     const auto least = has_units ? least_of(x.wanted) : std::string();
@@ -121,7 +123,7 @@ std::string sample_of(const config::key_description& x) {
   }
   if (auto code = quoted_of(x.wanted); !code.empty())
     return code;
-  return sample_of_schema(json::parse(x.schema));
+  return sample_of_schema(parse_ordered_json(x.schema));
 }
 
 std::string plain_text(std::string_view markdown) {
@@ -151,7 +153,7 @@ std::string default_text(const config::key_description& x) {
     return "required";
   if (!x.unset.empty())
     return "default: " + plain_text(x.unset);
-  return x.standard.empty() ? std::string() : "default: " + toml_of(json::parse(x.standard));
+  return x.standard.empty() ? std::string() : "default: " + toml_of(parse_ordered_json(x.standard));
 }
 
 } // namespace rubicon::cli

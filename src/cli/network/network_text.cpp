@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
 #include "core/text/printable.hpp"
 #include "report/print/text_layout.hpp"
 
@@ -14,7 +15,7 @@ double unix_s(const peis::timestamp& x) {
 }
 
 std::string one_line(const nlohmann::ordered_json& x) {
-  return printable_json(x.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  return printable_json(json_line(x));
 }
 
 } // namespace

@@ -6,6 +6,7 @@
 
 #include "config/run/fault_variation.hpp"
 #include "config/run/variation.hpp"
+#include "core/text/json.hpp"
 #include "core/text/printable.hpp"
 #include "core/text/shell_word.hpp"
 #include "report/expect/situation.hpp"
@@ -184,7 +185,7 @@ std::string swarm_json::text(const swarm& x, const swarm_words& words, duration 
   };
   if (totals.slowest_seed)
     object["slowest_seed"] = *totals.slowest_seed;
-  return printable_json(object.dump(2, ' ', false, ordered_json::error_handler_t::replace)) + '\n';
+  return printable_json(json_lines(object)) + '\n';
 }
 
 } // namespace rubicon::cli

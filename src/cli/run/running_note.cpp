@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "core/text/json.hpp"
 #include "io/files/replace_file.hpp"
 #include "io/files/stored_number.hpp"
 
@@ -46,7 +47,7 @@ std::optional<running_ecology> read_note(const fs::path& path) {
   std::ifstream in(path);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   try {
-    const auto all = json::parse(text);
+    const auto all = parse_json(text);
     return running_ecology{all.at("ecology"), all.at("network"),
                            all.at("urls").get<std::vector<std::string>>()};
   } catch (const json::exception&) {
@@ -90,9 +91,7 @@ running_note::running_note(const config::ecology_description& x) {
     return;
   const auto path = io::state_file(std::to_string(::getpid()) + running_ending);
   const json all{{"ecology", x.name}, {"network", x.network}, {"urls", urls}};
-  if (!path.empty() &&
-      io::replace_file(path, all.dump(-1, ' ', false, json::error_handler_t::replace) + '\n')
-          .empty())
+  if (!path.empty() && io::replace_file(path, json_line(all) + '\n').empty())
     path_ = path;
 }
 

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
 #include "core/text/printable.hpp"
 #include "core/time.hpp"
 #include "explain/record.hpp"
@@ -66,13 +67,13 @@ std::string event_of(const explain::record& x) {
 }
 
 std::string value_of(const json& x, const std::string& key) {
-  return x.contains(key) ? report::cut(printable(x.at(key).dump()), value_width_max) : "-";
+  return x.contains(key) ? report::cut(printable(json_line(x.at(key))), value_width_max) : "-";
 }
 
 /// `number: 12 / 13`, a line for each field in which both differ.
 std::string fields_of(const std::string& a, const std::string& b) {
-  const auto x = json::parse(a, nullptr, false);
-  const auto y = json::parse(b, nullptr, false);
+  const auto x = try_parse_json(a);
+  const auto y = try_parse_json(b);
   if (!x.is_object() || !y.is_object())
     return {};
   auto merged = x;
@@ -91,7 +92,7 @@ std::string side_of(char letter, bool has_line, const explain::recording& x) {
 
 /// What counts what happened before, recorded or not.
 json without_numbers(const std::string& line) {
-  auto x = json::parse(line, nullptr, false);
+  auto x = try_parse_json(line);
   if (x.is_object())
     for (const auto* each : {"number", "cause", "id"})
       x.erase(each);
@@ -117,7 +118,7 @@ both skip_equal(lines& a, lines& b, std::uint64_t& skipped, Equal are_equal) {
 }
 
 /// Both lines, and in what they differ; or what is wrong with them.
-std::variant<std::string, bad_record> lines_of(const lines& a, const lines& b, both has_line) {
+std::variant<std::string, bad_record> lines_of_both(const lines& a, const lines& b, both has_line) {
   const auto in_a = decoded(a);
   const auto in_b = decoded(b);
   for (const auto* const each : {&in_a, &in_b})
@@ -134,7 +135,7 @@ std::variant<std::string, bad_record> beyond_numbers(lines& a, lines& b) {
   const auto has_line = skip_equal(a, b, skipped, differ_in_numbers);
   if (!has_line.first && !has_line.second)
     return std::string("Up to the end only numbers differ.\n");
-  auto found = lines_of(a, b, has_line);
+  auto found = lines_of_both(a, b, has_line);
   if (auto* text = std::get_if<std::string>(&found))
     *text = "Only numbers differ in " + report::counted(skipped, "record") +
             ": one has done something before that is not recorded. Then:\n" + *text;
@@ -170,7 +171,7 @@ record_difference compare_records(std::istream& a, const std::string& a_name, st
     return out;
   }
   out.text += "They part after " + report::counted(out.equal, "equal record") + ":\n";
-  auto found = lines_of(x, y, has_line);
+  auto found = lines_of_both(x, y, has_line);
   const auto take = [&] {
     if (const auto* bad = std::get_if<bad_record>(&found))
       out.problem = bad->why;

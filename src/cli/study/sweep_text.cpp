@@ -7,6 +7,7 @@
 #include "cli/study/figure_text.hpp"
 #include "core/numbers/random.hpp"
 #include "core/text/decimal.hpp"
+#include "core/text/json.hpp"
 #include "report/print/csv.hpp"
 #include "report/print/text_layout.hpp"
 #include "study/statistics.hpp"
@@ -89,7 +90,7 @@ report::table empty_table(const study_summary& x) {
 std::optional<study::run_result> result_of(const std::string& report) {
   study::run_result out;
   try {
-    const auto x = json::parse(report);
+    const auto x = parse_json(report);
     if (x.at("interrupted").get<bool>())
       return std::nullopt;
     add_numbers(x, {}, out.scalars);

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
 #include "core/text/printable.hpp"
 #include "core/text/shell_word.hpp"
 #include "report/figures.hpp"
@@ -114,7 +115,7 @@ std::string when_json(const when_answer& x, const explain::traces& all) {
                                 {"what", each->text}});
   const auto other = other_future(x);
   object["other_future"] = other.empty() ? ordered_json() : ordered_json(other);
-  return object.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
+  return json_lines(object) + '\n';
 }
 
 } // namespace rubicon::cli

@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
+
 namespace rubicon::config {
 
 namespace {
@@ -61,14 +63,14 @@ private:
   }
 
   json value_of(const key_description& x) {
-    json out = x.part == part::value ? json::parse(x.schema) : part_of(x);
+    json out = x.part == part::value ? parse_ordered_json(x.schema) : part_of(x);
     auto meaning = x.meaning;
     if (!x.unset.empty())
       meaning += (meaning.empty() ? "default: " : "; default: ") + x.unset;
     if (!meaning.empty())
       out["description"] = std::move(meaning);
     if (!x.standard.empty() && x.unset.empty())
-      out["default"] = json::parse(x.standard);
+      out["default"] = parse_ordered_json(x.standard);
     return out;
   }
 
@@ -84,7 +86,7 @@ private:
       return {{"type", "object"}, {"additionalProperties", one}};
     // Beside a reference nothing else counts.
     if (!x.schema.empty())
-      return {{"anyOf", json::array({json::parse(x.schema), one})}};
+      return {{"anyOf", json::array({parse_ordered_json(x.schema), one})}};
     return {{"allOf", json::array({one})}};
   }
 
@@ -142,7 +144,7 @@ std::string link_to(const std::string& text, const table_description& x) {
 /// A value as a file has it.
 std::string toml_of(const json& x) {
   if (!x.is_array())
-    return x.dump();
+    return json_line(x);
   std::string out;
   for (const auto& each : x)
     out += (out.empty() ? "" : ", ") + toml_of(each);
@@ -152,7 +154,7 @@ std::string toml_of(const json& x) {
 std::string default_of(const key_description& x) {
   if (!x.unset.empty() || x.standard.empty())
     return x.unset;
-  return '`' + toml_of(json::parse(x.standard)) + '`';
+  return '`' + toml_of(parse_ordered_json(x.standard)) + '`';
 }
 
 /// Tables have a column of their own if one of their keys may change.
@@ -198,7 +200,7 @@ std::string json_schema(const table_description& file) {
   json out{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "Rubicon ecology"}};
   out.update(writer.object_of(file));
   out["definitions"] = writer.take_definitions();
-  return out.dump(2) + '\n';
+  return json_lines(out) + '\n';
 }
 
 std::vector<std::string> titles_of(const table_description& file) {

@@ -1,6 +1,7 @@
 // The answers as JSON: the same facts, nothing left out, times in seconds.
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
 #include "core/text/printable.hpp"
 #include "explain/outcome.hpp"
 #include "explain/print/text.hpp"
@@ -174,7 +175,7 @@ void add_labels(ordered_json& out, const traces& all) {
 }
 
 std::string text_of(const ordered_json& x) {
-  return printable_json(x.dump(2, ' ', false, ordered_json::error_handler_t::replace)) + '\n';
+  return printable_json(json_lines(x)) + '\n';
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text/decimal.hpp"
+#include "core/text/json.hpp"
 #include "proxy/classes/tuple_key.hpp"
 
 namespace rubicon::proxy {
@@ -79,7 +80,7 @@ std::string json_of(const std::vector<std::string>& names, const std::vector<rea
       value["unit"] = x->unit;
   }
   // Units and words come from the file, which may have octets that are no UTF-8.
-  return out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_line(out);
 }
 
 } // namespace

@@ -80,9 +80,9 @@ split_name split(std::string_view field) {
 }
 
 /// Writes the numbers of described structs.
-class writer {
+class field_writer {
 public:
-  explicit writer(exposition& out) : out_(out) {}
+  explicit field_writer(exposition& out) : out_(out) {}
 
   /// All numbers of it. @param path of the struct in the report: `islands[].radio`
   template <described T>
@@ -188,7 +188,7 @@ void add_motes(exposition& out, const metric_labels& labels, const island_report
             labels, *least);
 }
 
-void add_island(exposition& out, writer& fields, const island_report& x,
+void add_island(exposition& out, field_writer& fields, const island_report& x,
                 const metrics_options& options) {
   const metric_labels labels{{"island", x.name}};
   add_motes(out, labels, x);
@@ -226,7 +226,7 @@ std::string to_metrics(const collection& x) {
 
 std::string to_metrics(const run_report& x, const metrics_options& options) {
   exposition out;
-  writer fields(out);
+  field_writer fields(out);
   out.add("rubicon_run_info", metric_kind::gauge, "What runs; always 1",
           {{"ecology", x.ecology}, {"mode", x.mode}, {"seed", std::to_string(x.seed)}}, 1);
   out.add("rubicon_run_simulated_seconds_total", metric_kind::counter,

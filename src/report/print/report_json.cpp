@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text/json.hpp"
 #include "core/text/printable.hpp"
 #include "report/print/variation_json.hpp"
 #include "report/report.hpp"
@@ -300,7 +301,7 @@ std::string to_json(const run_report& x, const config::label_table& labels,
   if (!varied.empty())
     object["varied"] = variation_json(varied);
   // Names and values may come from outside the process: octets that are not UTF-8 are replaced.
-  return printable_json(object.dump(2, ' ', false, json::error_handler_t::replace)) + '\n';
+  return printable_json(json_lines(object)) + '\n';
 }
 
 } // namespace rubicon::report
