@@ -256,8 +256,12 @@ private:
       label(out, sink, island.name, "strong");
     if (motes_ > labelled_max)
       return;
-    for (const auto& mote : island.motes)
-      (void)label(out, at(place_of(mote, page_.report.simulated)), mote.name, "soft");
+    for (const auto& mote : island.motes) {
+      const auto place = at(place_of(mote, page_.report.simulated));
+      const auto called = page_.ecology.labels.of(label_kind::mote, island.name + '/' + mote.name);
+      if (called.empty() || !label(out, place, mote.name + " (" + called + ')', "soft"))
+        (void)label(out, place, mote.name, "soft");
+    }
   }
 
   void draw_scale(drawing& out) const {

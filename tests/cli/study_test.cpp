@@ -131,8 +131,9 @@ TEST_CASE("a sweep until a figure is precise ends at a look", "[cli]") {
   const auto precise = here.rubicon(words + "'motes.joined ci < 1%'");
   INFO(precise.out);
   CHECK(precise.status == 0);
-  CHECK(contains(precise.out, "1 variant of at most 40 runs; a variant ends after 8, 16, 32, 40 "
-                              "runs: each interval has 98.75 %"));
+  CHECK(contains(precise.out,
+                 "1 variant of at most 40 runs in study.db; a variant ends after 8, 16, 32, 40 "
+                 "runs: each interval has 98.75 %"));
   CHECK(contains(precise.out, "\n0,motes.joined,8,1,1,1,"));
   CHECK(here.answer("SELECT count(*) AS n FROM run") == "n\n8\n");
   CHECK(contains(here.rubicon(words + "'nothing ci < 1%'").out, "\n0,motes.joined,40,"));

@@ -233,7 +233,10 @@ TEST_CASE("a deployment tells what would run where, or why it cannot", "[hosts]"
          "' deploy house.toml --local --dry-run > plan; "
          "sed 's/control_port = 4760/control_port = 4751/' house.toml > clash.toml; "
          "'" +
-         binary + "' deploy clash.toml --dry-run 2> clash; echo $? > status");
+         binary +
+         "' deploy clash.toml --dry-run 2> clash; echo $? > status; "
+         "'" +
+         binary + "' deploy house.toml --dry-run > nobody");
   CHECK(in.text("plan") ==
         "kitchen  127.0.0.1  control port 4750, PEIS port 4751\n  islands  kitchen\n"
         "  peers    nothing\n"
@@ -241,6 +244,9 @@ TEST_CASE("a deployment tells what would run where, or why it cannot", "[hosts]"
         "  peers    robot\n"
         "care  127.0.0.1  control port 4770, PEIS port 4771\n  islands  nothing\n"
         "  peers    care-pc\n");
+  CHECK(in.text("nobody").find("kitchen  cannot be reached: Connection refused\n"
+                               "kitchen  start there: rubicon host --name kitchen --listen "
+                               "127.0.0.1:4750\n") != std::string::npos);
   CHECK(in.text("status") == "2\n");
   CHECK(in.text("clash") == "clash.toml: hosts `kitchen` and `bedroom` both have port 4751 of "
                             "127.0.0.1: give one of them another `control_port` or `peis_port`\n");

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "control/client.hpp"
+#include "core/text/shell_word.hpp"
 #include "io/loop.hpp"
 #include "io/process/machine.hpp"
 
@@ -31,6 +32,13 @@ ask_each(control::system& actors, const std::vector<deployed_host>& hosts,
   while (open > 0)
     loop.wait_until(std::chrono::steady_clock::now() + 1s);
   return answers;
+}
+
+std::string host_command_line(const deployed_host& host, bool with_certificates) {
+  const auto files = " --tls-cert " + shell_word(host.name + ".crt") + " --tls-key " +
+                     shell_word(host.name + ".key") + " --tls-ca ca.crt";
+  return "rubicon host --name " + shell_word(host.name) + " --listen " + host.address + ':' +
+         std::to_string(host.port) + (with_certificates ? files : "");
 }
 
 std::vector<std::string> problems_of(const received_verdict& x) {

@@ -38,6 +38,10 @@ template <class Make>
 
 using received_verdict = std::variant<deploy::verdict, std::string>;
 
+/// `rubicon host --name kitchen --listen 192.168.1.5:4242`, to be started there; with files as
+/// `rubicon certs` names them if whoever asks has certificates.
+[[nodiscard]] std::string host_command_line(const deployed_host& host, bool with_certificates);
+
 /// Why a host refuses, or why it did not answer.
 [[nodiscard]] std::vector<std::string> problems_of(const received_verdict& x);
 

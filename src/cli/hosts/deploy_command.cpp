@@ -139,6 +139,12 @@ exit_status follow(const deploy_command& x, io::loop& loop, deploy::packed file,
   return status;
 }
 
+/// Nobody listens there, as far as can be told from here.
+bool is_unreachable(const received_verdict& x) {
+  const auto* why = std::get_if<std::string>(&x);
+  return why != nullptr && why->starts_with("cannot be reached");
+}
+
 /// Asks each host whether it could run its part.
 exit_status ask_whether(const deploy_command& x, const deploy::packed& file) {
   control::system actors(x.tls);
@@ -155,6 +161,10 @@ exit_status ask_whether(const deploy_command& x, const deploy::packed& file) {
       problems.emplace_back("can run it");
     for (const auto& each : problems)
       text += printable(hosts[i].name + "  " + each) + '\n';
+    if (is_unreachable(answers[i]))
+      text += printable(hosts[i].name +
+                        "  start there: " + host_command_line(hosts[i], !x.tls.empty())) +
+              '\n';
   }
   if (!print(stdout, text))
     return exit_status::refused;

@@ -80,19 +80,44 @@ std::string example_of(const key_place& x) {
   return out;
 }
 
-/// `period, window`: the keys that a table may have.
-std::string keys_of(const config::table_description& table) {
-  std::vector<std::string> names;
-  const auto take = [&names](const config::table_description& x) {
+/// The keys that a table may have, each once.
+std::vector<const config::key_description*> keys_of(const config::table_description& table) {
+  std::vector<const config::key_description*> out;
+  const auto take = [&out](const config::table_description& x) {
     for (const auto& key : x.keys)
-      if (std::ranges::find(names, key.name) == names.end())
-        names.push_back(key.name);
+      if (std::ranges::find(out, key.name, &config::key_description::name) == out.end())
+        out.push_back(&key);
   };
   take(table);
   std::ranges::for_each(table.variants, take);
+  return out;
+}
+
+/// Each with what it means, in a line of its own.
+std::string list_of(const std::vector<const config::key_description*>& all) {
+  std::size_t width = 0;
+  for (const auto* each : all)
+    width = std::max(width, each->name.size());
+  std::string out = "  keys:\n";
+  for (const auto* each : all) {
+    const auto text = plain_text(each->meaning);
+    const auto standard = each->is_required ? " (required)" : "";
+    out += "    " + each->name +
+           (text.empty() && !each->is_required ? std::string()
+                                               : std::string(width - each->name.size(), ' ')) +
+           (text.empty() ? "" : "  " + text) + standard + '\n';
+  }
+  return out;
+}
+
+/// What a table must have; of one that needs nothing its first key.
+std::string lines_of(const config::table_description& table) {
   std::string out;
-  for (const auto& name : names)
-    out += (out.empty() ? "" : ", ") + name;
+  for (const bool is_required : {true, false})
+    for (const auto& each : table.keys)
+      if (each.part == config::part::value && each.is_required == is_required &&
+          (is_required || out.empty()))
+        out += "    " + each.name + " = " + sample_of(each) + '\n';
   return out;
 }
 
@@ -119,9 +144,10 @@ std::string text_of(const key_group& x) {
     out += line(i == 0 ? "place:" : "", x.paths[i]);
   if (x.paths.size() > paths_max)
     out += line("", "and " + std::to_string(x.paths.size() - paths_max) + " more");
-  if (key.table)
-    out += line("keys:", keys_of(*key.table));
-  return out + "  example:\n" + example_of(x.first);
+  if (!key.table)
+    return out + "  example:\n" + example_of(x.first);
+  return out + list_of(keys_of(*key.table)) + "  example:\n" + example_of(x.first) +
+         lines_of(*key.table);
 }
 
 std::string not_found(const std::vector<key_place>& all, std::string_view wanted) {

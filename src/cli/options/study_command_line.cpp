@@ -1,6 +1,7 @@
 #include "cli/options/study_command_line.hpp"
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <variant>
@@ -76,8 +77,8 @@ void study_command_line::add_sweep() {
              [this](const auto& text) { sweep_.seeds = parse_seeds(text); })
       ->required();
   add_path(sweep_app_, "--out", "DATABASE", sweep_.database,
-           "SQLite database of the results; runs that it has are not repeated")
-      ->required();
+           "SQLite database of the results; runs that it has are not repeated; default: room.db in "
+           "this folder, of room.toml");
   add_settings(sweep_app_, sweep_.settings);
   add_runs(sweep_app_, sweep_.jobs, sweep_.length, sweep_.timeout);
   add_scalars(sweep_app_, sweep_.scalars,
@@ -167,7 +168,7 @@ void study_command_line::add_query() {
   query_app_.add_flag("--csv", query_.csv, "Print the rows as CSV");
 }
 
-void study_command_line::check_combination() const {
+void study_command_line::check_combination() {
   if (sweep_.file == standard_input)
     throw CLI::ValidationError("FILE", "each run reads it again: not from standard input");
   if (sweep_.seeds.last > INT64_MAX)
@@ -175,6 +176,8 @@ void study_command_line::check_combination() const {
   const auto variants = study::variants_of(sweep_.variations);
   if (const auto* why = std::get_if<std::string>(&variants))
     throw CLI::ValidationError("--vary", *why);
+  if (sweep_.database.empty())
+    sweep_.database = std::filesystem::path(sweep_.file).stem().string() + ".db";
 }
 
 std::optional<command> study_command_line::parsed() const {

@@ -31,7 +31,7 @@ private:
   void add_compare();
   void add_shrink();
   void add_query();
-  void check_combination() const;
+  void check_combination();
 
   CLI::App& sweep_app_;
   CLI::App& compare_app_;

@@ -262,7 +262,8 @@ exit_status perform(const sweep_command& x) {
   const auto all = planned->size() * planned->front().keys.size();
   if (plan.looks())
     say(report::counted(planned->size(), "variant") + " of at most " +
-        report::counted(planned->front().keys.size(), "run") + "; " + text_of(*plan.looks()));
+        report::counted(planned->front().keys.size(), "run") + " in " + x.database + "; " +
+        text_of(*plan.looks()));
   else
     say(report::counted(planned->size(), "variant") + ", " + report::counted(all, "run") +
         ", of which " + std::to_string(all - plan.expected()) + " in " + x.database);

@@ -44,9 +44,22 @@ struct dead_bands {
   named_values<double> bands;
 };
 
-auto dead_band_keys() {
+/// A table, by quantity.
+struct band_table {
+  using type = named_values<double>;
+  std::string like; ///< one of the quantities
+
+  [[nodiscard]] std::optional<type> read(const node& x, const asker& who) const {
+    if (x.as<node_table>() == nullptr)
+      return who.refuse(x, "a table by quantity, as in " + table_of(like, x));
+    return config::read(pairs_of<real>{{0}}, x, who);
+  }
+  [[nodiscard]] static form takes() { return form_of(pairs_of<real>{{0}}); }
+};
+
+auto dead_band_keys(const std::string& like) {
   return keys::of(keys::optional(
-      "dead_band", &dead_bands::bands, pairs_of<real>{{0}},
+      "dead_band", &dead_bands::bands, band_table{like},
       {"it samples every period, but sends only when one of these values differs by at least this "
        "much from the one last sent; 0: when it has changed",
        "every sample is sent", "`{ temperature = 0.5 }`, some of the quantities, in their units"}));
@@ -63,7 +76,9 @@ auto silence_keys() {
 /// dead_band and silence_max of a sampler whose other keys are read.
 void read_dead_band(table_reader& in, sampler_app& app, placed_app& out) {
   dead_bands given;
-  in.all(given, dead_band_keys());
+  in.all(given, dead_band_keys(app.transducers.empty()
+                                   ? "temperature"
+                                   : in.shared().quantities.word_of(app.transducers.front())));
   const auto& bands = given.bands;
   app.silence_max = 10 * app.every;
   in.all(app, silence_keys());

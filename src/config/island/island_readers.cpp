@@ -46,7 +46,7 @@ auto sink_keys() {
 
 auto gateway_name_keys() {
   return keys::of(
-      keys::optional("name", &island_description::gateway_name, name_text{},
+      keys::optional("name", &island_description::gateway_name, labelled_name{},
                      {"its PEIS name, unique among peers", "the island's followed by `-gateway`"}));
 }
 
@@ -66,7 +66,7 @@ auto alias_keys() {
       keys::required(
           "id", &x::id, whole<std::int32_t>{1, island_id_max},
           "its PEIS id, which also addresses the island; unique among peers, islands and gateways"),
-      keys::optional("name", &x::name, name_text{},
+      keys::optional("name", &x::name, labelled_name{},
                      {"its PEIS name, unique among peers",
                       "the island's followed by `-gateway-2`, `-3` or `-4`"}));
 }
@@ -76,7 +76,7 @@ auto island_keys() {
   return keys::of(
       keys::required("id", &x::id, whole<std::uint32_t>{1, island_id_max},
                      "address of the island and PEIS id of its gateway; unique among peers"),
-      keys::required("name", &x::name, name_text{}, "first part of the names of its motes"),
+      keys::required("name", &x::name, labelled_name{}, "first part of the names of its motes"),
       keys::optional("host", &x::host, host_name{},
                      {"host on which the island runs", "host on which the run is started"}),
       keys::optional("stack", &x::stack, word<stack>{{{"full", stack::full}, {"mac", stack::mac}}},

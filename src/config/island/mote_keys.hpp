@@ -6,6 +6,7 @@
 #include <string>
 
 #include "config/island/mote_readers.hpp"
+#include "config/label_keys.hpp"
 #include "config/plan/island.hpp"
 #include "config/plan/references.hpp"
 #include "config/toml/values.hpp"
@@ -95,7 +96,7 @@ inline auto mote_id_keys(std::uint16_t least) {
 }
 
 inline auto mote_name_keys() {
-  return keys::of(keys::optional("name", &mote_description::name, name_text{},
+  return keys::of(keys::optional("name", &mote_description::name, labelled_name{},
                                  {"unique within the island",
                                   "the mote type's, or `mote`, followed by the id: `climate-7`",
                                   "name, but not `sink`"}));

@@ -104,7 +104,7 @@ struct real_mote {
 auto real_mote_keys() {
   return keys::of(
       keys::required("id", &real_mote::id, whole<std::uint16_t>{0, mote_id_max}, "its address"),
-      keys::required("name", &real_mote::name, name_text{}, "unique within the island"));
+      keys::required("name", &real_mote::name, labelled_name{}, "unique within the island"));
 }
 
 } // namespace

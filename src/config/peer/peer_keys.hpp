@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "config/label_keys.hpp"
 #include "config/plan/ecology.hpp"
 #include "config/plan/references.hpp"
 #include "config/toml/values.hpp"
@@ -17,7 +18,7 @@ inline auto peer_identity_keys() {
   return keys::of(
       keys::required("id", &peer_description::id, whole<std::int32_t>{1, peer_id_max},
                      "PEIS id, unique among peers and islands. Motes can address ids up to 254"),
-      keys::required("name", &peer_description::name, name_text{},
+      keys::required("name", &peer_description::name, labelled_name{},
                      "unique among peers and gateways"));
 }
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/label_keys.hpp"
 #include "config/toml/values.hpp"
 #include "proxy/classes/proxy_class.hpp"
 
@@ -99,7 +100,8 @@ struct class_scope {
 };
 
 inline auto class_name_keys() {
-  return keys::of(keys::required("name", &proxy::proxy_class::name, name_text{}, "of the class"));
+  return keys::of(
+      keys::required("name", &proxy::proxy_class::name, labelled_name{}, "of the class"));
 }
 
 inline auto class_scope_keys() {

@@ -122,6 +122,12 @@ std::nullopt_t asker::refuse(const node& x, const std::string& wanted,
   return std::nullopt;
 }
 
+std::string table_of(const std::string& key, const node& x) {
+  const bool is_value =
+      x.as<std::string>() != nullptr || x.as<bool>() != nullptr || number_in(x).has_value();
+  return "{ " + key + " = " + (is_value ? describe(x) : "\"value\"") + " }";
+}
+
 std::optional<duration> time_of_run::read(const node& x, const asker& who) {
   const auto found = config::read(time_span{}, x, who);
   if (found && *found > who.in.end)

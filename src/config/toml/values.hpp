@@ -72,6 +72,9 @@ using keys::tuple_key;
 using keys::whole;
 using keys::word;
 
+/// `{ key = 0.5 }`: a table with what stands in its place; with `"value"` if that is none.
+[[nodiscard]] std::string table_of(const std::string& key, const node& x);
+
 /// `"a", "b" or "c"`
 [[nodiscard]] std::string alternatives(const std::vector<std::string>& words);
 
@@ -250,7 +253,7 @@ template <class Kind>
     -> std::optional<named_values<value_of<Kind>>> {
   const auto* members = x.as<node_table>();
   if (members == nullptr)
-    return who.refuse(x, "a table, as in { key = \"value\" }");
+    return who.refuse(x, "a table, as in " + table_of("key", x));
   named_values<value_of<Kind>> out;
   bool good = true;
   for (const auto& each : *members) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "report/event_log.hpp"
+#include "report/expectations.hpp"
 #include "report/figures.hpp"
 #include "report/print/repeated_violations.hpp"
 #include "report/print/report_page.hpp"
@@ -284,6 +285,14 @@ std::vector<std::pair<std::string, std::size_t>> equal_ones(const std::vector<st
   return out;
 }
 
+/// The command that explains an expectation stands beside what was measured.
+void leave_out_command(const run_report& x, violation& of) {
+  for (const auto& each : x.expectations)
+    if (const auto full = violation_of(each);
+        !each.command.empty() && of.invariant == full.invariant && of.detail == full.detail)
+      of.detail = each.measured;
+}
+
 void add_verdict(report_page& page, const run_report& x) {
   page.heading("Verdict", "whether the run was sound");
   page.flow({counted(x.actors.spawned, "actor"), with_thousands(x.actors.restarted) + " restarted",
@@ -308,7 +317,9 @@ void add_verdict(report_page& page, const run_report& x) {
   }
   page.line("  ✗ " + counted(x.violations.size(), "violation"), look::bad);
   table rows({{"time", align::right}, {"invariant"}, {"detail"}});
-  const auto all = repeated(x.violations);
+  auto all = repeated(x.violations);
+  for (auto& each : all)
+    leave_out_command(x, each.first);
   const auto shown = page.shown(all.size(), violations_shown);
   for (std::size_t i = 0; i < shown; ++i) {
     const auto& violation = all[i].first;

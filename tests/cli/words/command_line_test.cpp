@@ -589,6 +589,13 @@ TEST_CASE("a sweep has variations, seeds and a database", "[cli]") {
   CHECK(contains(refusal({"sweep", "a.toml", "--vary", "loss=1", "--out", "d"}), "--seeds"));
 }
 
+TEST_CASE("the database of a sweep is named after its file, unless it has a name of its own",
+          "[cli]") {
+  const auto x = parse({"sweep", "config/room.v2.toml", "--vary", "loss=1", "--seeds", "1"});
+  REQUIRE(std::holds_alternative<sweep_command>(x));
+  CHECK(std::get<sweep_command>(x).database == "room.v2.db");
+}
+
 TEST_CASE("a sweep until a figure is precise has a rule", "[cli]") {
   const std::vector<const char*> words{"sweep",   "a.toml",         "--vary",     "loss=0,0.1",
                                        "--seeds", "1..30",          "--out",      "d.db",

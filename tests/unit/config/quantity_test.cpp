@@ -130,6 +130,12 @@ dead_band = { temperature = -1 }
 
 [[island.mote.apps]]
 app = "sampler"
+transducers = ["light"]
+dead_band = 0.5
+#           ^ `dead_band` must be a table by quantity, as in { light = 0.5 }, not 0.5
+
+[[island.mote.apps]]
+app = "sampler"
 transducers = ["temperature"]
 silence_max = "1h"
 #             ^ `silence_max` has no effect without a `dead_band`

@@ -278,7 +278,12 @@ battery = "2V"
 #   energy at 3 V (J or kJ), as in "2000mAh" or "21.6kJ", not "2V"
 
 name = "a b"
-#      ^ `name` must be a name of 1 to 32 letters, digits, - and _, not "a b"
+#      ^ `name` must be a name of 1 to 32 letters, digits, - and _, not "a b": give `name = "a-b"`
+#   and `label = "a b"`
+
+name = "Küche"
+#      ^ `name` must be a name of 1 to 32 letters, digits, - and _, not "Küche": `label` takes any
+#   text
 
 name = ""
 #      ^ `name` must be a name of 1 to 32 letters, digits, - and _, not ""
@@ -398,7 +403,7 @@ prefix = "a.b.c.d.e.f"
 prefix = "a.b.c.d.{id}"
 
 properties = "x"
-#            ^ `properties` must be a table, as in { key = "value" }, not "x"
+#            ^ `properties` must be a table, as in { key = "x" }, not "x"
 
 properties = { x = 1 }
 #                  ^ `x` must be a text of 1 to 200 octets without control characters, not 1

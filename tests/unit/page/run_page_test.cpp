@@ -131,6 +131,7 @@ TEST_CASE("drawings of a page have labels beside names", "[page]") {
     CHECK(contains(html, "text-anchor='start'>kitchen (Küche &amp; Flur)</text>"));
     CHECK(contains(html, "Map of kitchen (Küche &amp; Flur)"));
     CHECK(contains(html, "<title>kitchen (Küche &amp; Flur)/sink</title>"));
+    CHECK(contains(html, ">climate-7 (Herd)</text>"));
     CHECK(contains(html, "<title>kitchen/climate-7 (Herd): 97.3% of its messages arrived</title>"));
   }
   SECTION("the time line names lanes, whole where they are cut, and events") {

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "report/expectations.hpp"
 #include "report/print/report_text.hpp"
 #include "report/print/text_layout.hpp"
 #include "report/report.hpp"
@@ -293,6 +294,13 @@ TEST_CASE("the text tells what was expected, and the command that explains", "[r
   CHECK(contains(text, "joined within 20 s, at 0:20.000, is explained by\n"
                        "    rubicon run a.toml --record run.rec &&\n"
                        "    rubicon explain run.rec --lost\n"));
+  x.violations.push_back(violation_of(x.expectations[0]));
+  const auto whole = to_text(x, 400, false); // wide enough for all of it
+  CHECK(contains(whole, "expected: joined within 20 s"));
+  // Not in the verdict again; a violation that stands alone has it.
+  CHECK(whole.find("--record") != std::string::npos);
+  CHECK(whole.find("--record") == whole.rfind("--record"));
+  CHECK(contains(x.violations[0].detail, "rubicon explain"));
   const auto told = json::parse(to_json(x))["expectations"][0];
   CHECK(told["met"] == false);
   CHECK(told["at_s"] == 20.0);
