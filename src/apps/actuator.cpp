@@ -19,6 +19,7 @@ void actuator::joined(communication::island_octet, std::uint16_t, communication:
   in_island_ = success == communication::SUCCESS;
   number_.reset();
   again_.reset();
+  failed_ = false;
   if (in_island_)
     send_news();
   begin_period();
@@ -48,6 +49,10 @@ void actuator::begin_period() {
 void actuator::on_time(instant now) {
   if (std::exchange(begins_, false))
     due_ = now + period_;
+  if (std::exchange(failed_, false)) {
+    again_ = now + pause_; // not by the clock of its mote, which layer() has
+    pause_ = std::min(2 * pause_, again_max);
+  }
   if (again_ && *again_ <= now) {
     again_.reset();
     if (layer().address()) // else it is sent when the mote has joined
@@ -78,17 +83,16 @@ void actuator::send_news() {
 
 void actuator::send_state() {
   again_.reset();
+  failed_ = false;
   number_ = layer().send_numbered(own_gateway, bytes{state_}, /*reliable=*/true,
                                   static_cast<std::uint8_t>(config_.channel));
   if (!number_)
     again_later();
 }
 
+/// Without an address it is sent when the mote has joined.
 void actuator::again_later() {
-  if (!layer().address())
-    return; // it is sent when the mote has joined
-  again_ = layer().now() + pause_;
-  pause_ = std::min(2 * pause_, again_max);
+  failed_ = layer().address().has_value();
 }
 
 } // namespace rubicon::apps

@@ -29,7 +29,8 @@ public:
   void outputsWanted(std::span<const communication::output_wanted> all) override;
   void on_time(instant now) override;
   [[nodiscard]] std::optional<instant> deadline() const override {
-    return begins_ ? std::optional(instant{}) : earliest(due_, again_); // as soon as it may be
+    return begins_ || failed_ ? std::optional(instant{}) // as soon as it may be
+                              : earliest(due_, again_);
   }
   void actuatorChanged(std::string_view name, std::uint8_t state, bool obeyed) override;
 
@@ -44,6 +45,7 @@ private:
   std::uint8_t state_ = 0;
   bool in_island_ = false;
   bool begins_ = false;                 ///< its periods do, at the next on_time()
+  bool failed_ = false;                 ///< the newest message has: a pause begins then
   duration period_{};                   ///< 0: none was requested
   std::optional<instant> due_;          ///< when the state is sent as requested
   std::optional<std::uint32_t> number_; ///< of the message with the newest state, in flight
