@@ -76,8 +76,8 @@ std::string mote_name(ecology_pointer self, const mote_address& x) {
   return found == self->state.motes.end() ? island + "/sink" : found->second.arguments->name;
 }
 
-/// nullptr: it is none of the motes. begin_collecting() has made them in the order of addresses, and
-/// an island may have thousands, each of which is looked for several times.
+/// nullptr: it is none of the motes. begin_collecting() has made them in the order of addresses,
+/// and an island may have thousands, each of which is looked for several times.
 report::mote_report* report_of(report::island_report& island, const mote_address& x) {
   const auto found = std::ranges::lower_bound(island.motes, x, {}, &report::mote_report::address);
   return found != island.motes.end() && found->address == x ? &*found : nullptr;
