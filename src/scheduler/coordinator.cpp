@@ -264,7 +264,7 @@ void coordinator::let_run(instant others, instant end) {
   follow_pace(steady::now() - started);
   for (const auto& x : round_)
     next_[x.who->number()] = x.who->next();
-  first_of_others_ = *std::ranges::min_element(next_);
+  find_first();
 }
 
 void coordinator::follow_pace(std::chrono::steady_clock::duration round) {
@@ -289,7 +289,7 @@ void coordinator::take_over_sent() {
       } else {
         auto& next = next_[x.to->number()];
         next = std::min(next, x.when.due);
-        first_of_others_ = std::min(first_of_others_, next);
+        next_.front() = std::min(next_.front(), next);
         x.to->timeouts().add(x.when, std::move(x.what));
       }
     }
@@ -312,13 +312,18 @@ void coordinator::update_next() {
     next_[i] = processes_[i]->next();
     round_.push_back({processes_[i].get(), {}}); // so that what they have sent is taken over
   }
-  first_of_others_ = *std::ranges::min_element(next_);
+  find_first();
+}
+
+/// Each message to the supervisor asks for it: it must not cost a look at all processes then.
+void coordinator::find_first() {
+  next_.front() = *std::min_element(next_.begin() + 1, next_.end());
 }
 
 instant coordinator::next_of_others() {
   if (next_.size() != processes_.size())
     update_next();
-  return first_of_others_;
+  return next_.front();
 }
 
 instant coordinator::next_arrival() const {

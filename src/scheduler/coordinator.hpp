@@ -208,6 +208,7 @@ private:
   void follow_pace(std::chrono::steady_clock::duration round);
   void take_over_sent();
   void update_next();
+  void find_first();
   [[nodiscard]] instant next_of_others();
   /// When the first message of other processes reaches the supervisor; or never.
   [[nodiscard]] instant next_arrival() const;
@@ -227,7 +228,8 @@ private:
   std::vector<std::unique_ptr<process>> processes_; ///< the first is the supervisor's
   run_clock clock_;
   parallel::horizons horizons_;
-  std::vector<instant> next_; ///< of each process, from round to round
+  /// Of each process, from round to round; in the supervisor's place the earliest of all others.
+  std::vector<instant> next_;
   std::vector<remark_later> to_be_said_;
   std::vector<runner> round_; ///< who had something to do, until what they have sent is taken over
   std::uint64_t turns_of_round_ = 0;
@@ -249,7 +251,6 @@ private:
   const bool wall_;
   const bool in_order_;
   bool requires_order_ = false;
-  instant first_of_others_{}; ///< the least of next_: each message to the supervisor asks for it
 };
 
 } // namespace rubicon::scheduler
