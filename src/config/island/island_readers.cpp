@@ -18,6 +18,9 @@ namespace rubicon::config {
 
 namespace {
 
+/// The largest PAN id of a radio network; the next one is that of all (IEEE 802.15.4-2006 7.5.6.2).
+constexpr std::uint32_t pan_id_max = 0xfffe;
+
 auto sink_role_keys() {
   return keys::of(keys::optional(
       "role", &island_description::stack,
@@ -74,8 +77,9 @@ auto alias_keys() {
 auto island_keys() {
   using x = island_description;
   return keys::of(
-      keys::required("id", &x::id, whole<std::uint32_t>{1, island_id_max},
-                     "address of the island and PEIS id of its gateway; unique among peers"),
+      keys::required("id", &x::id, whole<std::uint32_t>{1, pan_id_max},
+                     "address of the island and PEIS id of its gateway, up to 254, unique among "
+                     "peers; with `stack = \"mac\"` its PAN id alone"),
       keys::required("name", &x::name, labelled_name{}, "first part of the names of its motes"),
       keys::optional("host", &x::host, host_name{},
                      {"host on which the island runs", "host on which the run is started"}),
@@ -317,6 +321,15 @@ void refuse_membership(table_reader& in) {
               "` has no effect in an island with a base station, which does not know its motes");
 }
 
+/// Motes carry the id of an island in one octet (ADR-03); radios alone carry it as PAN id.
+bool id_has_room(const table_reader& in, const island_description& x) {
+  if (x.stack == stack::mac || x.id.value <= island_id_max)
+    return true;
+  in.problems().add(in.at("id"), "`id` must be a whole number from 1 to " +
+                                     std::to_string(island_id_max) + ", not " + to_string(x.id));
+  return false;
+}
+
 /// The id of an island with a gateway is a PEIS id too (ADR-02).
 void add_island_id(const table_reader& in, surroundings& with, const island_description& x) {
   const bool is_free =
@@ -332,7 +345,7 @@ island_description read_island(table_reader& in, surroundings& with, name_unique
   with.labels.add(label_table::kind::island, out.name, read_label(in));
   const bool name_is_free =
       in.is_good("name") && names.add(out.name, "island name", in.at("name"), in.problems());
-  if (in.is_good("id"))
+  if (in.is_good("id") && id_has_room(in, out))
     add_island_id(in, with, out);
   const auto before_sink = in.problems().size();
   out.sink.platform = radio::find_platform("micaz");

@@ -34,7 +34,7 @@ id = 255
 [[island]]
 name = "b"
 id = 0
-#    ^ `id` must be a whole number from 1 to 254, not 0
+#    ^ `id` must be a whole number from 1 to 65534, not 0
 
 [[peer]]
 name = "pc2"
@@ -650,4 +650,20 @@ island = "k"
 for = "0s"
 #     ^ `for` must be a time from 1 ms to 3650 d, not "0s"
 )");
+}
+
+TEST_CASE("an island of radios alone may have any PAN id, one with a gateway none above 254",
+          "[config][ADR-03][NFR-06]") {
+  const auto island = [](const char* id, const char* rest) {
+    return std::string("[ecology]\nname = \"t\"\n[[island]]\nname = \"k\"\nid = ") + id + '\n' +
+           rest + "[[island.mote]]\nid = 2\ntype = 1\nposition_m = [1, 2]\n";
+  };
+  for (const auto* id : {"255", "300", "65534"}) {
+    CAPTURE(id);
+    CHECK(problem_in(island(id, "stack = \"mac\"\n")) == "none");
+    CHECK(problem_in(island(id, "")) ==
+          std::string("5:6: `id` must be a whole number from 1 to 254, not ") + id);
+  }
+  CHECK(problem_in(island("65535", "stack = \"mac\"\n")) ==
+        "5:6: `id` must be a whole number from 1 to 65534, not 65535");
 }
