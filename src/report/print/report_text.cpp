@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "report/event_log.hpp"
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "report/figures.hpp"
 #include "report/print/repeated_violations.hpp"
 #include "report/print/report_page.hpp"

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "report/expectations.hpp"
+#include "report/expect/expectations.hpp"
 #include "report/print/report_text.hpp"
 #include "report/print/text_layout.hpp"
 #include "report/report.hpp"
