@@ -89,7 +89,8 @@ TEST_CASE("a large network settles: then no link opens", "[ecology][peis][CM-01]
     CHECK(hosts_known_min(x) == 250);
     return links_opened(x);
   };
-  CHECK(opened_after(75s) == opened_after(105s));
+  // Links too many are closed within two minutes, one after the other: see docs/peis.md.
+  CHECK(opened_after(135s) == opened_after(165s));
 }
 
 TEST_CASE("a network in two parts has two clusters and is one again when it heals",
