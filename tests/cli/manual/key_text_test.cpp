@@ -55,8 +55,8 @@ TEST_CASE("a table is explained by its last name, with its keys", "[cli][ACT-13]
   CHECK(x.is_found);
   CHECK(x.text.starts_with("island.duty_cycle\n  lets radios sleep\n"));
   CHECK(contains(x.text, "  keys:\n"
-                         "    period  period of the windows, in island time\n"
-                         "    window  "));
+                         "    period    period of the windows, in island time\n"
+                         "    window    "));
   CHECK(x.text.ends_with("  example:\n"
                          "    [[island]]\n"
                          "    [island.duty_cycle]\n"
@@ -68,7 +68,8 @@ TEST_CASE("of a table the keys that it needs are in its example", "[cli][ACT-13]
   CHECK(contains(island.text, " (required)\n"));
   CHECK(contains(island.text, "    [[island]]\n    id = 1\n    name = "));
   std::size_t tables = 0;
-  for (const auto& each : all_places(config::describe_file()))
+  const auto file = config::describe_file();
+  for (const auto& each : all_places(file))
     if (each.key->table && ++tables % 7 == 0) { // some of the many
       INFO(each.path());
       const auto x = explained(each.path());
