@@ -244,7 +244,7 @@ TEST_CASE("a deployment tells what would run where, or why it cannot", "[hosts]"
         "  peers    robot\n"
         "care  127.0.0.1  control port 4770, PEIS port 4771\n  islands  nothing\n"
         "  peers    care-pc\n");
-  CHECK(in.text("nobody").find("kitchen  cannot be reached: Connection refused\n"
+  CHECK(in.text("nobody").find("kitchen  cannot be reached: 127.0.0.1:4750: Connection refused\n"
                                "kitchen  start there: rubicon host --name kitchen --listen "
                                "127.0.0.1:4750\n") != std::string::npos);
   CHECK(in.text("status") == "2\n");
