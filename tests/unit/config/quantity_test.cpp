@@ -130,9 +130,9 @@ dead_band = { temperature = -1 }
 
 [[island.mote.apps]]
 app = "sampler"
-transducers = ["light"]
+transducers = ["temperature"]
 dead_band = 0.5
-#           ^ `dead_band` must be a table by quantity, as in { light = 0.5 }, not 0.5
+#           ^ `dead_band` must be a table by quantity, as in { temperature = 0.5 }, not 0.5
 
 [[island.mote.apps]]
 app = "sampler"
