@@ -89,7 +89,8 @@ TEST_CASE("a large network settles: then no link opens", "[ecology][peis][CM-01]
     CHECK(hosts_known_min(x) == 250);
     return links_opened(x);
   };
-  // Links too many are closed within two minutes, one after the other: see docs/peis.md.
+  // Links too many are closed 10 to 20 s after they were chosen, and some of their ends need
+  // another afterwards (docs/peis-wire.md 14).
   CHECK(opened_after(135s) == opened_after(165s));
 }
 
