@@ -10,7 +10,7 @@
 namespace rubicon::apps {
 
 /// Obeys the first octet of what it receives, and sends the actuator's state after every change,
-/// when its mote has joined, and at the period that somebody has asked for (IF-03). The newest
+/// when its mote has joined, and at the period that was requested (IF-03). The newest
 /// state is sent again, ever more rarely, until its gateway has it: else who reads it would take
 /// the one before for the newest, until the next change.
 class actuator final : public application {

@@ -55,7 +55,7 @@ public:
   /// @param ahead whether one may be ahead of another
   void run_next(instant end, bool ahead);
 
-  /// Whether somebody who has just run has given up in the middle of an instant
+  /// Whether a process that has just run has given up in the middle of an instant
   /// (coordinator::gives_up).
   [[nodiscard]] bool is_stuck() const;
 

@@ -13,7 +13,7 @@
 
 namespace rubicon::cli {
 
-/// The page of one run: what it is told, and what may be done to the run by hand.
+/// The page of one run: what it shows, and what may be done to the run by hand.
 class viewed_run {
 public:
   /// @param command that repeats the run; empty: none does
@@ -24,7 +24,7 @@ public:
   /// Has the page follow the run. @pre this outlives it
   void attach(run_options& options, const config::ecology_description& ecology);
 
-  /// Stays until somebody ends it. @pre the report is printed
+  /// Stays until it is interrupted. @pre the report is printed
   void finish(const report::run_report& report);
 
 private:

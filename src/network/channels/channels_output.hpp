@@ -17,7 +17,7 @@ struct channel_connected {
   channel_id channel;
 };
 
-/// As destination: somebody has opened a channel to us.
+/// As destination: a channel to us was opened.
 struct channel_accepted {
   channel_id channel;
 };

@@ -294,19 +294,19 @@ TEST_CASE("the neighbour at the other end of a link that is to be closed knows i
   package_sender sender(neighbour.own, neighbour.links);
   routing_exchange exchange(neighbour.own, neighbour.links, neighbour.routes, sender, opened_at);
   auto& link = neighbour.open(1, x.own.self.id);
-  const auto told = [&] {
+  const auto was_drained = [&] {
     static_cast<void>(exchange.on_page(link, x.next_page(1).view(), opened_at));
     return link.routes.drained;
   };
   x.exchange.send({opened_at, x.out});
-  CHECK(!told());
+  CHECK(!was_drained());
   x.exchange.drain(link_id{1}, opened_at + 20s);
-  CHECK(told());
+  CHECK(was_drained());
   x.exchange.send({opened_at, x.out});
-  CHECK(told());
+  CHECK(was_drained());
   x.exchange.end_drain(link_id{1});
   x.exchange.send({opened_at, x.out});
-  CHECK(!told());
+  CHECK(!was_drained());
 }
 
 TEST_CASE("a host in doubt is asked over each link that it is offered over, the best first",
