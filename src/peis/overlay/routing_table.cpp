@@ -325,16 +325,17 @@ std::vector<link_id> routing_table::offers_of(peer_id host) const {
 
 /// The neighbour itself needs no proof.
 bool routing_table::is_in_doubt(peer_id host, const route& offered) const {
-  if (graves_.empty() || offered.neighbour_hops == 0)
-    return false;
+  return offered.neighbour_hops != 0 && needs_proof(host, offered);
+}
+
+bool routing_table::needs_proof(peer_id host, const route& offered) const {
   const auto grave = graves_.find(host);
   return grave != graves_.end() && grave->second.proof && grave->second.magic == offered.magic;
 }
 
 void routing_table::end_doubt(peer_id host, const route& offered) {
-  const auto grave = graves_.find(host);
-  if (grave != graves_.end() && grave->second.proof && grave->second.magic == offered.magic)
-    graves_.erase(grave);
+  if (needs_proof(host, offered))
+    graves_.erase(host);
 }
 
 std::vector<peer_id> routing_table::age(instant now) {

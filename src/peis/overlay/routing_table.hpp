@@ -166,6 +166,8 @@ private:
   [[nodiscard]] std::size_t room_for(link_id link);
   void dig(peer_id host, const burial& grave);
   [[nodiscard]] bool is_in_doubt(peer_id host, const route& offered) const;
+  /// Whether this incarnation was lost, and has yet to give a sign of life.
+  [[nodiscard]] bool needs_proof(peer_id host, const route& offered) const;
   void end_doubt(peer_id host, const route& offered);
   [[nodiscard]] const route* best_offer(peer_id host, std::optional<link_id> but) const;
   void note_loss(peer_id host, instant now);
